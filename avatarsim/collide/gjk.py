@@ -1,0 +1,148 @@
+"""Gilbert-Johnson-Keerthi: distance of two convex cores, as the distance of A - B from the origin.
+
+GJK proposes and the support function decides: a distance is returned only when two supports along the final direction prove that
+the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa` finds the sign.
+"""
+
+from math import inf
+
+from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle
+from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
+from avatarsim.collide.support import support
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, norm, put_row, row, scale, sub
+from avatarsim.world.shapes import Shapes
+
+ITERATIONS_CAP = 128
+"""Polytopes end below 20, smooth shapes below 60. Too low: OUT_OF_ITERATIONS; too high: only costs time on a failure."""
+
+CLOSE_ENOUGH = 1e-13
+"""Relative to the shapes' size: largest difference between the distance found and the one proved. Below rounding (2e-16 times the
+coordinates) smooth shapes would never end; polytopes end exactly, whatever it is."""
+
+ACCEPTED = 1e-10
+"""Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as DEGENERATE."""
+
+TOUCHING = 1e-12
+"""Relative to the shapes' size: closer cores are handed to `epa`, whose normal does not come from the vanishing distance."""
+
+ROUNDING = 1e-15
+"""A few units in the last place of a float64: the relative error of a distance however large."""
+
+NOWHERE = (0.0, 0.0, 0.0)
+
+
+@kernel
+def closest_in_simplex(count: int, scratch: Scratch) -> tuple[bool, Vec3, int]:
+    """Reduce the first ``count`` points to those that span the closest point; return (origin inside, point, points kept)."""
+    w, share = scratch.w, scratch.share
+    inside = False
+    if count == 1:
+        v, shares = row(w, 0), (1.0, 0.0, 0.0, 0.0)
+    elif count == 2:
+        v, two = closest_on_segment(row(w, 0), row(w, 1))
+        shares = (two[0], two[1], 0.0, 0.0)
+    elif count == 3:
+        v, three = closest_on_triangle(row(w, 0), row(w, 1), row(w, 2))
+        shares = (three[0], three[1], three[2], 0.0)
+    else:
+        inside, v, shares = closest_on_tetrahedron(row(w, 0), row(w, 1), row(w, 2), row(w, 3))
+    kept = 0
+    for i in range(count):
+        if shares[i] > 0.0:
+            put_row(w, kept, row(w, i))
+            put_row(scratch.on_a, kept, row(scratch.on_a, i))
+            put_row(scratch.on_b, kept, row(scratch.on_b, i))
+            scratch.rows[kept, 0] = scratch.rows[i, 0]
+            scratch.rows[kept, 1] = scratch.rows[i, 1]
+            share[kept] = shares[i]
+            kept += 1
+    return inside, v, kept
+
+
+@kernel
+def add_support(vertices: Rows, shapes: Shapes, a: int, b: int, d: Vec3, slot: int, scratch: Scratch) -> Vec3:
+    """Write the farthest point of A - B along d into a slot of the scratch, and return it."""
+    on_a, row_a = support(vertices, shapes, a, d)
+    on_b, row_b = support(vertices, shapes, b, neg(d))
+    w = sub(on_a, on_b)
+    put_row(scratch.w, slot, w)
+    put_row(scratch.on_a, slot, on_a)
+    put_row(scratch.on_b, slot, on_b)
+    scratch.rows[slot, 0] = row_a
+    scratch.rows[slot, 1] = row_b
+    return w
+
+
+@kernel
+def known(slot: int, count: int, scratch: Scratch) -> bool:
+    """Whether the point in ``slot`` equals one of the first ``count``."""
+    for i in range(count):
+        if (
+            scratch.w[i, 0] == scratch.w[slot, 0]
+            and scratch.w[i, 1] == scratch.w[slot, 1]
+            and scratch.w[i, 2] == scratch.w[slot, 2]
+        ):
+            return True
+    return False
+
+
+@kernel
+def gjk(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
+) -> tuple[int, Vec3, float, int]:
+    """Distance of the cores of shapes a and b, radii left out.
+
+    Args:
+        vertices: (nv, 3) world coordinates [m].
+        seed: first direction to try, out of b into a, any length; the last normal of the pair is the best. Zero: none known.
+        margin: stop as soon as a distance > margin [m] is proved; inf asks for the exact distance.
+
+    Returns:
+        (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or are too close for
+        GJK to tell, and n is zero. The simplex is in the first ``count`` rows of the scratch, ``scratch.share`` its barycentric
+        coordinates. Stopped by the margin, distance is a proved lower bound and the simplex is unfinished.
+    """
+    size = max(shapes.size[a], shapes.size[b])
+    v = seed
+    if not (dot(v, v) > 0.0):
+        v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
+        if dot(v, v) == 0.0:
+            v = (1.0, 0.0, 0.0)
+    length, count, stalled = norm(v), 0, False
+    for _ in range(ITERATIONS_CAP):
+        w = add_support(vertices, shapes, a, b, neg(v), min(count, 3), scratch)
+        proved = dot(v, w) / length
+        if not (abs(proved) < inf):
+            return NOT_FINITE, NOWHERE, 0.0, count
+        if proved > margin:
+            return CONVERGED, scale(v, 1.0 / length), proved, count
+        if count > 0:
+            missing = length - proved
+            done = missing <= CLOSE_ENOUGH * size + ROUNDING * length
+            if done or stalled or known(count, count, scratch):
+                if not (proved > 0.0):
+                    return CONVERGED, NOWHERE, 0.0, count
+                good = missing <= ACCEPTED * size + ROUNDING * length
+                return (CONVERGED if good else DEGENERATE), scale(v, 1.0 / length), length, count
+        inside, closest, count = closest_in_simplex(count + 1, scratch)
+        if inside:
+            return CONVERGED, NOWHERE, 0.0, count
+        closer = norm(closest)
+        if closer <= TOUCHING * size:
+            return CONVERGED, NOWHERE, 0.0, count
+        # Rounding: no nearer than before. The direction is checked once more, then taken or refused.
+        stalled = count > 1 and not (closer < length) and _ > 0
+        v, length = closest, closer
+    return OUT_OF_ITERATIONS, scale(v, 1.0 / length), length, count
+
+
+@kernel
+def closest_points(count: int, scratch: Scratch) -> tuple[Vec3, Vec3]:
+    """The points of A and of B that make the closest point of A - B, from the simplex that `gjk` left."""
+    on_a, on_b = NOWHERE, NOWHERE
+    for i in range(count):
+        on_a = along(on_a, scratch.share[i], row(scratch.on_a, i))
+        on_b = along(on_b, scratch.share[i], row(scratch.on_b, i))
+    return on_a, on_b

@@ -1,0 +1,71 @@
+"""Working memory of the convex queries: made once, handed to every call, holds nothing between calls."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+POINTS_CAP = 256
+"""Vertices of the growing polytope. Two hulls of 60 vertices need under 100; concentric round ellipsoids reach any cap."""
+
+FACES_CAP = 2 * POINTS_CAP
+"""A closed triangulated polytope of v vertices has 2 v - 4 faces."""
+
+PIECES_CAP = 256
+"""Overlapping piece pairs of two bodies in eq. 1; more is reported as OUT_OF_ROOM, never dropped."""
+
+
+class Scratch(NamedTuple):
+    """Points of A - B, faces of the polytope they span, and the piece pairs of eq. 1."""
+
+    w: NDArray[np.float64]
+    """(POINTS_CAP, 3) points of A - B [m]; the simplex of `gjk` is in the first rows."""
+    on_a: NDArray[np.float64]
+    """(POINTS_CAP, 3) the point of A that made w."""
+    on_b: NDArray[np.float64]
+    """(POINTS_CAP, 3) the point of B that made w."""
+    rows: NDArray[np.int64]
+    """(POINTS_CAP, 2) vertex rows of on_a and on_b."""
+    share: NDArray[np.float64]
+    """(4,) barycentric coordinates of the closest point in the simplex."""
+    corner: NDArray[np.int64]
+    """(FACES_CAP, 3) points of a face, counter-clockwise from outside."""
+    across: NDArray[np.int64]
+    """(FACES_CAP, 3) the face beyond edge i (from corner i to corner i + 1)."""
+    normal: NDArray[np.float64]
+    """(FACES_CAP, 3) outward unit normal."""
+    height: NDArray[np.float64]
+    """(FACES_CAP,) signed distance [m] of the face's plane from the origin."""
+    alive: NDArray[np.int64]
+    """(FACES_CAP,) 1 if the slot holds a face, 0 if free, 2 while the face is being removed."""
+    stack: NDArray[np.int64]
+    """(FACES_CAP,) faces still to be looked at."""
+    horizon: NDArray[np.int64]
+    """(FACES_CAP, 3) edge from, edge to, face that stays."""
+    spoke: NDArray[np.int64]
+    """(POINTS_CAP,) the new face that begins at this horizon point."""
+    depth: NDArray[np.float64]
+    """(PIECES_CAP,) pd_i of eq. 1 [m]."""
+    direction: NDArray[np.float64]
+    """(PIECES_CAP, 3) n_i of eq. 1."""
+
+
+def make_scratch() -> Scratch:
+    """Allocate the working memory; one per thread."""
+    return Scratch(
+        w=np.zeros((POINTS_CAP, 3)),
+        on_a=np.zeros((POINTS_CAP, 3)),
+        on_b=np.zeros((POINTS_CAP, 3)),
+        rows=np.zeros((POINTS_CAP, 2), np.int64),
+        share=np.zeros(4),
+        corner=np.zeros((FACES_CAP, 3), np.int64),
+        across=np.zeros((FACES_CAP, 3), np.int64),
+        normal=np.zeros((FACES_CAP, 3)),
+        height=np.zeros(FACES_CAP),
+        alive=np.zeros(FACES_CAP, np.int64),
+        stack=np.zeros(FACES_CAP, np.int64),
+        horizon=np.zeros((FACES_CAP, 3), np.int64),
+        spoke=np.zeros(POINTS_CAP, np.int64),
+        depth=np.zeros(PIECES_CAP),
+        direction=np.zeros((PIECES_CAP, 3)),
+    )

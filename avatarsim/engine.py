@@ -1,0 +1,104 @@
+"""What any engine must offer and report. Small on purpose: no metrics, no rendering, no scenario knowledge."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The world at one instant inside a frame: a sub-step or an event.
+
+    `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order;
+    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes.
+    `event` names what happened: "step", or "impact" for the velocities right after a collision at this instant
+    (the velocities right before it are the previous snapshot's, at the same time, named "approach").
+    """
+
+    time: float
+    positions: Array
+    orientations: Array
+    velocities: Array
+    angular_velocities: Array
+    event: str = "step"
+
+
+@dataclass(frozen=True, eq=False)
+class FrameRecord:
+    """What an engine shows at the end of one rendered frame, and what it cost.
+
+    angles       (hinges,) [rad], as in TrackerSample; NaN-free; empty when there are none
+    counts       work done in this frame, by name (pairs, queries, iterations, joints, contacts, segments, ...)
+    statuses     how often a stage reported something else than success, by name
+    stage_ns     nanoseconds per stage; empty unless asked for
+    inside       sub-steps and events inside the frame, in order; empty unless recording
+    """
+
+    shown: Snapshot
+    angles: Array
+    counts: Mapping[str, int] = field(default_factory=dict)
+    statuses: Mapping[str, int] = field(default_factory=dict)
+    stage_ns: Mapping[str, int] = field(default_factory=dict)
+    inside: tuple[Snapshot, ...] = ()
+
+    def state_hash(self) -> str:
+        """Sixteen hexadecimal digits of all shown numbers; equal bits give equal hashes."""
+        digest = hashlib.blake2b(digest_size=8)
+        s = self.shown
+        for array in (s.positions, s.orientations, s.velocities, s.angular_velocities, self.angles):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How an engine is run: a named `preset`, options that override it, the seed, and whether to record sub-steps."""
+
+    preset: str = "default"
+    options: Mapping[str, object] = field(default_factory=dict)
+    seed: int = 0
+    record_inside: bool = False
+    time_stages: bool = False
+
+
+@runtime_checkable
+class Engine(Protocol):
+    """An engine that can be compared. Life of one: construct, load once, advance per frame, close."""
+
+    @property
+    def name(self) -> str:
+        """The name it is called by on the command line and in every table."""
+
+    @property
+    def version(self) -> str:
+        """Version of the physics behind it."""
+
+    @property
+    def presets(self) -> tuple[str, ...]:
+        """Names of its presets, the default first."""
+
+    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+        """What this engine has no words for in `scene`: feature -> consequence. Empty when it can say all.
+
+        A key "scene" means that it cannot express the scene at all."""
+
+    def settings_as_run(self) -> Mapping[str, object]:
+        """Every setting in force after `load`, with the reason where one was chosen: name -> value or (value, reason)."""
+
+    def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+        """Build the world for frames of `dt` seconds and return the first state shown, before any time passes."""
+
+    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+        """One rendered frame: follow `sample`, pass `dt` seconds, return what is shown."""
+
+    def close(self) -> None:
+        """Free everything."""

@@ -1,0 +1,69 @@
+"""Every exception that avatarsim raises on purpose.
+
+    AvatarsimError
+    +-- InvalidInput        a value handed in at the door is outside its valid range
+    |   +-- InvalidScene    a scene description contradicts itself
+    |   +-- InvalidShape    a shape has no volume, a non-finite size, ...
+    |   +-- InvalidSample   a tracker sample is not finite or does not fit the avatar
+    |   +-- InvalidFile     a file is missing, truncated or not what its name says
+    |   +-- UnknownName     an engine, a scene, a preset that nobody registered
+    +-- StartOverlaps       the first pose already overlaps
+    +-- MissingPackage      an optional package is not installed
+
+Each message names the thing, the value it had and the range it must be in.
+"""
+
+from collections.abc import Iterable
+
+
+class AvatarsimError(Exception):
+    """Root of all errors raised on purpose."""
+
+
+class InvalidInput(AvatarsimError):
+    """A value outside its valid range; `thing`, `value` and `valid` are kept as attributes."""
+
+    def __init__(self, thing: str, value: object, valid: str) -> None:
+        self.thing, self.value, self.valid = thing, value, valid
+        super().__init__(f"{thing} is {value!r}; valid: {valid}")
+
+
+class InvalidScene(InvalidInput):
+    """A scene description that contradicts itself."""
+
+
+class InvalidShape(InvalidInput):
+    """A shape without volume or with a non-finite or non-positive size."""
+
+
+class InvalidSample(InvalidInput):
+    """A tracker sample that is not finite or does not fit the avatars of the scene."""
+
+
+class InvalidFile(InvalidInput):
+    """A file that is missing, truncated or holds something else than its name says."""
+
+
+class UnknownName(InvalidInput):
+    """A name that nobody registered; the message lists those that exist."""
+
+    def __init__(self, thing: str, value: str, known: Iterable[str]) -> None:
+        super().__init__(thing, value, "one of " + ", ".join(sorted(known)))
+
+
+class StartOverlaps(AvatarsimError):
+    """The first pose overlaps; `pairs` lists (name, name, depth in metres), deepest first."""
+
+    def __init__(self, pairs: list[tuple[str, str, float]]) -> None:
+        self.pairs = sorted(pairs, key=lambda pair: -pair[2])
+        listed = "; ".join(f"{a} in {b} by {1e3 * depth:.3g} mm" for a, b, depth in self.pairs[:8])
+        more = f" and {len(self.pairs) - 8} more" if len(self.pairs) > 8 else ""
+        super().__init__(f"the first pose overlaps ({listed}{more}); start from a pose that is free")
+
+
+class MissingPackage(AvatarsimError):
+    """An optional package is not installed; names the package and the extra that brings it."""
+
+    def __init__(self, package: str, extra: str, needed_for: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"{needed_for} needs the package {package}, which is not installed: pip install 'avatarsim[{extra}]'")

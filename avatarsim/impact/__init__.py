@@ -1,0 +1,1 @@
+"""Impact: reads contacts, writes velocities."""

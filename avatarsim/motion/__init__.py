@@ -1,0 +1,1 @@
+"""Motion: reads velocities, writes poses."""

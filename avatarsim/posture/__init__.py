@@ -1,0 +1,1 @@
+"""Posture: reads contacts, writes joint angles."""

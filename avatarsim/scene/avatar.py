@@ -1,0 +1,77 @@
+"""Avatars: trees of links. The first link is the root; a rigid hand is an avatar of one link."""
+
+from dataclasses import dataclass
+
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.checks import Quaternion, Vector, distinct, positive, unit_quaternion, vector
+from avatarsim.scene.joint import Free, Hinges, Joint
+from avatarsim.scene.mass import Mass
+from avatarsim.scene.shape import Piece
+from avatarsim.spatial import rotation
+
+
+@dataclass(frozen=True)
+class Link:
+    """A rigid part of an avatar. Its frame sits in the joint's centre.
+
+    `anchor` [m] is that centre in the parent's frame, `orientation` the link's frame in the parent's when the
+    joint is at zero. A root that is not `Free` is anchored to the world. `mass` is what others feel in an impact.
+    """
+
+    name: str
+    parent: str | None
+    joint: Joint
+    pieces: tuple[Piece, ...]
+    mass: Mass
+    material: str = "human"
+    anchor: Vector = (0.0, 0.0, 0.0)
+    orientation: Quaternion = rotation.IDENTITY
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "anchor", vector(f"anchor of link {self.name}", self.anchor))
+        object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
+
+
+@dataclass(frozen=True)
+class Avatar:
+    """A tree of links, parents before children, driven by a tracker.
+
+    `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap
+    because they do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body
+    feels in an impact; by default the link's own mass.
+    """
+
+    name: str
+    links: tuple[Link, ...]
+    chains: tuple[str, ...] = ()
+    ignore: tuple[tuple[str, str], ...] = ()
+    coupled_mass: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.links:
+            raise InvalidScene(f"number of links of avatar {self.name}", 0, "at least 1")
+        distinct(f"link of avatar {self.name}", (link.name for link in self.links))
+        known: set[str] = set()
+        for index, link in enumerate(self.links):
+            if (link.parent is None) != (index == 0):
+                raise InvalidScene(f"parent of link {link.name}", link.parent, "None for the first link and for no other")
+            if link.parent is not None and link.parent not in known:
+                raise InvalidScene(f"parent of link {link.name}", link.parent, f"an earlier link: {sorted(known)}")
+            if isinstance(link.joint, Free) and index > 0:
+                raise InvalidScene(f"joint of link {link.name}", "Free", "Rigid, Hinges or Ball below the root")
+            known.add(link.name)
+        for name in [*self.chains, *(name for pair in self.ignore for name in pair)]:
+            if name not in known:
+                raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
+        if self.coupled_mass is not None:
+            positive(f"coupled mass of {self.name}", self.coupled_mass)
+
+    @property
+    def hinge_count(self) -> int:
+        """Number of hinge angles of all links together."""
+        return sum(len(link.joint.hinges) for link in self.links if isinstance(link.joint, Hinges))
+
+
+def rigid_avatar(name: str, pieces: tuple[Piece, ...], mass: Mass, material: str = "human") -> Avatar:
+    """A driven body without joints: one free link that carries all pieces."""
+    return Avatar(name, (Link(name, None, Free(), pieces, mass, material),))

@@ -1,0 +1,63 @@
+"""Fixed and simulated bodies. Driven bodies are avatars, if only of one link (`avatarsim.scene.avatar`)."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.checks import Quaternion, Vector, unit_quaternion, vector
+from avatarsim.scene.mass import Mass
+from avatarsim.scene.shape import Piece
+from avatarsim.spatial import rotation
+
+
+class Role(Enum):
+    """Who moves a body: nobody, the laws of physics, or the user (the paper's three classes)."""
+
+    FIXED = 0
+    SIMULATED = 1
+    DRIVEN = 2
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: convex pieces, material, first pose, and for simulated ones mass and first velocities.
+
+    `position` [m] and `orientation` (w, x, y, z) place the body frame in the world; `velocity` [m/s] is that of
+    the centre of mass, `angular_velocity` [rad/s] is in world axes.
+    """
+
+    name: str
+    role: Role
+    pieces: tuple[Piece, ...]
+    material: str
+    position: Vector = (0.0, 0.0, 0.0)
+    orientation: Quaternion = rotation.IDENTITY
+    mass: Mass | None = None
+    velocity: Vector = (0.0, 0.0, 0.0)
+    angular_velocity: Vector = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if not self.pieces:
+            raise InvalidScene(f"number of pieces of body {self.name}", 0, "at least 1")
+        if self.role is Role.DRIVEN:
+            raise InvalidScene(f"role of body {self.name}", "driven", "fixed or simulated; driven bodies are avatars")
+        if self.role is Role.SIMULATED and self.mass is None:
+            raise InvalidScene(f"mass of simulated body {self.name}", None, "a Mass, for instance solid(pieces, kg)")
+        object.__setattr__(self, "position", vector(f"position of {self.name}", self.position))
+        object.__setattr__(self, "orientation", unit_quaternion(f"orientation of {self.name}", self.orientation))
+        object.__setattr__(self, "velocity", vector(f"velocity of {self.name}", self.velocity))
+        spin = vector(f"angular velocity of {self.name}", self.angular_velocity)
+        object.__setattr__(self, "angular_velocity", spin)
+
+
+def fixed(name: str, pieces: tuple[Piece, ...], material: str, position: Vector = (0.0, 0.0, 0.0),
+          orientation: Quaternion = rotation.IDENTITY) -> Body:
+    """A body that stays where it is for the whole simulation."""
+    return Body(name, Role.FIXED, pieces, material, position, orientation)
+
+
+def simulated(name: str, pieces: tuple[Piece, ...], material: str, mass: Mass, position: Vector = (0.0, 0.0, 0.0),
+              orientation: Quaternion = rotation.IDENTITY, velocity: Vector = (0.0, 0.0, 0.0),
+              angular_velocity: Vector = (0.0, 0.0, 0.0)) -> Body:
+    """A body that obeys the laws of physics."""
+    return Body(name, Role.SIMULATED, pieces, material, position, orientation, mass, velocity, angular_velocity)

@@ -1,0 +1,76 @@
+"""The one place where values handed in are checked: finite, positive, of the right shape."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avatarsim.errors import InvalidInput, InvalidScene
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+def positive(thing: str, value: float, error: type[InvalidInput] = InvalidScene) -> float:
+    """`value` as a float, or an error that says it must be finite and above 0."""
+    if not (isinstance(value, (int, float, np.floating)) and math.isfinite(value) and value > 0.0):
+        raise error(thing, value, "a finite number above 0")
+    return float(value)
+
+
+def within(thing: str, value: float, low: float, high: float, error: type[InvalidInput] = InvalidScene) -> float:
+    """`value` as a float, or an error that states the closed interval [low, high]."""
+    if not (math.isfinite(value) and low <= value <= high):
+        raise error(thing, value, f"a finite number from {low:g} to {high:g}")
+    return float(value)
+
+
+def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: type[InvalidInput] = InvalidScene) -> Array:
+    """`value` as a float64 array of `shape` (-1 matches any length) with finite entries only."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise error(thing, value, f"numbers of shape {shape}") from None
+    fits = array.ndim == len(shape) and all(want in (-1, got) for want, got in zip(shape, array.shape, strict=True))
+    if not fits:
+        raise error(f"shape of {thing}", array.shape, f"{shape}, where -1 is any length")
+    if not np.isfinite(array).all():
+        raise error(thing, array.tolist(), "finite numbers only")
+    return array
+
+
+def vector(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
+    """A finite 3-vector as a tuple."""
+    x, y, z = finite_array(thing, tuple(value), (3,), error)
+    return float(x), float(y), float(z)
+
+
+def unit_vector(thing: str, value: Iterable[float]) -> Vector:
+    """A finite, non-zero 3-vector, scaled to length 1."""
+    array = finite_array(thing, tuple(value), (3,))
+    length = float(np.linalg.norm(array))
+    if not length > 1e-12:
+        raise InvalidScene(thing, array.tolist(), "a vector of non-zero length")
+    x, y, z = array / length
+    return float(x), float(y), float(z)
+
+
+def unit_quaternion(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Quaternion:
+    """A quaternion (w, x, y, z) of length 1 to 1e-6, normalised to rounding."""
+    array = finite_array(thing, tuple(value), (4,), error)
+    length = float(np.linalg.norm(array))
+    if not abs(length - 1.0) <= 1e-6:
+        raise error(thing, array.tolist(), "a quaternion (w, x, y, z) of length 1, to 1e-6")
+    w, x, y, z = array / length
+    return float(w), float(x), float(y), float(z)
+
+
+def distinct(thing: str, names: Iterable[str]) -> None:
+    """Raise when a name occurs twice."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise InvalidScene(thing, name, "names that occur once only")
+        seen.add(name)

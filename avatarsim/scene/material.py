@@ -1,0 +1,57 @@
+"""Materials: restitution and friction belong to a *pair* of materials, as in the paper's Table 1."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from avatarsim.errors import UnknownName
+from avatarsim.scene.checks import within
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Coefficients of one pair: `restitution` (eq. 8, 0 to 1) and Coulomb `friction` (eq. 10, 0 and up)."""
+
+    restitution: float
+    friction: float
+
+    def __post_init__(self) -> None:
+        within("restitution", self.restitution, 0.0, 1.0)
+        within("friction", self.friction, 0.0, 100.0)
+
+
+@dataclass(frozen=True)
+class PairTable:
+    """Coefficients for every unordered pair of material names."""
+
+    pairs: Mapping[tuple[str, str], Contact]
+
+    def __post_init__(self) -> None:
+        both_ways = {}
+        for (a, b), contact in self.pairs.items():
+            both_ways[a, b] = both_ways[b, a] = contact
+        object.__setattr__(self, "pairs", both_ways)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every material that occurs, sorted."""
+        return tuple(sorted({name for pair in self.pairs for name in pair}))
+
+    def contact(self, a: str, b: str) -> Contact:
+        """Coefficients of materials a and b, in either order."""
+        try:
+            return self.pairs[a, b]
+        except KeyError:
+            raise UnknownName("pair of materials", f"{a}, {b}", (f"{x}, {y}" for x, y in self.pairs)) from None
+
+
+TABLE_1 = PairTable(
+    {
+        ("wood", "wood"): Contact(0.3, 0.3),
+        ("wood", "human"): Contact(0.2, 0.2),
+        ("wood", "metal"): Contact(0.2, 0.1),
+        ("human", "human"): Contact(0.1, 0.1),
+        ("human", "metal"): Contact(0.2, 0.1),
+        ("metal", "metal"): Contact(0.3, 0.1),
+    }
+)
+"""The paper's Table 1: restitution and friction of wood, human and metal."""

@@ -1,0 +1,140 @@
+"""A scene: bodies, avatars, materials, gravity, which pairs may touch. Frozen, and valid once it exists."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import Body, Role
+from avatarsim.scene.checks import Vector, distinct, vector
+from avatarsim.scene.effects import Effects
+from avatarsim.scene.joint import Ball, Hinges
+from avatarsim.scene.material import TABLE_1, PairTable
+from avatarsim.scene.tracker import TrackerSample, checked, rest
+
+EARTH: Vector = (0.0, 0.0, -9.81)
+"""Gravity [m/s^2] at the scenes' one place on earth; every closed form uses the same figure."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything an engine needs to know before the first frame.
+
+    Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
+    `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
+    `exclude` names pairs that are never tested, `narrow` the effects that the author switches off.
+    """
+
+    name: str
+    bodies: tuple[Body, ...] = ()
+    avatars: tuple[Avatar, ...] = ()
+    materials: PairTable = TABLE_1
+    gravity: Vector = EARTH
+    start: TrackerSample | None = field(default=None, compare=False)
+    exclude: tuple[tuple[str, str], ...] = ()
+    narrow: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gravity", vector("gravity", self.gravity))
+        if not self.bodies and not self.avatars:
+            raise InvalidScene(f"number of bodies of scene {self.name}", 0, "at least 1 body or avatar")
+        distinct(f"body of scene {self.name}", self.names)
+        materials = self.materials.names
+        for name, material in zip(self.names, self.material_names, strict=True):
+            if material not in materials:
+                raise InvalidScene(f"material of {name}", material, "one of " + ", ".join(materials))
+        for pair in self.exclude:
+            for name in pair:
+                if name not in self.names:
+                    raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
+        self.effects.narrowed()
+        checked(self.first_sample, self.avatars)
+
+    @cached_property
+    def links(self) -> tuple[Link, ...]:
+        """The links of all avatars, in canonical order."""
+        return tuple(link for avatar in self.avatars for link in avatar.links)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names in canonical order; a link of an avatar of several links is `avatar/link`."""
+        links = [
+            avatar.name if len(avatar.links) == 1 else f"{avatar.name}/{link.name}"
+            for avatar in self.avatars for link in avatar.links
+        ]
+        return (*(body.name for body in self.bodies), *links)
+
+    @cached_property
+    def material_names(self) -> tuple[str, ...]:
+        """Material of each body and link, in canonical order."""
+        return (*(body.material for body in self.bodies), *(link.material for link in self.links))
+
+    @cached_property
+    def roles(self) -> tuple[Role, ...]:
+        """Role of each body and link, in canonical order."""
+        return (*(body.role for body in self.bodies), *(Role.DRIVEN for _ in self.links))
+
+    @cached_property
+    def first_sample(self) -> TrackerSample:
+        """The avatars' first posture."""
+        return self.start if self.start is not None else rest(self.avatars)
+
+    @cached_property
+    def pair_filter(self) -> NDArray[np.bool_]:
+        """(n, n) symmetric: True where two bodies must not overlap.
+
+        Left out: fixed with fixed, a link with its parent, the avatar's own `ignore`, the author's `exclude`,
+        and links of one avatar with each other when self-contact is switched off.
+        """
+        n = len(self.names)
+        wanted = ~np.eye(n, dtype=bool)
+        fixed = np.array([role is Role.FIXED for role in self.roles])
+        wanted[np.ix_(fixed, fixed)] = False
+        index = {name: k for k, name in enumerate(self.names)}
+        skipped = [(index[a], index[b]) for a, b in self.exclude]
+        first = len(self.bodies)
+        for avatar in self.avatars:
+            at = {link.name: first + k for k, link in enumerate(avatar.links)}
+            skipped += [(at[link.name], at[link.parent]) for link in avatar.links if link.parent is not None]
+            skipped += [(at[a], at[b]) for a, b in avatar.ignore]
+            if not self.effects.self_contact:
+                wanted[first : first + len(at), first : first + len(at)] = False
+            first += len(at)
+        for a, b in skipped:
+            wanted[a, b] = wanted[b, a] = False
+        wanted.flags.writeable = False
+        return wanted
+
+    @cached_property
+    def derived_effects(self) -> Effects:
+        """The effects that the parts of the scene call for."""
+        moving = [body for body in self.bodies if body.role is Role.SIMULATED]
+        joints = [link.joint for link in self.links]
+        contacts = [c for (a, b), c in self.materials.pairs.items() if {a, b} <= set(self.material_names)]
+        turning = any(
+            body.mass is not None and np.ptp(np.linalg.eigvalsh(body.mass.inertia)) > 1e-9 * body.mass.inertia.max()
+            for body in moving
+        )
+        balls = [joint for joint in joints if isinstance(joint, Ball)]
+        return Effects(
+            overlap_removal=bool(self.avatars),
+            kinematics=any(isinstance(joint, (Hinges, Ball)) for joint in joints),
+            self_contact=any(len(avatar.links) > 2 for avatar in self.avatars),
+            limits=any(isinstance(joint, Hinges) for joint in joints) or any(ball.limits for ball in balls),
+            reach_cones=any(ball.cone for ball in balls),
+            coupling=bool(self.avatars and moving),
+            dynamics=bool(moving),
+            restitution=bool(moving) and any(contact.restitution > 0.0 for contact in contacts),
+            friction=bool(moving) and any(contact.friction > 0.0 for contact in contacts),
+            gyroscopic=turning,
+            continuous=bool(moving or self.avatars),
+            sleeping=bool(moving),
+        )
+
+    @cached_property
+    def effects(self) -> Effects:
+        """The derived effects, less those that the author narrowed away."""
+        return self.derived_effects.narrowed(*self.narrow)

@@ -1,0 +1,109 @@
+"""Convex shapes and where a body carries them. Every shape knows its volume or refuses to exist."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidShape
+from avatarsim.scene.checks import Quaternion, Vector, finite_array, positive, unit_quaternion, vector
+from avatarsim.spatial import rotation
+
+FLATTEST_HULL = 1e-9
+"""Smallest thickness of a hull relative to its largest extent. Thinner hulls have no reliable face normals
+and no volume; they are refused as flat."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """Ball of `radius` [m] about the origin."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        positive("sphere radius", self.radius, InvalidShape)
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """Segment of `length` [m] along z, centred on the origin, swept by a ball of `radius` [m]."""
+
+    radius: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive("capsule radius", self.radius, InvalidShape)
+        positive("capsule length", self.length, InvalidShape)
+
+
+@dataclass(frozen=True)
+class Box:
+    """Box with edges of `size` (x, y, z) [m], full lengths, centred on the origin."""
+
+    size: Vector
+
+    def __post_init__(self) -> None:
+        for axis, edge in zip("xyz", vector("box size", self.size, InvalidShape), strict=True):
+            positive(f"box size along {axis}", edge, InvalidShape)
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """Smooth ellipsoid with semi-axes `radii` (x, y, z) [m]."""
+
+    radii: Vector
+
+    def __post_init__(self) -> None:
+        for axis, radius in zip("xyz", vector("ellipsoid radii", self.radii, InvalidShape), strict=True):
+            positive(f"ellipsoid radius along {axis}", radius, InvalidShape)
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexHull:
+    """Convex hull of `vertices` (n, 3) [m], n >= 4; points inside the hull are dropped at construction."""
+
+    vertices: NDArray[np.float64] = field(repr=False)
+
+    def __post_init__(self) -> None:
+        points = finite_array("hull vertices", self.vertices, (-1, 3), InvalidShape)
+        if len(points) < 4:
+            raise InvalidShape("number of hull vertices", len(points), "at least 4")
+        centred = points - points.mean(axis=0)
+        spread = np.linalg.svd(centred, compute_uv=False) / np.sqrt(len(points))
+        if not spread[2] > FLATTEST_HULL * spread[0]:
+            raise InvalidShape(
+                "thickness of the hull relative to its extent", float(spread[2] / max(spread[0], 1e-300)),
+                f"above {FLATTEST_HULL:g}: a flat hull has no volume",
+            )
+        points.flags.writeable = False
+        object.__setattr__(self, "vertices", points)
+
+
+Shape = Sphere | Capsule | Box | Ellipsoid | ConvexHull
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One convex shape at a fixed place on its body: `position` [m] and `orientation` (w, x, y, z)."""
+
+    shape: Shape
+    position: Vector = (0.0, 0.0, 0.0)
+    orientation: Quaternion = rotation.IDENTITY
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", vector("piece position", self.position, InvalidShape))
+        object.__setattr__(self, "orientation", unit_quaternion("piece orientation", self.orientation, InvalidShape))
+
+
+def ellipsoid_hull(radii: Vector, vertices: int = 52) -> ConvexHull:
+    """Hull of `vertices` points spread evenly (golden spiral) over an ellipsoid with semi-axes `radii` [m].
+
+    n points in general position span 2 n - 4 triangles, so 52 give the paper's hundred per part of the hand.
+    """
+    if not vertices >= 4:
+        raise InvalidShape("number of vertices of an ellipsoid's hull", vertices, "at least 4")
+    k = np.arange(vertices) + 0.5
+    height = 1.0 - 2.0 * k / vertices
+    turn = np.pi * (1.0 + np.sqrt(5.0)) * k
+    ring = np.sqrt(1.0 - height * height)
+    return ConvexHull(np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=-1) * np.array(radii))

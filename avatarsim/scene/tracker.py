@@ -1,0 +1,85 @@
+"""What the user did at one instant: the posture of every avatar of the scene, not checked against anything."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidSample
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.checks import finite_array
+from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class TrackerSample:
+    """Posture of all links of all avatars, in scene order, at `time` [s].
+
+    positions  (links, 3) [m]: root position in the world; used for `Free` roots only
+    rotations  (links, 4): orientation of a `Free` root in the world, of a `Ball` link against its rest orientation
+    angles     (hinges,) [rad]: all hinge angles, link by link
+    """
+
+    time: float
+    positions: Array
+    rotations: Array
+    angles: Array
+
+
+def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
+    """`sample` if it is finite, fits the avatars and its rotations have length 1; a typed error otherwise."""
+    links = sum(len(avatar.links) for avatar in avatars)
+    hinges = sum(avatar.hinge_count for avatar in avatars)
+    if not np.isfinite(sample.time):
+        raise InvalidSample("tracker time [s]", sample.time, "a finite number")
+    finite_array("tracker positions", sample.positions, (links, 3), InvalidSample)
+    rotations = finite_array("tracker rotations", sample.rotations, (links, 4), InvalidSample)
+    finite_array("tracker angles", sample.angles, (hinges,), InvalidSample)
+    lengths = np.linalg.norm(rotations, axis=1)
+    if links and not (np.abs(lengths - 1.0) <= 1e-6).all():
+        worst = int(np.argmax(np.abs(lengths - 1.0)))
+        raise InvalidSample(f"tracker rotation of link {worst}", rotations[worst].tolist(), "a quaternion of length 1")
+    return sample
+
+
+def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
+    """All joints at zero, clipped to their hinge limits, every root at the origin."""
+    links = sum(len(avatar.links) for avatar in avatars)
+    angles = [
+        min(max(0.0, hinge.lower), hinge.upper)
+        for avatar in avatars for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges
+    ]
+    return TrackerSample(time, np.zeros((links, 3)), np.tile(rotation.IDENTITY, (links, 1)), np.array(angles, dtype=np.float64))
+
+
+def link_poses(avatars: Sequence[Avatar], sample: TrackerSample) -> tuple[Array, Array]:
+    """Forward kinematics of the raw sample: positions (links, 3) [m] and orientations (links, 4) in the world.
+
+    The plain twin of the posture kernel's kinematics, and what every adapter and measure uses.
+    """
+    positions, orientations, angles = [], [], iter(sample.angles)
+    first = 0
+    for avatar in avatars:
+        index = {link.name: first + k for k, link in enumerate(avatar.links)}
+        for k, link in enumerate(avatar.links, start=first):
+            if isinstance(link.joint, Free):
+                positions.append(np.asarray(sample.positions[k], dtype=np.float64))
+                orientations.append(rotation.normalised(sample.rotations[k]))
+                continue
+            origin, frame = (np.zeros(3), np.array(rotation.IDENTITY))
+            if link.parent is not None:
+                origin, frame = positions[index[link.parent]], orientations[index[link.parent]]
+            turned = rotation.multiply(frame, link.orientation)
+            if isinstance(link.joint, Hinges):
+                for hinge in link.joint.hinges:
+                    turned = rotation.multiply(turned, rotation.from_axis_angle(hinge.axis, next(angles)))
+            elif isinstance(link.joint, Ball):
+                turned = rotation.multiply(turned, sample.rotations[k])
+            positions.append(origin + rotation.rotate(frame, link.anchor))
+            orientations.append(rotation.normalised(turned))
+        first += len(avatar.links)
+    return np.array(positions).reshape(-1, 3), np.array(orientations).reshape(-1, 4)

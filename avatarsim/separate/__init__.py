@@ -1,0 +1,1 @@
+"""Separates: reads contacts, writes poses."""

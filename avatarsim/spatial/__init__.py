@@ -1,0 +1,1 @@
+"""Vectors, rotations and poses; knows nothing of contact or time."""

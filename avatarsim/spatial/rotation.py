@@ -1,0 +1,118 @@
+"""Rotations: quaternions (w, x, y, z), matrices and rotation vectors, in plain numpy.
+
+Off the hot path only; the kernels keep rotation matrices and use `avatarsim.spatial.tangent`.
+All functions broadcast over leading axes.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+IDENTITY: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+
+
+def normalised(quaternion: ArrayLike) -> Array:
+    """Unit quaternion along `quaternion`, shape (..., 4). The caller guarantees it is not zero."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+
+
+def multiply(a: ArrayLike, b: ArrayLike) -> Array:
+    """Hamilton product a b, shape (..., 4): first b, then a."""
+    p, q = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    pw, px, py, pz = np.moveaxis(p, -1, 0)
+    qw, qx, qy, qz = np.moveaxis(q, -1, 0)
+    return np.stack(
+        [
+            pw * qw - px * qx - py * qy - pz * qz,
+            pw * qx + px * qw + py * qz - pz * qy,
+            pw * qy - px * qz + py * qw + pz * qx,
+            pw * qz + px * qy - py * qx + pz * qw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(quaternion: ArrayLike) -> Array:
+    """Inverse of a unit quaternion, shape (..., 4)."""
+    return np.asarray(quaternion, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:
+    """`vector` (..., 3) turned by the unit quaternion (..., 4)."""
+    q, v = np.asarray(quaternion, dtype=np.float64), np.asarray(vector, dtype=np.float64)
+    u = q[..., 1:]
+    t = 2.0 * np.cross(u, v)
+    return np.asarray(v + q[..., :1] * t + np.cross(u, t))
+
+
+def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
+    """Quaternion of a turn by `angle` [rad] about the unit `axis` (..., 3)."""
+    half = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    return np.concatenate([np.cos(half), np.sin(half) * np.asarray(axis, dtype=np.float64)], axis=-1)
+
+
+def from_rotation_vector(vector: ArrayLike) -> Array:
+    """Quaternion of a rotation vector (..., 3) [rad]."""
+    v = np.asarray(vector, dtype=np.float64)
+    angle = np.linalg.norm(v, axis=-1, keepdims=True)
+    # sin(a/2)/a by numpy's sinc, finite at zero
+    return np.concatenate([np.cos(0.5 * angle), 0.5 * np.sinc(0.5 * angle / np.pi) * v], axis=-1)
+
+
+def to_rotation_vector(quaternion: ArrayLike) -> Array:
+    """Rotation vector (..., 3) [rad], the short way round, length at most pi."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    q = np.where(q[..., :1] < 0.0, -q, q)
+    s = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(s, q[..., :1])
+    return np.asarray(np.where(s > 1e-300, angle / np.maximum(s, 1e-300), 2.0) * q[..., 1:])
+
+
+def to_matrix(quaternion: ArrayLike) -> Array:
+    """Rotation matrix (..., 3, 3) of a unit quaternion."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion, dtype=np.float64), -1, 0)
+    rows = [
+        np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)], axis=-1),
+        np.stack([2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)], axis=-1),
+        np.stack([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=-1),
+    ]
+    return np.stack(rows, axis=-2)
+
+
+def from_matrix(matrix: ArrayLike) -> Array:
+    """Unit quaternion (..., 4) of a rotation matrix, w >= 0, by the largest of the four candidates."""
+    m = np.asarray(matrix, dtype=np.float64)
+    d0, d1, d2 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    a, b, c = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
+    e, f, g = m[..., 0, 1] + m[..., 1, 0], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 2] + m[..., 2, 1]
+    candidates = np.stack(
+        [
+            np.stack([1 + d0 + d1 + d2, a, b, c], axis=-1),
+            np.stack([a, 1 + d0 - d1 - d2, e, f], axis=-1),
+            np.stack([b, e, 1 - d0 + d1 - d2, g], axis=-1),
+            np.stack([c, f, g, 1 - d0 - d1 + d2], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(np.sum(candidates**2, axis=-1), axis=-1)
+    q = normalised(np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :])
+    return np.asarray(np.where(q[..., :1] < 0.0, -q, q))
+
+
+def slerp(a: ArrayLike, b: ArrayLike, fraction: ArrayLike) -> Array:
+    """Spherical interpolation from a (fraction 0) to b (fraction 1), the short way round."""
+    start = normalised(a)
+    step = to_rotation_vector(multiply(conjugate(start), normalised(b)))
+    return multiply(start, from_rotation_vector(np.asarray(fraction, dtype=np.float64)[..., None] * step))
+
+
+def between(a: ArrayLike, b: ArrayLike) -> Array:
+    """The smallest rotation that turns unit vector a into unit vector b; any axis when they are opposite."""
+    u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    w = 1.0 + float(np.dot(u, v))
+    if w < 1e-12:
+        side = np.cross(u, np.eye(3)[int(np.argmin(np.abs(u)))])
+        return np.concatenate([[0.0], side / np.linalg.norm(side)])
+    return normalised(np.concatenate([[w], np.cross(u, v)]))

@@ -1,0 +1,1 @@
+"""The scene as arrays: what never changes, and the state that does."""

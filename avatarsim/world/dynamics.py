@@ -1,0 +1,72 @@
+"""Mass, inertia, pair coefficients and gravity as arrays; velocities of simulated bodies."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class Dynamics(NamedTuple):
+    """What never changes about how bodies move.
+
+    role              (nb) int64, values of `Role`
+    inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
+    inertia           (nb, 3, 3) about the centre of mass, body axes [kg m^2]; zero unless simulated
+    inverse_inertia   (nb, 3, 3)
+    restitution, friction   (nb, nb) of the pair's materials
+    gravity           (3) [m/s^2]
+    """
+
+    role: NDArray[np.int64]
+    inverse_mass: Array
+    inertia: Array
+    inverse_inertia: Array
+    restitution: Array
+    friction: Array
+    gravity: Array
+
+
+class Velocities(NamedTuple):
+    """Linear velocity of the centre of mass (nb, 3) [m/s] and angular velocity (nb, 3) [rad/s], world axes."""
+
+    linear: Array
+    angular: Array
+
+
+def dynamics(scene: Scene) -> Dynamics:
+    """Arrays of mass and material of `scene`; effects that it does not call for are zero in them."""
+    n = len(scene.names)
+    inverse_mass, inertia, inverse_inertia = np.zeros(n), np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+    for b, body in enumerate(scene.bodies):
+        if body.role is Role.SIMULATED and body.mass is not None:
+            inverse_mass[b] = 1.0 / body.mass.mass
+            inertia[b] = body.mass.inertia
+            inverse_inertia[b] = np.linalg.inv(body.mass.inertia)
+    b = len(scene.bodies)
+    for avatar in scene.avatars:
+        for link in avatar.links:
+            inverse_mass[b] = 1.0 / (avatar.coupled_mass if avatar.coupled_mass is not None else link.mass.mass)
+            b += 1
+    names = scene.material_names
+    restitution, friction = np.zeros((n, n)), np.zeros((n, n))
+    for i in range(n):
+        for j in range(n):
+            if scene.pair_filter[i, j]:
+                pair = scene.materials.contact(names[i], names[j])
+                restitution[i, j] = pair.restitution if scene.effects.restitution else 0.0
+                friction[i, j] = pair.friction if scene.effects.friction else 0.0
+    role = np.array([r.value for r in scene.roles], dtype=np.int64)
+    return Dynamics(role, inverse_mass, inertia, inverse_inertia, restitution, friction, np.array(scene.gravity))
+
+
+def velocities(scene: Scene) -> Velocities:
+    """First velocities of every body; zero for fixed and driven ones."""
+    n = len(scene.links)
+    linear = [body.velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n
+    angular = [body.angular_velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n
+    return Velocities(np.array(linear, dtype=np.float64).reshape(-1, 3), np.array(angular, dtype=np.float64).reshape(-1, 3))

@@ -1,0 +1,105 @@
+"""The links of all avatars as arrays: joints, limits, metric of the posture."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
+from avatarsim.scene.scene import Scene
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+RIGID, HINGES, BALL, FREE = 0, 1, 2, 3
+"""Kinds of joints. Tangent degrees of freedom: none, one per hinge, three, six (translation, then rotation)."""
+
+UNLIMITED = 1e9
+"""Stands for no limit [rad, m]: far beyond any angle or place, yet safe to subtract."""
+
+
+class Skeleton(NamedTuple):
+    """What never changes about nl links with nd tangent degrees of freedom.
+
+    first      body index of link 0; link l is body first + l
+    kind       (nl) joint kind
+    parent     (nl) parent link, -1 at a root
+    first_dof  (nl + 1) tangent degrees of link l are first_dof[l] .. first_dof[l + 1]
+    anchor     (nl, 3) joint centre in the parent's frame [m]
+    rest       (nl, 3, 3) link frame in the parent's at zero
+    axis       (nd, 3) hinge axes in the link frame
+    limits     (nd, 2) hinge limits [rad]
+    cone       (nl, 10) of a ball with limits: axis 0:3, centre 3:6, cosine and sine of the swing 6:8, twist low and
+               high 8:10 [rad]; a cosine of -2 means no limits
+    untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre
+    related    (nl, nl) True where link m is l or one of its ancestors: degrees of m move l
+    """
+
+    first: int
+    kind: Index
+    parent: Index
+    first_dof: Index
+    anchor: Array
+    rest: Array
+    axis: Array
+    limits: Array
+    cone: Array
+    untwist: Array
+    related: NDArray[np.bool_]
+
+
+class Posture(NamedTuple):
+    """A posture: root position (nl, 3), rotation (nl, 3, 3) of balls and roots, hinge angle (nd)."""
+
+    root: Array
+    turn: Array
+    angle: Array
+
+
+def skeleton(scene: Scene) -> Skeleton:
+    """Arrays of all links of `scene`."""
+    links, nl = scene.links, len(scene.links)
+    kind, parent, first_dof = np.zeros(nl, dtype=np.int64), np.full(nl, -1, dtype=np.int64), [0]
+    axis: list[tuple[float, float, float]] = []
+    limits: list[tuple[float, float]] = []
+    cone, untwist = np.zeros((nl, 10)), np.tile(np.eye(3), (nl, 1, 1))
+    cone[:, 6] = -2.0
+    at, l = {}, 0
+    for avatar in scene.avatars:
+        for link in avatar.links:
+            at[avatar.name, link.name] = l
+            if link.parent is not None:
+                parent[l] = at[avatar.name, link.parent]
+            joint = link.joint
+            if isinstance(joint, Hinges):
+                kind[l] = HINGES
+                axis += [hinge.axis for hinge in joint.hinges]
+                limits += [(hinge.lower, hinge.upper) if scene.effects.limits else (-UNLIMITED, UNLIMITED) for hinge in joint.hinges]
+            elif not isinstance(joint, Rigid):
+                kind[l] = FREE if isinstance(joint, Free) else BALL
+                free = 6 if isinstance(joint, Free) else 3
+                axis += [(0.0, 0.0, 0.0)] * free
+                limits += [(-UNLIMITED, UNLIMITED)] * free
+                if isinstance(joint, Ball) and joint.limits is not None and scene.effects.limits:
+                    swing = joint.limits
+                    cone[l] = [*swing.axis, *swing.centre, np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
+                    untwist[l] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T
+            first_dof.append(len(axis))
+            l += 1
+    related = np.eye(nl, dtype=np.bool_)
+    for l in range(nl):
+        if parent[l] >= 0:
+            related[l] |= related[parent[l]]
+    return Skeleton(
+        len(scene.bodies), kind, parent, np.array(first_dof, dtype=np.int64),
+        np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
+        np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
+        np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2), cone, untwist, related,
+    )
+
+
+def hinge_dofs(skel: Skeleton) -> Index:
+    """Tangent index of every hinge, in the order of TrackerSample.angles."""
+    spans = [range(skel.first_dof[l], skel.first_dof[l + 1]) for l in range(len(skel.kind)) if skel.kind[l] == HINGES]
+    return np.array([j for span in spans for j in span], dtype=np.int64)
