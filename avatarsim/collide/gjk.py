@@ -1,7 +1,8 @@
 """Gilbert-Johnson-Keerthi: distance of two convex cores, as the distance of A - B from the origin.
 
-GJK proposes and the support function decides: a distance is returned only when two supports along the final direction prove that
-the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa` finds the sign.
+GJK proposes and the support function decides: a distance is returned only when two supports along the final
+direction prove that the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa`
+finds the sign.
 """
 
 from math import inf
@@ -9,23 +10,27 @@ from math import inf
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
-from avatarsim.collide.support import support
+from avatarsim.collide.support import reach, support
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 
 ITERATIONS_CAP = 128
-"""Polytopes end below 20, smooth shapes below 60. Too low: OUT_OF_ITERATIONS; too high: only costs time on a failure."""
+"""Polytopes end below 20, smooth shapes below 60. Too low: OUT_OF_ITERATIONS; too high: only costs time on a
+failure."""
 
 CLOSE_ENOUGH = 1e-13
-"""Relative to the shapes' size: largest difference between the distance found and the one proved. Below rounding (2e-16 times the
-coordinates) smooth shapes would never end; polytopes end exactly, whatever it is."""
+"""Relative to the shapes' size: largest difference between the distance found and the one proved. Below
+rounding (2e-16 times the coordinates) smooth shapes would never end; polytopes end exactly, whatever it
+is."""
 
 ACCEPTED = 1e-10
-"""Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as DEGENERATE."""
+"""Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as
+DEGENERATE."""
 
 TOUCHING = 1e-12
-"""Relative to the shapes' size: closer cores are handed to `epa`, whose normal does not come from the vanishing distance."""
+"""Relative to the shapes' size: closer cores are handed to `epa`, whose normal does not come from the
+vanishing distance."""
 
 ROUNDING = 1e-15
 """A few units in the last place of a float64: the relative error of a distance however large."""
@@ -35,7 +40,10 @@ NOWHERE = (0.0, 0.0, 0.0)
 
 @kernel
 def closest_in_simplex(count: int, scratch: Scratch) -> tuple[bool, Vec3, int]:
-    """Reduce the first ``count`` points to those that span the closest point; return (origin inside, point, points kept)."""
+    """Keep those of the first ``count`` points that span the one closest to the origin.
+
+    Returns (whether the origin is inside, the closest point, points kept).
+    """
     w, share = scratch.w, scratch.share
     inside = False
     if count == 1:
@@ -96,13 +104,15 @@ def gjk(
 
     Args:
         vertices: (nv, 3) world coordinates [m].
-        seed: first direction to try, out of b into a, any length; the last normal of the pair is the best. Zero: none known.
+        seed: first direction to try, out of b into a, any length; the last normal of the pair is the best.
+            Zero: none known.
         margin: stop as soon as a distance > margin [m] is proved; inf asks for the exact distance.
 
     Returns:
-        (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or are too close for
-        GJK to tell, and n is zero. The simplex is in the first ``count`` rows of the scratch, ``scratch.share`` its barycentric
-        coordinates. Stopped by the margin, distance is a proved lower bound and the simplex is unfinished.
+        (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or
+        are too close for GJK to tell, and n is zero. The simplex is in the first ``count`` rows of the
+        scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
+        than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
     size = max(shapes.size[a], shapes.size[b])
     v = seed
@@ -111,8 +121,8 @@ def gjk(
         if dot(v, v) == 0.0:
             v = (1.0, 0.0, 0.0)
     length, count, stalled = norm(v), 0, False
-    for _ in range(ITERATIONS_CAP):
-        w = add_support(vertices, shapes, a, b, neg(v), min(count, 3), scratch)
+    for iteration in range(ITERATIONS_CAP):
+        w = add_support(vertices, shapes, a, b, neg(v), count, scratch)
         proved = dot(v, w) / length
         if not (abs(proved) < inf):
             return NOT_FINITE, NOWHERE, 0.0, count
@@ -124,8 +134,9 @@ def gjk(
             if done or stalled or known(count, count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
-                good = missing <= ACCEPTED * size + ROUNDING * length
-                return (CONVERGED if good else DEGENERATE), scale(v, 1.0 / length), length, count
+                if missing <= ACCEPTED * size + ROUNDING * length:
+                    return CONVERGED, scale(v, 1.0 / length), length, count
+                return DEGENERATE, scale(v, 1.0 / length), proved, count
         inside, closest, count = closest_in_simplex(count + 1, scratch)
         if inside:
             return CONVERGED, NOWHERE, 0.0, count
@@ -133,9 +144,13 @@ def gjk(
         if closer <= TOUCHING * size:
             return CONVERGED, NOWHERE, 0.0, count
         # Rounding: no nearer than before. The direction is checked once more, then taken or refused.
-        stalled = count > 1 and not (closer < length) and _ > 0
+        stalled = iteration > 0 and not (closer < length)
         v, length = closest, closer
-    return OUT_OF_ITERATIONS, scale(v, 1.0 / length), length, count
+    n = scale(v, 1.0 / length)
+    proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)
+    if not (proved > 0.0):
+        return CONVERGED, NOWHERE, 0.0, count
+    return OUT_OF_ITERATIONS, n, proved, count
 
 
 @kernel

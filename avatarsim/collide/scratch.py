@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 POINTS_CAP = 256
-"""Vertices of the growing polytope. Two hulls of 60 vertices need under 100; concentric round ellipsoids reach any cap."""
+"""Vertices of the growing polytope. Two hulls of 60 vertices need under 100; concentric round ellipsoids
+reach any cap."""
 
 FACES_CAP = 2 * POINTS_CAP
 """A closed triangulated polytope of v vertices has 2 v - 4 faces."""

@@ -9,8 +9,9 @@ Share2 = tuple[float, float]
 Share4 = tuple[float, float, float, float]
 
 FLAT = 1e-14
-"""Relative: below this sine (triangle) or height over edge (tetrahedron) the side of a plane on which the origin lies is rounding
-noise. Such a simplex is treated as the union of its faces or edges. Larger: well-formed thin ones lose their inside."""
+"""Relative: below this sine (triangle) or height over edge (tetrahedron) the side of a plane on which the
+origin lies is rounding noise. Such a simplex is treated as the union of its faces or edges. Larger:
+well-formed thin ones lose their inside."""
 
 
 @kernel
@@ -24,7 +25,8 @@ def closest_on_segment(a: Vec3, b: Vec3) -> tuple[Vec3, Share2]:
         return b, (0.0, 1.0)
     t /= square
     p = along(a, t, ab)
-    # Taken once more off the edge: |p| may be far below the rounding of a + t ab, and p is used as a direction.
+    # Taken once more off the edge: |p| may be far below the rounding of a + t ab, and p is used as a
+    # direction.
     return along(p, -dot(p, ab) / square, ab), (1.0 - t, t)
 
 
@@ -32,8 +34,9 @@ def closest_on_segment(a: Vec3, b: Vec3) -> tuple[Vec3, Share2]:
 def closest_on_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
     """Closest point to the origin on the triangle a b c, and its shares of a, b and c.
 
-    Sub-areas n.(p x q) are formed with an edge as one factor, n.(p x (q - p)): far from the origin, p x q would cancel. If one
-    is not positive the closest point lies on that edge, or on another such edge, and the nearest of them is it.
+    Sub-areas n.(p x q) are formed with an edge as one factor, n.(p x (q - p)): far from the origin, p x q
+    would cancel. If one is not positive the closest point lies on that edge, or on another such edge, and the
+    nearest of them is it.
     """
     ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
     n = cross(ab, bc)
@@ -61,9 +64,11 @@ def closest_on_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
 
 @kernel
 def closest_on_tetrahedron(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[bool, Vec3, Share4]:
-    """Whether the origin is strictly inside the tetrahedron; else the closest point to it, and its four shares.
+    """Whether the origin is strictly inside the tetrahedron; else the closest point to it, and its four
+    shares.
 
-    Inside, the shares are those of the origin itself. A face is looked at if the origin is not on its inner side.
+    Inside, the shares are those of the origin itself. A face is looked at if the origin is not on its inner
+    side.
     """
     ab, ac, ad = sub(b, a), sub(c, a), sub(d, a)
     over_d, over_b, over_c = cross(ab, ac), cross(ac, ad), cross(ad, ab)

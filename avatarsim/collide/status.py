@@ -1,4 +1,5 @@
-"""How a collision kernel ended. Every kernel that can fail returns one of these, and callers never drop it."""
+"""How a collision kernel ended. Every kernel that can fail returns one of these, and callers never drop
+it."""
 
 from typing import Final
 
@@ -6,7 +7,8 @@ CONVERGED: Final = 0
 """The answer holds to the stated tolerance."""
 
 OUT_OF_ITERATIONS: Final = 1
-"""A cap was reached: the depth is an upper bound along the returned normal, so moving by it still separates."""
+"""A cap was reached: the depth is an upper bound along the returned normal, so moving by it still
+separates."""
 
 DEGENERATE: Final = 2
 """Rounding stopped progress before the tolerance was met: the result is the best one seen."""

@@ -1,4 +1,5 @@
-"""How far a convex shape reaches in a direction: all that the distance and depth algorithms know of a shape."""
+"""How far a convex shape reaches in a direction: all that the distance and depth algorithms know of a
+shape."""
 
 from math import sqrt
 
@@ -11,15 +12,16 @@ from avatarsim.world.shapes import POINTS, Shapes
 def support(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> tuple[Vec3, int]:
     """Farthest point of the core of shape s (its radius left out) in direction d, and its row.
 
-    Points: every vertex is tried; below about 64 vertices that beats walking along edges. Ties go to the lowest row.
-    Ellipsoid with centre c and semi-axes a_i: c + sum_i a_i (a_i.d) / sqrt(sum_i (a_i.d)^2); its row is that of the centre.
+    Points: every vertex is tried; below about 64 vertices that beats walking along edges. Ties go to the
+    lowest row. Ellipsoid with centre c and semi-axes a_i: c + sum_i a_i (a_i.d) / sqrt(sum_i (a_i.d)^2); its
+    row is that of the centre.
     """
     first = shapes.start[s]
     if shapes.kind[s] == POINTS:
         farthest = first
-        best = vertices[first, 0] * d[0] + vertices[first, 1] * d[1] + vertices[first, 2] * d[2]
+        best = dot(row(vertices, first), d)
         for i in range(first + 1, shapes.start[s + 1]):
-            t = vertices[i, 0] * d[0] + vertices[i, 1] * d[1] + vertices[i, 2] * d[2]
+            t = dot(row(vertices, i), d)
             if t > best:
                 best, farthest = t, i
         return row(vertices, farthest), farthest
@@ -37,13 +39,15 @@ def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
     """Support function of the core of shape s: the largest x.d over its points x."""
     first = shapes.start[s]
     if shapes.kind[s] == POINTS:
-        best = vertices[first, 0] * d[0] + vertices[first, 1] * d[1] + vertices[first, 2] * d[2]
+        best = dot(row(vertices, first), d)
         for i in range(first + 1, shapes.start[s + 1]):
-            t = vertices[i, 0] * d[0] + vertices[i, 1] * d[1] + vertices[i, 2] * d[2]
+            t = dot(row(vertices, i), d)
             if t > best:
                 best = t
         return best
-    dx, dy, dz = dot(row(vertices, first + 1), d), dot(row(vertices, first + 2), d), dot(row(vertices, first + 3), d)
+    dx = dot(row(vertices, first + 1), d)
+    dy = dot(row(vertices, first + 2), d)
+    dz = dot(row(vertices, first + 3), d)
     return dot(row(vertices, first), d) + sqrt(dx * dx + dy * dy + dz * dz)
 
 
@@ -51,7 +55,9 @@ def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
 def gap_along(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3) -> float:
     """Signed gap [m] of shapes a and b along the unit vector n (out of b into a), radii included.
 
-    min_A n.x - max_B n.x - r_A - r_B. Whatever produced n, a result > 0 proves that the shapes are apart by at least that much.
-    Write the test as ``not (gap > 0)``: a nan in a pose reaches every vertex of the body, hence the first, hence the result.
+    min_A n.x - max_B n.x - r_A - r_B. Whatever produced n, a result > 0 proves that the shapes are apart by
+    at least that much. Write the test as ``not (gap > 0)``: a nan in a pose reaches every vertex of the body,
+    hence the first, hence the result.
     """
-    return -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n) - shapes.radius[a] - shapes.radius[b]
+    rounding: float = shapes.radius[a] + shapes.radius[b]
+    return -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n) - rounding

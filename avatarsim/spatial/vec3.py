@@ -57,7 +57,7 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
 
 @kernel
 def norm(a: Vec3) -> float:
-    """Euclidean length. Squares underflow below 1e-154 and overflow above 1e154; no length in metres comes near."""
+    """Euclidean length. Squares underflow below 1e-154, overflow above 1e154; no length in metres is near."""
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
 
 
@@ -72,11 +72,12 @@ def unit(a: Vec3) -> Vec3:
 def perpendicular(a: Vec3) -> Vec3:
     """A unit vector at right angles to ``a``, always the same one; (0, 0, 1) for a = 0.
 
-    Crosses ``a`` with the coordinate axis it is least aligned with, so the cross product never vanishes for a != 0.
+    Crosses ``a`` with the coordinate axis it is least aligned with, so the cross product never vanishes for a
+    != 0.
     """
-    x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
-    if x + y + z == 0.0:
+    if dot(a, a) == 0.0:
         return (0.0, 0.0, 1.0)
+    x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
     if x <= y and x <= z:
         return unit((0.0, -a[2], a[1]))
     if y <= z:

@@ -9,7 +9,8 @@ POINTS = 0
 """Kind: the convex hull of points, swept by a ball. Sphere: 1 point, capsule: 2, box: 8, hull: n."""
 
 ELLIPSOID = 1
-"""Kind: exactly 4 rows, the centre and the three semi-axes as vectors (directions scaled by lengths), not points."""
+"""Kind: exactly 4 rows, the centre and the three semi-axes as vectors (directions scaled by lengths), not
+points."""
 
 
 class Shapes(NamedTuple):

@@ -22,10 +22,10 @@ UNLIMITED = 1e9
 class Skeleton(NamedTuple):
     """What never changes about nl links with nd tangent degrees of freedom.
 
-    first      body index of link 0; link l is body first + l
+    first      body index of link 0; link i is body first + i
     kind       (nl) joint kind
     parent     (nl) parent link, -1 at a root
-    first_dof  (nl + 1) tangent degrees of link l are first_dof[l] .. first_dof[l + 1]
+    first_dof  (nl + 1) tangent degrees of link i are first_dof[i] .. first_dof[i + 1]
     anchor     (nl, 3) joint centre in the parent's frame [m]
     rest       (nl, 3, 3) link frame in the parent's at zero
     axis       (nd, 3) hinge axes in the link frame
@@ -33,7 +33,7 @@ class Skeleton(NamedTuple):
     cone       (nl, 10) of a ball with limits: axis 0:3, centre 3:6, cosine and sine of the swing 6:8, twist low and
                high 8:10 [rad]; a cosine of -2 means no limits
     untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre
-    related    (nl, nl) True where link m is l or one of its ancestors: degrees of m move l
+    related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
     """
 
     first: int
@@ -65,41 +65,43 @@ def skeleton(scene: Scene) -> Skeleton:
     limits: list[tuple[float, float]] = []
     cone, untwist = np.zeros((nl, 10)), np.tile(np.eye(3), (nl, 1, 1))
     cone[:, 6] = -2.0
-    at, l = {}, 0
-    for avatar in scene.avatars:
-        for link in avatar.links:
-            at[avatar.name, link.name] = l
-            if link.parent is not None:
-                parent[l] = at[avatar.name, link.parent]
-            joint = link.joint
-            if isinstance(joint, Hinges):
-                kind[l] = HINGES
-                axis += [hinge.axis for hinge in joint.hinges]
-                limits += [(hinge.lower, hinge.upper) if scene.effects.limits else (-UNLIMITED, UNLIMITED) for hinge in joint.hinges]
-            elif not isinstance(joint, Rigid):
-                kind[l] = FREE if isinstance(joint, Free) else BALL
-                free = 6 if isinstance(joint, Free) else 3
-                axis += [(0.0, 0.0, 0.0)] * free
-                limits += [(-UNLIMITED, UNLIMITED)] * free
-                if isinstance(joint, Ball) and joint.limits is not None and scene.effects.limits:
-                    swing = joint.limits
-                    cone[l] = [*swing.axis, *swing.centre, np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
-                    untwist[l] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T
-            first_dof.append(len(axis))
-            l += 1
+    at: dict[tuple[str, str], int] = {}
+    owned = [(avatar, link) for avatar in scene.avatars for link in avatar.links]
+    for i, (avatar, link) in enumerate(owned):
+        at[avatar.name, link.name] = i
+        if link.parent is not None:
+            parent[i] = at[avatar.name, link.parent]
+        joint = link.joint
+        if isinstance(joint, Hinges):
+            kind[i] = HINGES
+            axis += [hinge.axis for hinge in joint.hinges]
+            kept = scene.effects.limits
+            limits += [(hinge.lower, hinge.upper) if kept else (-UNLIMITED, UNLIMITED) for hinge in joint.hinges]
+        elif not isinstance(joint, Rigid):
+            kind[i] = FREE if isinstance(joint, Free) else BALL
+            free = 6 if isinstance(joint, Free) else 3
+            axis += [(0.0, 0.0, 0.0)] * free
+            limits += [(-UNLIMITED, UNLIMITED)] * free
+            if isinstance(joint, Ball) and joint.limits is not None and scene.effects.limits:
+                swing = joint.limits
+                cone[i] = [*swing.axis, *swing.centre, np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
+                untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T
+        first_dof.append(len(axis))
     related = np.eye(nl, dtype=np.bool_)
-    for l in range(nl):
-        if parent[l] >= 0:
-            related[l] |= related[parent[l]]
+    for link in range(nl):
+        if parent[link] >= 0:
+            related[link] |= related[parent[link]]
     return Skeleton(
         len(scene.bodies), kind, parent, np.array(first_dof, dtype=np.int64),
         np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
         np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
-        np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2), cone, untwist, related,
+        np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
+        cone, untwist, related,
     )
 
 
 def hinge_dofs(skel: Skeleton) -> Index:
     """Tangent index of every hinge, in the order of TrackerSample.angles."""
-    spans = [range(skel.first_dof[l], skel.first_dof[l + 1]) for l in range(len(skel.kind)) if skel.kind[l] == HINGES]
+    hinged = np.flatnonzero(skel.kind == HINGES)
+    spans = [range(skel.first_dof[link], skel.first_dof[link + 1]) for link in hinged]
     return np.array([j for span in spans for j in span], dtype=np.int64)

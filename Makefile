@@ -1,0 +1,61 @@
+# The everyday commands; `make` alone lists them. Thin on purpose: what happens is in `python -m scenarios` and `python -m reports`.
+# The first command that needs Python packages sets up .venv from requirements.lock (.setup/ holds how).
+
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help setup compare test check sweep bench report lint lock clean FORCE
+
+VENV_PYTHON := .venv/bin/python
+READY := .venv/set-up-stamp
+
+# Any Python that runs at all can start the set-up, which then looks for a supported one: shims can exist and fail.
+SET_UP = @for python in "$$PYTHON" python3 python3.11 python3.12 python3.13 python; do \
+	  if "$$python" -c '' 2>/dev/null; then exec "$$python" .setup/choose_python.py; fi; done; \
+	echo 'Set-up stopped: no working python3 was found on PATH; Python 3.11, 3.12 or 3.13 is needed.' >&2; exit 1
+
+help:  ## this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+
+setup:  ## set up .venv now (PYTHON=... names the interpreter); the other commands do it by themselves
+	$(SET_UP)
+
+$(READY): requirements.lock pyproject.toml .setup/choose_python.py .setup/install.py
+	$(SET_UP)
+
+# An interpreter asked for by name is compared with the one .venv has, even when the set-up is done.
+ifneq ($(strip $(PYTHON)),)
+$(READY): FORCE
+endif
+
+compare: $(READY)  ## every scenario in every engine, the report, the verdict table (FULL=1: full lengths, every preset)
+	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
+
+check: $(READY)  ## the gate: fails when the engine leaves more overlap than a scenario allows
+	@$(VENV_PYTHON) -m scenarios check
+
+sweep: $(READY)  ## accuracy against time, for many settings of every engine
+	@$(VENV_PYTHON) -m scenarios sweep
+
+bench: $(READY)  ## time per frame only
+	@$(VENV_PYTHON) -m scenarios bench
+
+report: $(READY)  ## the pages again, from the files of the last run
+	@$(VENV_PYTHON) -m reports write
+
+test: $(READY)  ## every test; then a slice with the kernels as plain Python, and one with index checks
+	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
+	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -m nojit
+	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck
+
+lint: $(READY)  ## ruff, mypy --strict, and who may import whom
+	$(VENV_PYTHON) -m ruff check --output-format concise .
+	$(VENV_PYTHON) -m mypy
+	$(VENV_PYTHON) -m mypy .setup
+	.venv/bin/lint-imports
+
+lock:  ## write requirements.lock anew from pyproject.toml (UPGRADE=1: newest versions)
+	$(firstword $(wildcard $(VENV_PYTHON)) python3) .setup/lock.py $(if $(UPGRADE),--upgrade)
+
+clean:  ## remove caches and build leftovers; .venv and reports/out stay
+	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find avatarsim reference scenarios reports tests .setup -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,83 @@
+"""THE query: how far apart, or how deep, two convex shapes are, which way, and where.
+
+With rounding: swept by radii r_A and r_B the distance of the cores shrinks by r_A + r_B and the depth grows
+by as much, along the same normal, so cores are all that GJK and EPA see, and spheres and capsules are exact
+without formulas of their own.
+"""
+
+from math import inf, nan
+
+from avatarsim.collide.epa import deepest_points, epa
+from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
+from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
+from avatarsim.world.shapes import Shapes
+
+SIGN_DOUBT = 1e-9
+"""Relative to the shapes' size: GJK found no gap between the cores, EPA found one larger than this. Reported
+as DEGENERATE."""
+
+
+@kernel
+def signed_distance_up_to(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3]:
+    """As `signed_distance`, but stop as soon as a gap > margin [m] is proved.
+
+    The gap returned is then a proved lower bound > margin along n, and both points are zero.
+    """
+    radius_a, radius_b = shapes.radius[a], shapes.radius[b]
+    rounding = radius_a + radius_b
+    status, n, distance, count = gjk(vertices, shapes, a, b, seed, margin + rounding, scratch)
+    if status == NOT_FINITE:
+        return status, nan, NOWHERE, NOWHERE, NOWHERE
+    if distance > margin + rounding:
+        return status, distance - rounding, n, NOWHERE, NOWHERE
+    on_a, on_b = closest_points(count, scratch)
+    if distance == 0.0:
+        size = max(shapes.size[a], shapes.size[b])
+        status, m, depth, faces = epa(vertices, shapes, a, b, seed, count, scratch)
+        if status == NOT_FINITE:
+            return status, nan, NOWHERE, NOWHERE, NOWHERE
+        n, distance = neg(m), -depth
+        if faces > 0:
+            on_a, on_b = deepest_points(m, depth, faces, size, scratch)
+        if distance > SIGN_DOUBT * size and status == CONVERGED:
+            status = DEGENERATE
+    return status, distance - rounding, n, along(on_a, -radius_a, n), along(on_b, radius_b, n)
+
+
+@kernel
+def signed_distance(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3]:
+    """Signed distance of shapes a and b, radii included.
+
+    Args:
+        vertices: (nv, 3) world coordinates [m].
+        seed: the last normal of the pair, or zero: only changes how fast, except where every direction is as
+            good.
+        scratch: working memory, overwritten.
+
+    Returns:
+        (status, gap, n, point_a, point_b). gap > 0 [m]: the distance; gap < 0: moving a by -gap n just
+        separates, and no shorter move does. n: unit normal out of b into a. Points on the surfaces, with
+        point_a - point_b = gap n. Status NOT_FINITE: gap is nan. Status OUT_OF_ITERATIONS or DEGENERATE: n
+        and gap are the best found; a gap < 0 still separates.
+    """
+    return signed_distance_up_to(vertices, shapes, a, b, seed, inf, scratch)
+
+
+@kernel
+def separated_beyond(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
+) -> tuple[bool, Vec3]:
+    """Whether a gap > margin [m] of shapes a and b is proved, and by which unit normal (out of b into a).
+
+    If not: the last normal tried, zero if the cores overlap. A nan is never proved apart.
+    """
+    rounding = shapes.radius[a] + shapes.radius[b]
+    _, n, distance, _ = gjk(vertices, shapes, a, b, seed, margin + rounding, scratch)
+    return distance > margin + rounding, n

@@ -1,0 +1,24 @@
+"""Equation 10: Coulomb friction in an impact, as printed and limited to what it takes to stick."""
+
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Vec3, norm, scale
+
+NO_SLIP = 1e-300
+"""Below this speed [m/s] there is no direction to oppose; dividing by it would give inf or nan."""
+
+
+@kernel
+def friction_impulse(friction: float, j: float, v_t: Vec3) -> Vec3:
+    """Eq. 10 as printed: j_t = -mu j v_t / |v_t| [N s], on A; zero without slip.
+
+    Unlimited: with a light enough slip it reverses v_t and may add energy. `limited_friction_impulse` does not.
+    """
+    slip = norm(v_t)
+    return scale(v_t, -friction * j / slip) if slip > NO_SLIP else (0.0, 0.0, 0.0)
+
+
+@kernel
+def limited_friction_impulse(friction: float, j: float, v_t: Vec3, sticking: float) -> Vec3:
+    """Eq. 10 limited to ``sticking`` [N s], the size of the impulse that just ends the slip; also along -v_t."""
+    slip = norm(v_t)
+    return scale(v_t, -min(friction * j, sticking) / slip) if slip > NO_SLIP else (0.0, 0.0, 0.0)

@@ -1,0 +1,41 @@
+"""How easily each body yields, in world axes, at the present instant."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+from avatarsim.spatial.tangent import Columns, columns, turned
+from avatarsim.spatial.vec3 import Vec3, cross
+
+Array = NDArray[np.float64]
+
+
+class Masses(NamedTuple):
+    """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for what does not yield."""
+
+    inverse_mass: Array
+    inverse_inertia: Array
+
+
+@kernel
+def to_world(body_axes: Array, rotation: Array, b: int, world_out: Array) -> None:
+    """world[b] = R M R^T for the tensor M of body b in its own axes; all arrays (nb, 3, 3)."""
+    for i in range(3):
+        for k in range(i, 3):
+            total = 0.0
+            for x in range(3):
+                for y in range(3):
+                    total += rotation[b, i, x] * body_axes[b, x, y] * rotation[b, k, y]
+            world_out[b, i, k] = total
+            world_out[b, k, i] = total
+
+
+@kernel
+def yielding(masses: Masses, b: int, arm: Vec3, j: Vec3) -> Vec3:
+    """Change of velocity [m/s] of the point at ``arm`` of body b under the impulse j [N s] at that point."""
+    m = masses.inverse_mass[b]
+    inertia: Columns = columns(masses.inverse_inertia, b)
+    w = cross(turned(inertia, cross(arm, j)), arm)
+    return (m * j[0] + w[0], m * j[1] + w[1], m * j[2] + w[2])

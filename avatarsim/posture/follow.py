@@ -1,0 +1,71 @@
+"""One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.certify import list_near_bodies
+from avatarsim.posture.goal import aim, clip_to_limits, merit, tracker_speed
+from avatarsim.posture.step import step, work_done
+from avatarsim.posture.untie import unstick
+from avatarsim.posture.workspace import FRAME, MERIT_WINDOW, NOW, TRACKER_SPEED, UNTIED, Memory
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+ARRIVED = 5e-3
+"""[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
+
+SPEED_MEMORY = 0.8
+"""Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
+
+
+@kernel
+def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) -> None:
+    """Copy the poses of all bodies that are not links into the trial; they stand still while the avatars move."""
+    trial = memory_out.trial
+    for b in range(skel.first):
+        moved = False
+        for i in range(3):
+            moved = moved or trial.position[b, i] != poses.position[b, i]
+            for k in range(3):
+                moved = moved or trial.rotation[b, i, k] != poses.rotation[b, i, k]
+        if moved:
+            for i in range(3):
+                trial.position[b, i] = poses.position[b, i]
+                for k in range(3):
+                    trial.rotation[b, i, k] = poses.rotation[b, i, k]
+            for i in range(6):
+                trial.hulls[b, i] = poses.hulls[b, i]
+                memory_out.swept_hulls[b, i] = poses.hulls[b, i]
+            for s in range(geo.first_shape[b], geo.first_shape[b + 1]):
+                for i in range(6):
+                    trial.boxes[s, i] = poses.boxes[s, i]
+                    memory_out.swept[s, i] = poses.boxes[s, i]
+                for v in range(geo.shapes.start[s], geo.shapes.start[s + 1]):
+                    for i in range(3):
+                        trial.vertices[v, i] = poses.vertices[v, i]
+    memory_out.pairs.marks[NOW] += 1
+    list_near_bodies(skel, memory_out, True)
+
+
+@kernel
+def follow(
+    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses, memory_out: Memory
+) -> None:
+    """Bring the posture towards the tracker's by at most `settings.steps` certified steps."""
+    memory_out.counts[:] = 0
+    notice_others(geo, skel, poses_out, memory_out)
+    clip_to_limits(skel, tracker, memory_out.goal)
+    speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
+    memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
+    aim(skel, posture_out, settings, memory_out.goal)
+    frame = int(memory_out.flags[FRAME])
+    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
+    memory_out.flags[FRAME] = frame + 1
+    for _ in range(settings.steps):
+        largest, count, to_turn, to_move = step(
+            geo, skel, posture_out, poses_out, settings, settings.work, memory_out
+        )
+        there = count == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
+        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * settings.work:
+            break
+    memory_out.flags[UNTIED] = 0.0
+    unstick(geo, skel, settings, posture_out, poses_out, memory_out)

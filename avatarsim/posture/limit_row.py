@@ -1,0 +1,68 @@
+"""Limits of ball joints as conditions of the step; hinges need none, their limits are bounds."""
+
+from math import atan2
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.limits import cone_excess, has_cone, swing_and_twist
+from avatarsim.posture.workspace import DROPPED, ROWS, Memory
+from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
+from avatarsim.spatial.vec3 import Vec3, add, dot, scale
+from avatarsim.world.skeleton import BALL, Posture, Skeleton
+
+INSIDE = 1e-4
+"""[rad] rows aim this far inside a limit, so that the curvature of the cone does not leave the next trial outside again."""
+
+
+@kernel
+def beyond_limits(skel: Skeleton, posture: Posture, add_rows: bool, count: int, memory_out: Memory) -> tuple[int, int]:
+    """Number of balls whose trial rotation is beyond its limits, and the row count after adding rows for them.
+
+    The links are marked in memory.touched.
+    """
+    failed, x = 0, memory_out.rows.x
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] != BALL or not has_cone(skel, link):
+            continue
+        d = skel.first_dof[link]
+        turn = stepped(columns(posture.turn, link), (x[d], x[d + 1], x[d + 2]))
+        if cone_excess(skel, link, turn) <= 0.0:
+            continue
+        failed += 1
+        memory_out.touched[link] = True
+        if add_rows:
+            swing, twist, back = swing_and_twist(skel, link, turn)
+            beyond = swing - atan2(skel.cone[link, 7], skel.cone[link, 6])
+            if beyond > 0.0:
+                count = turn_row(d, turned_back(turn, back), beyond + INSIDE, count, memory_out)
+            low, high = skel.cone[link, 8], skel.cone[link, 9]
+            if twist < low or twist > high:
+                # rate of twist of a swung limb: the turn's part along the middle of limb and centre
+                centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+                limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
+                rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(1e-3, 1.0 + dot(centre, limb))))
+                if twist < low:
+                    count = turn_row(d, rate, low - twist + INSIDE, count, memory_out)
+                else:
+                    count = turn_row(d, scale(rate, -1.0), twist - high + INSIDE, count, memory_out)
+    return failed, count
+
+
+@kernel
+def turn_row(d: int, direction: Vec3, missing: float, count: int, memory_out: Memory) -> int:
+    """Append: the ball at degrees d .. d + 3 turns along `direction` (its own axes) by at least `missing` from the trial."""
+    r = memory_out.rows
+    if count == r.bound.shape[0]:
+        memory_out.counts[DROPPED] += 1
+        return count
+    for j in range(r.x.shape[0]):
+        r.jacobian[count, j] = 0.0
+    bound = missing
+    for k in range(3):
+        r.jacobian[count, d + k] = direction[k]
+        bound += direction[k] * r.x[d + k]
+    r.bound[count] = bound
+    r.multiplier[count] = 0.0
+    r.pair[count, 0] = -3
+    r.pair[count, 1] = d
+    memory_out.counts[ROWS] += 1
+    return count + 1

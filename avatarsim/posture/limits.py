@@ -1,0 +1,92 @@
+"""Joint limits: how far a posture is beyond them, and the nearest target inside.
+
+Hinges have an interval. A ball has a cone for the direction of its limb and an interval for the twist about it:
+with T the shortest turn of `axis` onto `centre` and R the joint's rotation, R T^-1 is swung and twisted about
+`centre`; the swing is the angle between R axis and centre, the twist the turn about centre that is left.
+"""
+
+from math import atan2, cos, sin
+
+from avatarsim.kernel import kernel
+from avatarsim.spatial.tangent import Columns, about, columns, product, turned
+from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, row, scale, unit
+from avatarsim.world.skeleton import Skeleton
+
+UNLIMITED_COSINE = -2.0
+"""Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
+
+INWARD = 1e-9
+"""Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
+
+
+@kernel
+def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
+    """Swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
+    axis, centre = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    limb = turned(turn, axis)
+    back = cross(limb, centre)
+    sine = norm(back)
+    swing = atan2(sine, dot(limb, centre))
+    if sine > 1e-12:
+        back = scale(back, 1.0 / sine)
+    else:
+        back = any_normal(centre)
+        if swing < 1.0:
+            swing = 0.0
+    # swing the limb back onto the centre; what is left turns about the centre
+    relative = product(turn, columns(skel.untwist, link))
+    probe = any_normal(centre)
+    left = about(back, swing, turned(relative, probe))
+    return swing, atan2(dot(centre, cross(probe, left)), dot(probe, left)), back
+
+
+@kernel
+def any_normal(v: Vec3) -> Vec3:
+    """A unit vector at right angles to the unit vector v."""
+    if abs(v[0]) < 0.6:
+        return unit(cross(v, (1.0, 0.0, 0.0)))
+    return unit(cross(v, (0.0, 1.0, 0.0)))
+
+
+@kernel
+def has_cone(skel: Skeleton, link: int) -> bool:
+    """Whether the ball of a link has limits."""
+    return skel.cone[link, 6] > UNLIMITED_COSINE + 0.5
+
+
+@kernel
+def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
+    """How far the rotation of a ball is beyond its limits [rad], the larger of swing and twist; negative inside."""
+    swing, twist, _ = swing_and_twist(skel, link, turn)
+    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+    return max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9]))
+
+
+@kernel
+def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
+    """The rotation itself if the ball allows it, else the limb on the nearest edge of the cone and the twist clipped."""
+    swing, twist, back = swing_and_twist(skel, link, turn)
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    most = max(0.0, atan2(skel.cone[link, 7], skel.cone[link, 6]) - INWARD)
+    low, high = skel.cone[link, 8] + INWARD, skel.cone[link, 9] - INWARD
+    if low > high:
+        low = high = 0.5 * (low + high)
+    # an angle outside the interval goes to the nearer end, measured around the circle
+    clipped = twist
+    if twist < low or twist > high:
+        to_low, to_high = abs(wrapped(twist - low)), abs(wrapped(twist - high))
+        clipped = low if to_low < to_high else high
+    if swing <= most and clipped == twist:
+        return turn
+    # unswing, correct the twist, swing out again as far as allowed
+    out = min(swing, most)
+    x, y, z = turn
+    x, y, z = about(back, swing, x), about(back, swing, y), about(back, swing, z)
+    x, y, z = about(centre, clipped - twist, x), about(centre, clipped - twist, y), about(centre, clipped - twist, z)
+    return about(back, -out, x), about(back, -out, y), about(back, -out, z)
+
+
+@kernel
+def wrapped(angle: float) -> float:
+    """The same angle in [-pi, pi]."""
+    return atan2(sin(angle), cos(angle))

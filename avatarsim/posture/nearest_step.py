@@ -1,0 +1,122 @@
+"""The step nearest to the wanted one that obeys linear conditions: min (x - e)^T W (x - e) / 2 with J x >= c, lo <= x <= hi.
+
+Dual coordinate ascent on the Gram matrix J W^-1 J^T. Bounds join as unit rows only when they are violated, since
+most of them never are.
+"""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.workspace import Goal, Rows
+
+SOFTNESS = 1e-6
+"""Added to the diagonal of the Gram matrix: parallel rows then share the load instead of dividing by zero."""
+
+MULTIPLIER_CAP = 1e4
+"""Infeasible rows (squeezed between two walls) would drive multipliers to infinity; the certificate refuses such steps anyway."""
+
+BOUND_ROUNDS = 4
+"""Rounds in which violated bounds join. What is still outside after them is clipped."""
+
+BOUNDS_PER_ROUND = 8
+"""More at once, and rows that would never bind slow the ascent down."""
+
+OUTSIDE = 1e-9
+"""[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
+
+
+@kernel
+def nearest_step(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> tuple[int, int]:
+    """Solve for rows_out.x; return (rows, bounds included, sweeps used). `tolerance` [m] ends the ascent."""
+    r, nd, used = rows_out, goal.step.shape[0], 0
+    for _ in range(BOUND_ROUNDS):
+        build_gram(goal, r, count)
+        used += ascend(goal, r, count, sweeps, tolerance)
+        for j in range(nd):
+            r.x[j] = goal.step[j]
+        for k in range(count):
+            if r.multiplier[k] > 0.0:
+                for j in range(nd):
+                    r.x[j] += r.weighted[k, j] * r.multiplier[k]
+        added = 0
+        for j in range(nd):
+            if count == 0 or count == r.bound.shape[0] or added == BOUNDS_PER_ROUND:
+                break
+            below, above = r.x[j] < goal.low[j] - OUTSIDE, r.x[j] > goal.high[j] + OUTSIDE
+            if (below or above) and not has_bound(r, count, j):
+                add_bound(r, count, j, 1.0 if below else -1.0, goal.low[j] if below else -goal.high[j])
+                count += 1
+                added += 1
+        if added == 0:
+            break
+    for j in range(nd):
+        r.x[j] = min(max(r.x[j], goal.low[j]), goal.high[j])
+    return count, used
+
+
+@kernel
+def has_bound(rows: Rows, count: int, j: int) -> bool:
+    """Whether one of the rows is the bound of degree j."""
+    for q in range(count):
+        if rows.pair[q, 0] == -1 and rows.pair[q, 1] == j:
+            return True
+    return False
+
+
+@kernel
+def add_bound(rows_out: Rows, k: int, j: int, sign: float, bound: float) -> None:
+    """Make row k the condition sign x_j >= bound."""
+    for i in range(rows_out.x.shape[0]):
+        rows_out.jacobian[k, i] = 0.0
+    rows_out.jacobian[k, j] = sign
+    rows_out.bound[k] = bound
+    rows_out.multiplier[k] = 0.0
+    rows_out.pair[k, 0] = -1
+    rows_out.pair[k, 1] = j
+
+
+@kernel
+def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
+    """Extend the Gram matrix by the rows that came since it was last built."""
+    r, nd = rows_out, goal.step.shape[0]
+    for k in range(r.built[0], count):
+        for j in range(nd):
+            r.weighted[k, j] = r.jacobian[k, j] * goal.inverse_weight[j]
+        for q in range(k + 1):
+            t = 0.0
+            for j in range(nd):
+                t += r.weighted[k, j] * r.jacobian[q, j]
+            r.gram[k, q] = t
+            r.gram[q, k] = t
+    r.built[0] = count
+
+
+@kernel
+def ascend(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> int:
+    """Coordinate ascent on the multipliers, residuals kept up to date; return the sweeps used.
+
+    The residual of row k is J_k x - c_k with x = e + W^-1 J^T multipliers.
+    """
+    r = rows_out
+    for k in range(count):
+        t = -r.bound[k]
+        for j in range(goal.step.shape[0]):
+            t += r.jacobian[k, j] * goal.step[j]
+        for q in range(count):
+            t += r.gram[k, q] * r.multiplier[q]
+        r.residual[k] = t
+    for sweep in range(sweeps):
+        change = 0.0
+        for k in range(count):
+            before = r.multiplier[k]
+            if before == 0.0 and r.residual[k] >= 0.0:
+                continue
+            stiffness = r.gram[k, k] + SOFTNESS
+            after = min(max(0.0, before - r.residual[k] / stiffness), MULTIPLIER_CAP)
+            step = after - before
+            if step != 0.0:
+                r.multiplier[k] = after
+                change = max(change, abs(step) * r.gram[k, k])
+                for q in range(count):
+                    r.residual[q] += r.gram[k, q] * step
+        if change < tolerance:
+            return sweep + 1
+    return sweeps

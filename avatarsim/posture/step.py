@@ -1,0 +1,242 @@
+"""One step of the checked posture towards the tracker: solve, try, certify, mend, and if all fails stay.
+
+A state is shown only after it was certified from the last certified state, so nothing ever overlaps and nothing is
+crossed, whatever the solver does.
+"""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.certify import certify
+from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, rows_of_listed
+from avatarsim.posture.goal import aim, merit
+from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.limit_row import beyond_limits
+from avatarsim.posture.nearest_step import nearest_step
+from avatarsim.posture.workspace import (
+    BACKED,
+    FAILED,
+    FORWARDS,
+    HELD,
+    ITERATIONS,
+    MERIT_NOW,
+    NOW,
+    QUERIES,
+    ROWS,
+    STEPS,
+    SUPPORTS,
+    SWEEPS,
+    TRACKER_SPEED,
+    Memory,
+)
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+SHRINK = 0.25
+"""Factor by which a failing joint's step and trust shrink. Nearer 1 costs more trials, nearer 0 makes limbs hesitate."""
+
+LEAST_TRUST = 1.0 / 32.0
+"""Smallest trust of a joint: below it, limbs that were once stuck took seconds to move again."""
+
+BACK_OFFS = 8
+"""Trials with ever shorter steps before the last checked state is kept."""
+
+IDLE_STEPS = 3
+"""Steps for which a pair stays listed after its last active row; 0 makes contacts flicker."""
+
+
+@kernel
+def work_done(memory: Memory) -> int:
+    """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
+    c = memory.counts
+    return c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2
+
+
+@kernel
+def try_step(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory) -> None:
+    """Forward kinematics of the step in rows.x into the trial poses."""
+    memory_out.counts[FORWARDS] += 1
+    forward(geo, skel, posture, memory_out.rows.x, memory_out.trial, memory_out.trial_axes)
+
+
+@kernel
+def check(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool, count: int,
+    memory_out: Memory,
+) -> tuple[int, int]:
+    """Certificates and ball limits of the trial: number of failures and row count; links at fault are touched."""
+    memory_out.touched[:] = False
+    beyond, count = beyond_limits(skel, posture, add_rows, count, memory_out)
+    failed, count = certify(geo, skel, poses, settings, add_rows, soft, count, memory_out)
+    for k in range(memory_out.pairs.marks[FAILED]):
+        for side in range(2):
+            link = geo.body[memory_out.pairs.failed[k, side]] - skel.first
+            if link >= 0:
+                memory_out.touched[link] = True
+    return failed + beyond, count
+
+
+@kernel
+def moves_failing(skel: Skeleton, memory: Memory, m: int) -> bool:
+    """Whether the joint of link m moves a link that failed."""
+    for link in range(skel.kind.shape[0]):
+        if memory.touched[link] and skel.related[link, m]:
+            return True
+    return False
+
+
+@kernel
+def shrink_failing(skel: Skeleton, factor: float, memory_out: Memory) -> None:
+    """Scale the step of every joint that moves a failing link; one blocked hand must not freeze the other."""
+    for m in range(skel.kind.shape[0]):
+        if moves_failing(skel, memory_out, m):
+            for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
+                memory_out.rows.x[j] *= factor
+
+
+@kernel
+def distrust_failing(skel: Skeleton, first: int, memory_out: Memory) -> None:
+    """Shrink the trust of joints that move failing links and list the failing pairs."""
+    for m in range(skel.kind.shape[0]):
+        if moves_failing(skel, memory_out, m):
+            for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
+                memory_out.goal.trust[j] = max(memory_out.goal.trust[j] * SHRINK, LEAST_TRUST)
+    for k in range(memory_out.pairs.marks[FAILED]):
+        list_pair(memory_out.pairs.failed[k, 0], memory_out.pairs.failed[k, 1], first, memory_out)
+
+
+@kernel
+def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
+    """Whether the step moves more than the tracker does and yet does not bring the posture nearer to it.
+
+    Without this test limbs circle for ever around an obstacle before a resting tracker.
+    """
+    goal, x = memory.goal, memory.rows.x
+    gain, square, largest = 0.0, 0.0, 0.0
+    for j in range(x.shape[0]):
+        gain += (goal.full[j] - 0.5 * x[j]) * x[j] / goal.inverse_weight[j]
+        square += x[j] * x[j] / goal.inverse_weight[j]
+        largest = max(largest, abs(x[j]))
+    worst = 0.0
+    for value in goal.window:
+        worst = max(worst, value)
+    small = largest <= 1e-4 + 2.0 * memory.flags[TRACKER_SPEED]
+    return not small and memory.flags[MERIT_NOW] - gain + settings.merit * square > worst
+
+
+@kernel
+def attempt(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, soft: bool, budget: int, memory_out: Memory
+) -> tuple[int, int, bool]:
+    """Solve and certify with growing rows; return failures, rows and whether the budget is spent."""
+    r = memory_out.rows
+    count = rows_of_listed(geo, skel, poses, settings, soft, memory_out)
+    spent, failed, tolerance = False, 0, 0.1 * settings.least_gap
+    for round_ in range(settings.corrections + 1):
+        count, used = nearest_step(memory_out.goal, r, count, settings.sweeps, tolerance)
+        memory_out.counts[SWEEPS] += used
+        memory_out.counts[ITERATIONS] += 1
+        try_step(geo, skel, posture, memory_out)
+        spent = work_done(memory_out) > budget
+        last = spent or round_ == settings.corrections
+        failed, count = check(geo, skel, posture, poses, settings, not last, soft, count, memory_out)
+        if failed == 0 or last:
+            break
+    return failed, count, spent
+
+
+@kernel
+def back_off(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory) -> None:
+    """Shorten the step of failing joints until the trial certifies; at last stay where everything is known to be free."""
+    memory_out.counts[BACKED] += 1
+    for k in range(BACK_OFFS):
+        shrink_failing(skel, SHRINK if k < BACK_OFFS - 2 else 0.0, memory_out)
+        try_step(geo, skel, posture, memory_out)
+        failed, _ = check(geo, skel, posture, poses, settings, False, True, 0, memory_out)
+        if failed == 0:
+            return
+    stay(geo, skel, posture, memory_out)
+
+
+@kernel
+def stay(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory) -> None:
+    """The empty step: the trial is the checked state."""
+    memory_out.counts[HELD] += 1
+    memory_out.rows.x[:] = 0.0
+    try_step(geo, skel, posture, memory_out)
+
+
+@kernel
+def adopt(geo: Geometry, skel: Skeleton, posture_out: Posture, poses_out: Poses, memory_out: Memory) -> None:
+    """Make the trial the checked state."""
+    memory_out.pairs.marks[NOW] += 1
+    take(skel, posture_out, memory_out.rows.x)
+    trial = memory_out.trial
+    for b in range(skel.first, trial.position.shape[0]):
+        for i in range(3):
+            poses_out.position[b, i] = trial.position[b, i]
+            for k in range(3):
+                poses_out.rotation[b, i, k] = trial.rotation[b, i, k]
+        for i in range(6):
+            poses_out.hulls[b, i] = trial.hulls[b, i]
+    first = geo.first_shape[skel.first]
+    for s in range(first, geo.body.shape[0]):
+        for i in range(6):
+            poses_out.boxes[s, i] = trial.boxes[s, i]
+    for v in range(geo.shapes.start[first], trial.vertices.shape[0]):
+        for i in range(3):
+            poses_out.vertices[v, i] = trial.vertices[v, i]
+    for j in range(memory_out.axes.shape[0]):
+        for i in range(3):
+            memory_out.axes[j, i] = memory_out.trial_axes[j, i]
+
+
+@kernel
+def step(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, budget: int, memory_out: Memory
+) -> tuple[float, int, float, float]:
+    """One step; return its largest component, its rows, and the rotation and translation that were still to go."""
+    goal, r = memory_out.goal, memory_out.rows
+    first = geo.first_shape[skel.first]
+    memory_out.counts[STEPS] += 1
+    failed, count, to_turn, to_move, shorter, accepted = 0, 0, 0.0, 0.0, 1.0, False
+    for round_ in range(settings.attempts):
+        to_turn, to_move = aim(skel, posture, settings, goal)
+        memory_out.flags[MERIT_NOW] = merit(goal)
+        if shorter < 1.0:
+            for j in range(r.x.shape[0]):
+                goal.step[j] *= shorter
+                goal.low[j] *= shorter
+                goal.high[j] *= shorter
+        failed, count, spent = attempt(geo, skel, posture, poses, settings, round_ > 0, budget, memory_out)
+        if failed == 0 and not (count > 0 and settings.merit > 0.0 and loses_merit(settings, memory_out)):
+            accepted = True
+            for j in range(r.x.shape[0]):
+                goal.trust[j] = min(1.0, 2.0 * goal.trust[j])
+            break
+        if failed == 0:
+            shorter = SHRINK
+        else:
+            distrust_failing(skel, first, memory_out)
+        if spent:
+            break
+    list_rows(count, first, memory_out)
+    if not accepted:
+        if failed == 0:
+            stay(geo, skel, posture, memory_out)
+        else:
+            back_off(geo, skel, posture, poses, settings, memory_out)
+    largest = 0.0
+    for j in range(r.x.shape[0]):
+        largest = max(largest, abs(r.x[j]))
+    forget_idle_pairs(first, IDLE_STEPS, memory_out)
+    adopt(geo, skel, posture, poses, memory_out)
+    return largest, count, to_turn, to_move
+
+
+@kernel
+def list_rows(count: int, first: int, memory_out: Memory) -> None:
+    """List the pairs whose rows were active: they get a row in the next step before anything fails."""
+    r = memory_out.rows
+    for k in range(count):
+        if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
+            list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)

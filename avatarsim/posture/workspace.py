@@ -1,0 +1,170 @@
+"""Memory of the posture solver: made once per scene, so that the kernels allocate nothing."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+ROW_CAP = 96
+"""Most contact and bound rows of one step. The slowest frames of hostile motion used a dozen; more are counted as dropped."""
+
+FAILED_CAP = 64
+"""Most failed pairs that are remembered by name; further ones are only counted."""
+
+MERIT_WINDOW = 8
+"""Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
+
+# counts of one frame, by place in Memory.counts
+QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
+COUNT_NAMES = (
+    "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
+    "resyncs", "bad_queries",
+)
+
+
+class Goal(NamedTuple):
+    """The way to the tracker's posture in the tangent space.
+
+    full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
+    tracker Posture inside the limits; previous tracker posture; merit window
+    """
+
+    full: Array
+    step: Array
+    low: Array
+    high: Array
+    trust: Array
+    inverse_weight: Array
+    tracker: Posture
+    before: Posture
+    window: Array
+
+
+class Rows(NamedTuple):
+    """Linear conditions J x >= c of one step and the dual solver's memory.
+
+    jacobian, weighted (M, nd); bound, multiplier, residual (M); gram (M, M); pair (M, 2) shapes, or (-1, dof) for a bound;
+    x (nd) the solution; built (1) rows whose gram entries are up to date
+    """
+
+    jacobian: Array
+    weighted: Array
+    bound: Array
+    multiplier: Array
+    residual: Array
+    gram: Array
+    pair: Index
+    x: Array
+    built: Index
+
+
+class PairMemory(NamedTuple):
+    """What is known of pairs of pieces: rows are driven pieces (from `first` on), columns all pieces.
+
+    axis (D, S, 3) last direction that held; axis_gap (D, S) its gap at the checked state, valid when axis_stamp == now;
+    nearest (D, S, 3), nearest_gap (D, S) exact at the checked state, valid when nearest_stamp == now;
+    active (D, S) whether listed; listed (64, 2), age (64); failed (64, 2); marks: now, listed, failed, near bodies
+    """
+
+    axis: Array
+    axis_gap: Array
+    axis_stamp: Index
+    nearest: Array
+    nearest_gap: Array
+    nearest_stamp: Index
+    active: NDArray[np.bool_]
+    listed: Index
+    age: Index
+    failed: Index
+    near: Index
+    marks: Index
+
+
+NOW, LISTED, FAILED, NEARBY = range(4)
+
+
+class Memory(NamedTuple):
+    """Everything the posture solver keeps: trial poses, world axes of the checked and the trial state, and the parts above."""
+
+    trial: Poses
+    axes: Array
+    trial_axes: Array
+    swept: Array
+    swept_hulls: Array
+    reach: Array
+    goal: Goal
+    rows: Rows
+    pairs: PairMemory
+    touched: NDArray[np.bool_]
+    flags: Array
+    counts: Index
+    scratch: Scratch
+
+
+# places in Memory.flags
+MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED = range(6)
+
+
+def _posture(nl: int, nd: int) -> Posture:
+    return Posture(np.zeros((nl, 3)), np.tile(np.eye(3), (nl, 1, 1)), np.zeros(nd))
+
+
+def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: PostureSettings) -> Array:
+    """Weight (nd) of every degree of freedom: mean squared motion of the vertices it moves, at rest.
+
+    Floored at `stiffness_floor` medians, or nearly free joints (wrists, feet) spin to gain a millimetre.
+    """
+    weight = np.zeros(skel.first_dof[-1])
+    for link in range(len(skel.kind)):
+        b = skel.first + link
+        rows = slice(geo.shapes.start[geo.first_shape[b]], geo.shapes.start[geo.first_shape[b + 1]])
+        points = poses.vertices[rows]
+        if not len(points):
+            continue
+        for m in np.flatnonzero(skel.related[link]):
+            for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
+                if skel.kind[m] == FREE and j < skel.first_dof[m] + 3:
+                    weight[j] += 1.0
+                else:
+                    arm = np.cross(axes[j], points - poses.position[skel.first + m])
+                    weight[j] += float((arm**2).sum(axis=1).mean()) + 1e-4
+    roots = np.zeros(len(weight), dtype=bool)
+    for link in np.flatnonzero(skel.kind == FREE):
+        roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True
+    typical = np.median(weight[~roots]) if (~roots).any() else np.median(weight[roots])
+    weight = np.maximum(weight / typical, settings.stiffness_floor)
+    weight[roots] *= settings.root_weight
+    return weight
+
+
+def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
+    """Fresh memory for a world whose bodies stand at `poses`."""
+    nl, nd, ns, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.body), len(geo.first_shape) - 1
+    driven = ns - int(geo.first_shape[skel.first])
+    goal = Goal(
+        np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
+        np.full(MERIT_WINDOW, UNLIMITED),
+    )
+    rows = Rows(
+        np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
+        np.zeros((ROW_CAP, ROW_CAP)), np.zeros((ROW_CAP, 2), dtype=np.int64), np.zeros(nd), np.zeros(1, dtype=np.int64),
+    )
+    none = np.full((driven, ns), -1, dtype=np.int64)
+    pairs = PairMemory(
+        np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(), np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
+        np.zeros((driven, ns), dtype=np.bool_), np.zeros((64, 2), dtype=np.int64), np.zeros(64, dtype=np.int64),
+        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(4, dtype=np.int64),
+    )
+    trial = Poses(*(array.copy() for array in poses))
+    return Memory(
+        trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
+        np.zeros(nl, dtype=np.bool_), np.zeros(6), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
+    )

@@ -1,0 +1,64 @@
+"""Every tolerance, cap and constant that a user may want to change, with its unit and what breaks if it changes."""
+
+from typing import NamedTuple
+
+
+class PostureSettings(NamedTuple):
+    """How a checked posture follows the tracker (method `default`).
+
+    stand_off       [m] gap aimed at. 2e-5: more corrections and a longer slowest frame; 1e-3: air one can see.
+    least_gap       [m] gap accepted. Room for curvature and solver error between this and `stand_off`.
+    wedged_gap      [m] gap accepted when squeezed from two sides; 0 would let a wedged link never move again.
+    turn_cap        [rad] largest change of a joint in one step; larger, and first-order rows stop predicting.
+    move_cap        [m] largest translation of a root in one step; larger widens the swept boxes and the slowest frame.
+    stray_turn      [rad] how far a contact may throw a joint off its own way in one step; infinite, and wrists spin.
+    stray_move      [m] the same for the translation of a root.
+    steps           steps per frame; 1 halves the top speed, 3 only costs time.
+    corrections     rounds of new contact rows per attempt; 8 makes the slowest frames 2.5 times slower.
+    attempts        attempts per step; the second one aims at softer gaps.
+    sweeps          sweeps of the dual solver per round.
+    work            budget of one frame in units of about a microsecond, counted and not timed, so results repeat.
+    merit           share of the step's own length by which the distance to the tracker must shrink while the tracker
+                    rests; 0 lets limbs circle around an obstacle for ever.
+    root_weight     how much a root resists against a joint; below 1 the body drifts where a hand would do.
+    stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
+    stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
+    untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
+    """
+
+    stand_off: float = 2e-4
+    least_gap: float = 5e-5
+    wedged_gap: float = 2e-6
+    turn_cap: float = 0.35
+    move_cap: float = 0.15
+    stray_turn: float = 0.15
+    stray_move: float = 0.05
+    steps: int = 2
+    corrections: int = 4
+    attempts: int = 2
+    sweeps: int = 15
+    work: int = 40
+    merit: float = 0.01
+    root_weight: float = 3.0
+    stiffness_floor: float = 3.0
+    stuck_frames: int = 12
+    untie: int = 1
+
+
+class CouplingSettings(NamedTuple):
+    """Eq. 6, the virtual coupling between tracker and driven body: the paper's K [N/m] and R [N s/m].
+
+    Softer: the hand lags behind the tracker after a collision; stiffer: heavy objects feel like walls.
+    """
+
+    spring: float = 1000.0
+    damping: float = 40.0
+
+
+class AttractionSettings(NamedTuple):
+    """Coach and trainee (method `paper`): the share of the way to the tracker's angles taken per second.
+
+    30: nine tenths of the way back in five frames of 1/60 s. Higher is stiffer, lower trails behind the user.
+    """
+
+    rate: float = 30.0

@@ -1,0 +1,210 @@
+"""Our scene as a MuJoCo model: same shapes vertex for vertex, same masses, exactly the scene's pairs."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
+from avatarsim.scene.mass import Mass
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
+from avatarsim.spatial import rotation
+from reference.in_mujoco.laws import Law, Laws
+
+Indices = NDArray[np.int64]
+
+ARM = 1.0
+"""Length [m] from a ball joint to the two sites whose distance is the swing limit: chord 2 ARM sin(swing / 2)."""
+
+NARROWEST = 1e-9
+"""Width [rad] given to a hinge whose two limits coincide; MuJoCo refuses an empty interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """The compiled model and where the scene's parts are in it.
+
+    body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
+    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (driven links,) -> mocap index;
+    geom_law, pair_law: what each geom and each explicit pair must say.
+    """
+
+    model: mujoco.MjModel
+    body_ids: Indices
+    free: tuple[Indices, Indices, Indices]
+    hinge_qpos: Indices
+    balls: tuple[Indices, Indices]
+    roots: tuple[Indices, Indices]
+    mocap: tuple[Indices, Indices]
+    geom_law: tuple[Law | None, ...]
+    pair_law: tuple[Law, ...]
+
+
+def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool) -> World:
+    """Compile the scene. Time steps and contact stiffness are set afterwards: they depend on the step.
+
+    `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
+    `gravity_on_links`: whether the avatar weighs.
+    """
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    spec.option.gravity = scene.gravity
+    # exactly the scene's pairs: MuJoCo's own rule also drops grandparents across rigid joints
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+    # a diverged state must stay visible: by default it is silently replaced by the first one
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    geoms: list[list[str]] = []
+    for k, body in enumerate(scene.bodies):
+        made = spec.worldbody.add_body(name=f"b{k}", pos=body.position, quat=body.orientation)
+        if body.role is Role.SIMULATED:
+            made.add_freejoint(name=f"b{k}")
+            _inertia(made, body)
+        geoms.append(_geoms(spec, made, k, body.pieces, laws))
+    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links)
+    pair_law = _pairs(spec, scene, laws, geoms)
+    model = spec.compile()
+    return _addresses(scene, laws, model, geoms, pair_law)
+
+
+def _avatars(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool,
+             gravity: bool) -> None:
+    k, hinge = len(scene.bodies), 0
+    for avatar in scene.avatars:
+        made: dict[str, mujoco.MjsBody] = {}
+        for link in avatar.links:
+            parent = spec.worldbody if link.parent is None else made[link.parent]
+            body = parent.add_body(name=f"b{k}", pos=link.anchor, quat=link.orientation)
+            made[link.name] = body
+            body.gravcomp = 0.0 if gravity else 1.0
+            _inertia(body, link)
+            if isinstance(link.joint, Free):
+                body.add_freejoint(name=f"b{k}")
+            elif isinstance(link.joint, Ball):
+                body.add_joint(name=f"b{k}", type=mujoco.mjtJoint.mjJNT_BALL)
+                if swing and limits and link.joint.limits is not None:
+                    _swing_limit(spec, parent, body, k, link.anchor, link.joint.limits)
+            elif isinstance(link.joint, Hinges):
+                for stop in link.joint.hinges:
+                    joint = body.add_joint(name=f"h{hinge}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=stop.axis)
+                    free = stop.lower <= -MANY_TURNS and stop.upper >= MANY_TURNS
+                    joint.limited = limits and not free
+                    joint.range = [stop.lower, max(stop.upper, stop.lower + NARROWEST)]
+                    hinge += 1
+            if not isinstance(link.joint, Rigid):
+                spec.worldbody.add_body(name=f"m{k}", mocap=True)
+                weld = spec.add_equality(name=f"m{k}", type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
+                weld.name1, weld.name2 = f"m{k}", f"b{k}"
+                # anchor, relative position, relative orientation, weight of rotation against translation
+                weld.data = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]
+            geoms.append(_geoms(spec, body, k, link.pieces, laws))
+            k += 1
+
+
+def _swing_limit(spec: mujoco.MjSpec, parent: mujoco.MjsBody, body: mujoco.MjsBody, k: int, anchor: tuple[float, ...],
+                 limit: SwingTwist) -> None:
+    """A circular cone as the longest distance of two points: one on the limb's axis, one on the cone's."""
+    parent.add_site(name=f"centre{k}", pos=np.array(anchor) + ARM * np.array(limit.centre))
+    body.add_site(name=f"axis{k}", pos=ARM * np.array(limit.axis))
+    tendon = spec.add_tendon(name=f"swing{k}")
+    tendon.wrap_site(f"centre{k}")
+    tendon.wrap_site(f"axis{k}")
+    tendon.limited = True
+    tendon.range = [0.0, 2.0 * ARM * np.sin(0.5 * limit.swing)]
+
+
+def _inertia(body: mujoco.MjsBody, owner: object) -> None:
+    """Mass, centre and principal inertia as stated."""
+    mass = getattr(owner, "mass", None)
+    assert isinstance(mass, Mass)
+    inertia = mass.inertia
+    moments, turn = np.diag(inertia).copy(), np.array(rotation.IDENTITY)
+    if np.abs(inertia - np.diag(moments)).max() > 1e-15 * moments.max():
+        moments, axes = np.linalg.eigh(inertia)
+        if np.linalg.det(axes) < 0.0:
+            axes[:, 0] *= -1.0
+        turn = rotation.from_matrix(axes)
+    # MuJoCo refuses what exceeds the triangle inequality by a rounding error, as thin rods do
+    largest = int(np.argmax(moments))
+    moments[largest] = min(moments[largest], (moments.sum() - moments[largest]) * (1.0 - 1e-15))
+    body.explicitinertial = True
+    body.mass, body.ipos, body.inertia, body.iquat = mass.mass, mass.centre, moments, turn
+
+
+def _geoms(spec: mujoco.MjSpec, body: mujoco.MjsBody, k: int, pieces: tuple[Piece, ...], laws: Laws) -> list[str]:
+    names = []
+    priority, law = laws.own[k]
+    for i, piece in enumerate(pieces):
+        geom = body.add_geom(name=f"g{k}.{i}", pos=piece.position, quat=piece.orientation)
+        geom.priority, geom.friction, geom.condim = priority, [law.friction, 0.0, 0.0], 3
+        shape = piece.shape
+        if isinstance(shape, Sphere):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [shape.radius, 0.0, 0.0]
+        elif isinstance(shape, Capsule):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CAPSULE, [shape.radius, 0.5 * shape.length, 0.0]
+        elif isinstance(shape, Box):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_BOX, 0.5 * np.array(shape.size)
+        elif isinstance(shape, Ellipsoid):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_ELLIPSOID, shape.radii
+        else:
+            geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, _mesh(spec, f"g{k}.{i}", shape)
+        names.append(geom.name)
+    return names
+
+
+def _mesh(spec: mujoco.MjSpec, name: str, shape: ConvexHull) -> str:
+    """The hull of the vertices. MuJoCo moves a mesh to its centre of mass; its compiler moves the geom back."""
+    mesh = spec.add_mesh(name=name)
+    mesh.uservert = shape.vertices.astype(np.float32).ravel()
+    # masses are stated: the mesh's own are not used, and this mode accepts the thinnest of hulls
+    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    return name
+
+
+def _pairs(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]]) -> list[Law]:
+    n, still = len(scene.names), np.array([role is Role.FIXED for role in scene.roles])
+    for a in range(n):
+        for b in range(a + 1, n):
+            if not scene.pair_filter[a, b] and not (still[a] and still[b]):
+                spec.add_exclude(bodyname1=f"b{a}", bodyname2=f"b{b}")
+    pair_law = []
+    for (a, b), law in laws.explicit.items():
+        for first in geoms[a]:
+            for second in geoms[b]:
+                pair = spec.add_pair(geomname1=first, geomname2=second)
+                pair.condim, pair.friction = 3, [law.friction, law.friction, 0.0, 0.0, 0.0]
+                pair_law.append(law)
+    return pair_law
+
+
+def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list[str]], pair_law: list[Law]) -> World:
+    def ints(values: list[int]) -> Indices:
+        return np.array(values, dtype=np.int64)
+
+    def qpos(name: str) -> int:
+        return int(model.joint(name).qposadr[0])
+
+    first = len(scene.bodies)
+    moving = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
+    roots = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Free)]
+    balls = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Ball)]
+    driven = [k for k, link in enumerate(scene.links) if not isinstance(link.joint, Rigid)]
+    owner = {name: k for k, names in enumerate(geoms) for name in names}
+    hinges = sum(avatar.hinge_count for avatar in scene.avatars)
+    return World(
+        model=model,
+        body_ids=ints([model.body(f"b{k}").id for k in range(len(scene.names))]),
+        free=(ints(moving), ints([qpos(f"b{k}") for k in moving]),
+              ints([int(model.joint(f"b{k}").dofadr[0]) for k in moving])),
+        hinge_qpos=ints([qpos(f"h{h}") for h in range(hinges)]),
+        balls=(ints(balls), ints([qpos(f"b{first + k}") for k in balls])),
+        roots=(ints(roots), ints([qpos(f"b{first + k}") for k in roots])),
+        mocap=(ints(driven), ints([int(model.body(f"m{first + k}").mocapid[0]) for k in driven])),
+        geom_law=tuple(laws.own[owner[model.geom(g).name]][1] for g in range(model.ngeom)),
+        # the compiler keeps the order of pairs as they were added
+        pair_law=tuple(pair_law),
+    )
+
+

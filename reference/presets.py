@@ -1,0 +1,79 @@
+"""How a reference engine's settings are kept: named values with the reason for each, overridden by name."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from avatarsim.engine import Settings
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+
+Value = bool | int | float | str | tuple[float, ...] | None
+"""What a setting may be."""
+
+
+class Kind(Enum):
+    """What a scene asks of an engine: bodies that bounce, bodies that are driven, or both in one scene."""
+
+    BOUNCING = "bouncing"
+    DRIVEN = "driven"
+    MIXED = "mixed"
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """One setting and why it has this value."""
+
+    value: Value
+    reason: str
+
+
+Preset = Mapping[str, Chosen]
+
+
+def kind_of(scene: Scene) -> Kind:
+    """Simulated bodies only, driven ones only, or both."""
+    if not scene.avatars:
+        return Kind.BOUNCING
+    return Kind.MIXED if any(role is Role.SIMULATED for role in scene.roles) else Kind.DRIVEN
+
+
+def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> dict[str, Chosen]:
+    """The preset that `settings` names, with its options in place; typed errors for names and values that are unknown."""
+    if settings.preset not in presets:
+        raise UnknownName(f"preset of {engine}", settings.preset, presets)
+    chosen = dict(presets[settings.preset])
+    for name, value in settings.options.items():
+        if name not in chosen:
+            raise InvalidInput(f"option of {engine}", name, "one of " + ", ".join(sorted(chosen)))
+        chosen[name] = Chosen(_like(engine, name, chosen[name].value, value), "set by hand")
+    return chosen
+
+
+def _like(engine: str, name: str, default: Value, value: object) -> Value:
+    """`value` as the kind of thing that the setting's default is; settings whose default is None take numbers."""
+    thing = f"option {name} of {engine}"
+    if isinstance(default, bool):
+        if isinstance(value, bool):
+            return value
+        raise InvalidInput(thing, value, "true or false")
+    if isinstance(default, str):
+        if isinstance(value, str):
+            return value
+        raise InvalidInput(thing, value, f"a word such as {default!r}")
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(thing, value, "numbers") from None
+    if not np.isfinite(numbers).all():
+        raise InvalidInput(thing, value, "finite numbers")
+    if isinstance(default, tuple):
+        if numbers.shape != (len(default),):
+            raise InvalidInput(thing, value, f"{len(default)} numbers")
+        return tuple(float(number) for number in numbers)
+    if numbers.shape != ():
+        raise InvalidInput(thing, value, "one number")
+    return int(numbers) if isinstance(default, int) else float(numbers)

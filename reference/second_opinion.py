@@ -1,0 +1,115 @@
+"""A second opinion on the judge: python-fcl's distance on the same pairs, and brute force where the two disagree.
+
+Only `fcl.distance` is asked: fcl's collide reports depths that are not minimal, or negative. The rate of disagreement
+is itself a result; with the decided depth beside it, it says which of the two was wrong.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import fcl
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull as QuickHull
+
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
+from avatarsim.spatial import rotation
+from reference.judge import Judge
+
+Array = NDArray[np.float64]
+
+SAME = 1e-6
+"""Metres up to which two answers count as the same: the bound on residual overlap, so that a disagreement is one that
+could turn a verdict. fcl's own iterations stop at 1e-6 on curved shapes; a smaller figure counts their rounding."""
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """One pair on which judge and fcl differ: names, both signed distances [m] and the one of brute force."""
+
+    pair: tuple[str, str]
+    judged: float
+    fcl: float
+    decided: float
+
+    @property
+    def judge_was_right(self) -> bool:
+        """Whether brute force sides with the judge."""
+        return abs(self.judged - self.decided) <= abs(self.fcl - self.decided)
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """What fcl thought of `asked` pairs of pieces, and where it differed from the judge."""
+
+    asked: int
+    disagreements: tuple[Disagreement, ...]
+
+    @property
+    def rate(self) -> float:
+        """Share of pairs, 0 to 1, on which the two differ; 0 when none were asked."""
+        return len(self.disagreements) / self.asked if self.asked else 0.0
+
+    @property
+    def judge_wrong(self) -> int:
+        """Number of pairs on which brute force sides with fcl."""
+        return sum(not found.judge_was_right for found in self.disagreements)
+
+    def __str__(self) -> str:
+        """One sentence for a report."""
+        return (
+            f"python-fcl differs from the judge by more than {SAME:g} m on {len(self.disagreements)} of {self.asked} "
+            f"pairs ({100 * self.rate:.3g} %); brute force sides with python-fcl on {self.judge_wrong} of them"
+        )
+
+
+def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
+    """`shape` as fcl's own kind of it; hulls vertex for vertex."""
+    if isinstance(shape, Sphere):
+        return fcl.Sphere(shape.radius)
+    if isinstance(shape, Capsule):
+        return fcl.Capsule(shape.radius, shape.length)
+    if isinstance(shape, Box):
+        return fcl.Box(*shape.size)
+    if isinstance(shape, Ellipsoid):
+        return fcl.Ellipsoid(*shape.radii)
+    hull = QuickHull(shape.vertices)
+    faces = []
+    for corners, plane in zip(hull.simplices, hull.equations, strict=True):
+        a, b, c = shape.vertices[corners]
+        outward = np.dot(np.cross(b - a, c - a), plane[:3]) > 0.0
+        faces.append([3, *(corners if outward else corners[::-1])])
+    return fcl.Convex(shape.vertices, len(faces), np.array(faces).flatten())
+
+
+def fcl_distance(a: fcl.CollisionGeometry, turn_a: Array, at_a: Array, b: fcl.CollisionGeometry, turn_b: Array, at_b: Array) -> float:
+    """Signed distance [m] by fcl of two geometries at rotations (3, 3) and positions (3,) [m]."""
+    request = fcl.DistanceRequest(enable_signed_distance=True, gjk_solver_type=fcl.GJKSolverType.GST_LIBCCD)
+    first = fcl.CollisionObject(a, fcl.Transform(turn_a, at_a))
+    second = fcl.CollisionObject(b, fcl.Transform(turn_b, at_b))
+    return float(fcl.distance(first, second, request, fcl.DistanceResult()))
+
+
+def second_opinion(judge: Judge, states: Iterable[tuple[Array, Array]], reach: float = 0.0) -> Opinion:
+    """fcl's opinion on every near pair of every state (positions (n, 3), orientations (n, 4)) of the judge's scene.
+
+    `reach` [m] as in `Judge.overlaps`. States with poses that are no poses are passed over: they have no distances.
+    """
+    pieces, names = judge.pieces, judge.scene.names
+    geometries = [fcl_geometry(shape) for shape in pieces.shapes]
+    asked, found = 0, []
+    for positions, orientations in states:
+        if judge.faults(positions, orientations):
+            continue
+        first, second, judged = judge.distances(positions, orientations, reach)
+        at, turns = pieces.placed(np.asarray(positions), rotation.to_matrix(rotation.normalised(orientations)))
+        for a, b, claim in zip(first.tolist(), second.tolist(), judged.tolist(), strict=True):
+            asked += 1
+            other = fcl_distance(geometries[a], turns[a], at[a], geometries[b], turns[b], at[b])
+            # fcl may answer nan: that is a disagreement too
+            if not abs(other - claim) <= SAME:
+                decided = judge.by_brute_force(a, turns[a], b, turns[b], at[a] - at[b])
+                pair = (names[pieces.owner[a]], names[pieces.owner[b]])
+                found.append(Disagreement(pair, claim, other, decided))
+    return Opinion(asked, tuple(found))
+

@@ -1,0 +1,103 @@
+"""What a driven engine is told to follow inside a frame: the posture between two tracker samples.
+
+Every reference engine takes steps shorter than a frame. Each step gets the same motion as all others see, taken between
+the samples at the two ends of the frame: linear for positions and hinge angles, spherical for rotations.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
+from reference.target_kernels import FREE, MOVED, RIGID, TURNED, chain_poses, clamp_balls, interpolate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """Postures at `n` instants: as joints and as link poses in the world.
+
+    roots (n, links, 3), turns (n, links, 4), angles (n, hinges); positions (n, links, 3), orientations (n, links, 4).
+    """
+
+    roots: Array
+    turns: Array
+    angles: Array
+    positions: Array
+    orientations: Array
+
+
+class Targets:
+    """Interpolates tracker samples of one scene and turns them into link poses.
+
+    With `clamp` the samples are first brought within hinge limits and swing and twist limits: a servo that is asked for
+    less than the joint allows does not fight the joint's stop.
+    """
+
+    def __init__(self, scene: Scene, clamp: bool) -> None:
+        links, self._clamp = scene.links, clamp
+        names = [(avatar.name, link.name) for avatar in scene.avatars for link in avatar.links]
+        index = {name: k for k, name in enumerate(names)}
+        joints = [link.joint for link in links]
+        hinges = [joint.hinges if isinstance(joint, Hinges) else () for joint in joints]
+        parents = [(avatar.name, link.parent) for avatar in scene.avatars for link in avatar.links]
+        self._parent = np.array([-1 if p[1] is None else index[p[0], p[1]] for p in parents], dtype=np.int64)
+        self._kind = np.array([_kind(joint) for joint in joints], dtype=np.int64)
+        self._anchor = np.array([link.anchor for link in links], dtype=np.float64).reshape(-1, 3)
+        self._rest = np.array([link.orientation for link in links], dtype=np.float64).reshape(-1, 4)
+        self._first = np.concatenate([[0], np.cumsum([len(h) for h in hinges])]).astype(np.int64)
+        flat = [hinge for group in hinges for hinge in group]
+        self._axes = np.array([hinge.axis for hinge in flat], dtype=np.float64).reshape(-1, 3)
+        self._lower = np.array([hinge.lower for hinge in flat], dtype=np.float64)
+        self._upper = np.array([hinge.upper for hinge in flat], dtype=np.float64)
+        limited = [(k, j.limits) for k, j in enumerate(joints) if isinstance(j, Ball) and j.limits is not None]
+        self._balls = np.array([k for k, _ in limited], dtype=np.int64)
+        self._axis = np.array([limit.axis for _, limit in limited], dtype=np.float64).reshape(-1, 3)
+        pairs = [rotation.between(limit.axis, limit.centre) for _, limit in limited]
+        self._between = np.array(pairs, dtype=np.float64).reshape(-1, 4)
+        stops = [(limit.swing, *limit.twist) for _, limit in limited]
+        self._stops = np.array(stops, dtype=np.float64).reshape(-1, 3)
+
+    def within_limits(self, sample: TrackerSample) -> TrackerSample:
+        """`sample` with hinge angles, swings and twists at their limits where they were beyond; unchanged without `clamp`."""
+        turns = np.array(sample.rotations, dtype=np.float64).reshape(-1, 4)
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+        roots = np.array(sample.positions, dtype=np.float64).reshape(-1, 3)
+        angles = np.array(sample.angles, dtype=np.float64)
+        if self._clamp:
+            angles = np.clip(angles, self._lower, self._upper)
+            clamp_balls(self._balls, self._rest, self._axis, self._between, self._stops, turns)
+        return TrackerSample(sample.time, roots, turns, angles)
+
+    def between(self, start: TrackerSample, end: TrackerSample, fractions: Array) -> Goals:
+        """Postures at `fractions` (n,) of the way from `start` (0) to `end` (1); beyond 1 the motion goes on as it was.
+
+        Both samples come from `within_limits`.
+        """
+        n, links = len(fractions), len(self._parent)
+        goals = Goals(
+            np.empty((n, links, 3)), np.empty((n, links, 4)), np.empty((n, len(end.angles))),
+            np.empty((n, links, 3)), np.empty((n, links, 4)),
+        )
+        interpolate(
+            start.positions, start.rotations, start.angles, end.positions, end.rotations, end.angles, fractions,
+            goals.roots, goals.turns, goals.angles,
+        )
+        chain_poses(
+            self._parent, self._kind, self._anchor, self._rest, self._first, self._axes,
+            goals.roots, goals.turns, goals.angles, goals.positions, goals.orientations,
+        )
+        return goals
+
+
+def _kind(joint: object) -> int:
+    if isinstance(joint, Free):
+        return FREE
+    if isinstance(joint, Ball):
+        return TURNED
+    return MOVED if isinstance(joint, Hinges) else RIGID

@@ -1,0 +1,29 @@
+"""What we say: pages and summaries from the files of one run. Reads files, runs nothing."""
+
+import os
+from pathlib import Path
+
+PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
+
+
+def write_report(run_dir: Path) -> None:
+    """Write index.html, summary.md and junit.xml beside `run_dir`/results.json.
+
+    Earlier ones are removed first: after an error no page is left that looks finished. Raises InvalidFile when
+    results.json is missing, truncated or of another schema.
+    """
+    from reports.junit import junit
+    from reports.load import load
+    from reports.page import page
+    from reports.summary import summary
+    from reports.verdict import verdict
+
+    for name in (PAGE, SUMMARY, JUNIT):
+        (run_dir / name).unlink(missing_ok=True)
+    results = load(run_dir)
+    judged = verdict(results)
+    texts = {SUMMARY: summary(results, judged), JUNIT: junit(judged), PAGE: page(results, judged)}
+    for name, text in texts.items():
+        half_written = run_dir / f".{name}.part"
+        half_written.write_text(text, encoding="utf-8")
+        os.replace(half_written, run_dir / name)

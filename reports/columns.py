@@ -1,0 +1,76 @@
+"""Which metrics the verdict table compares, what makes two values equal, and how one run becomes one number per column."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from reports.load import Row
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: smaller is better in all. Values at or below `floor` (in `unit`) count as equal: no instrument here tells
+    them apart, and a ratio to zero says nothing. `stays_inside` columns cannot be won by leaving the room."""
+
+    key: str
+    title: str
+    unit: str
+    floor: float
+    meaning: str
+    takes: Callable[[str], bool]
+    stays_inside: bool = False
+
+
+def _named(*names: str) -> Callable[[str], bool]:
+    return lambda metric: metric in names
+
+
+def is_truth_error(metric: str) -> bool:
+    """Whether a metric is a distance from a closed form: bounce_velocity_error, restitution_error_max, ..."""
+    return "_error" in metric
+
+
+COLUMNS = (
+    Column("overlap", "residual overlap, max", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
+           "found from poses by one judge for every engine (the judge resolves 10 nm)",
+           _named("residual_overlap_max"), stays_inside=True),
+    Column("overlap_frames", "overlap frames", "%", 0.05, "shown frames with more than 1 µm of penetration",
+           _named("overlap_frames"), stays_inside=True),
+    Column("wrong_side", "wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot be: "
+           "an engine that passes through a wall may overlap nothing and is still wrong", _named("wrong_side_frames")),
+    Column("truth", "error to ground truth", "", 1e-4, "distance from the closed form, in the scenes that have one; "
+           "the cell names the metric", is_truth_error),
+    Column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
+           "in which that posture is free of overlap: how closely the avatar stays with its user",
+           _named("tracker_offset_rms_free"), stays_inside=True),
+    Column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
+           _named("joint_limit_excess_max", "reach_cone_excess_max"), stays_inside=True),
+    Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only",
+           _named("frame_time_p50")),
+    Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95")),
+)
+
+
+def truth_metric(rows: Iterable[Row]) -> str | None:
+    """The one ground-truth error a scene is ranked by: one with a bound first, else the first that was measured."""
+    errors = [row for row in rows if is_truth_error(row.metric)]
+    first = sorted(errors, key=lambda row: (row.limit is None, row.value is None))
+    return first[0].metric if first else None
+
+
+def worst(rows: Sequence[Row]) -> Row | None:
+    """The row to show for several seeds: what is not finite first, then the largest value, then a row without a value."""
+    def badness(row: Row) -> tuple[int, float]:
+        if row.value is None:
+            return (0, 0.0)
+        return (2, 0.0) if not math.isfinite(row.value) else (1, row.value)
+
+    return max(rows, key=badness, default=None)
+
+
+def ratio_to_best(value: float | None, best: float | None, floor: float) -> float | None:
+    """`value` over `best`, both lifted to `floor`; None where either is missing or not finite."""
+    if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
+        return None
+    base = max(best, floor)
+    return max(value, floor) / base if base > 0.0 else None

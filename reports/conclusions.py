@@ -1,0 +1,98 @@
+"""Sentences computed from the data: what each chart lets a reader conclude."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from reports.load import Array, Results, Series
+from reports.tables import Block
+from reports.wording import count, listed, quantity
+
+# The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
+OVERLAP_BOUND = 1e-6
+# Time of one frame [us] at 60 Hz and at 30 Hz.
+FRAME_60_HZ, FRAME_30_HZ = 1e6 / 60.0, 1e6 / 30.0
+
+
+def peak(overlap: Array) -> float:
+    """Largest entry; NaN if any entry is not finite, so that a gap is never taken for a good result."""
+    return float(np.max(overlap)) if overlap.size else math.nan
+
+
+def overlap_sentence(runs: Mapping[str, Series]) -> str:
+    """What one panel of residual overlap shows: who stays below the bound, who does not, by how much."""
+    peaks = {run: peak(series.overlap) for run, series in runs.items() if series.overlap.size}
+    if not peaks:
+        return "No engine has a series here, so nothing follows."
+    good = tuple(run for run, value in peaks.items() if value <= OVERLAP_BOUND)
+    broken = tuple(run for run, value in peaks.items() if math.isnan(value))
+    bad = sorted((run for run in peaks if run not in good + broken), key=lambda run: -peaks[run])
+    parts = [f"{listed(good)} {'stays' if len(good) == 1 else 'stay'} within 1 µm"] if good else []
+    parts += [listed(tuple(f"{run} reaches {quantity(peaks[run], 'm')}" for run in bad))] if bad else []
+    parts += [f"{listed(broken)} has frames without a finite number"] if broken else []
+    return "; ".join(parts) + "."
+
+
+def overlap_text(runs: Mapping[str, Series]) -> str:
+    """Text alternative of one overlap panel: peak and share of frames above the bound, per run."""
+    parts = []
+    for run, series in runs.items():
+        if series.overlap.size:
+            above = 100.0 * float(np.mean(~(series.overlap <= OVERLAP_BOUND)))
+            parts.append(f"{run}: peak {quantity(peak(series.overlap), 'm')}, {above:.0f} % of frames above 1 µm")
+    return "Residual overlap per frame. " + ("; ".join(parts) or "No series") + "."
+
+
+def overlap_summary(results: Results, ours: str) -> str:
+    """What all overlap panels together say about our run, the best other one and the raw motion."""
+    scenes = {scene: runs for scene, runs in results.series.items() if any(s.overlap.size for s in runs.values())}
+    if not scenes:
+        return "This run recorded no series of overlap."
+    tally: dict[str, list[bool]] = {}
+    for runs in scenes.values():
+        for run, series in runs.items():
+            if series.overlap.size:
+                tally.setdefault(run, []).append(peak(series.overlap) <= OVERLAP_BOUND)
+    order = sorted(tally, key=lambda run: (run != ours, -sum(tally[run]) / len(tally[run])))
+    said = [f"{run} in {sum(tally[run])} of {len(tally[run])}" for run in order]
+    return f"Scenes in which every frame stays within 1 µm: {', '.join(said)}."
+
+
+def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
+    """What one panel of frame times shows: who is fastest at p95, who leaves the 60 Hz budget."""
+    finite = {run: p for run, p in percentiles.items() if math.isfinite(p[1])}
+    if not finite:
+        return "No frame time was measured here, so nothing follows."
+    order = sorted(finite, key=lambda run: finite[run][1])
+    first, late = order[0], tuple(run for run in order if not finite[run][2] <= FRAME_60_HZ)
+    text = f"{first} has the lowest p95, {quantity(finite[first][1], 'us')}"
+    if len(order) > 1:
+        last = order[-1]
+        text += f"; {last} takes {finite[last][1] / finite[first][1]:.3g} times as long"
+    return text + (f"; {listed(late)} misses 60 Hz in more than 1 % of the frames." if late else "; all keep 60 Hz at p99.")
+
+
+def time_summary(panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str) -> str:
+    """What all panels of frame time together say about our run."""
+    own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
+    if not own:
+        return f"No frame time of {ours} was measured."
+    slowest = max(own, key=lambda scene: own[scene][ours][1])
+    fastest = sum(all(p[1] >= runs[ours][1] for p in runs.values() if math.isfinite(p[1])) for runs in own.values())
+    rivals = sum(len(runs) > 1 for runs in own.values())
+    text = f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
+    return text + (f"; it is the fastest in {fastest} of {count(len(own), 'scene')}." if rivals else ".")
+
+
+def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
+    """What the verdict table lets a reader conclude: in how many cells that can be ranked we are best."""
+    ranked = [
+        cell for block in shown for line in block.lines if line.run == ours
+        for cell in line.cells if cell.ratio is not None
+    ]
+    best = sum(cell.best for cell in ranked)
+    rivals = any(len([line for line in block.lines if not line.tracker]) > 1 for block in shown)
+    if not ranked or not rivals:
+        return f"{ours} has nobody to be compared with in this run."
+    return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked."

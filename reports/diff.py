@@ -1,0 +1,108 @@
+"""What got better or worse between two runs: accuracy absolutely, time only on the same host and beyond its noise."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from reports.columns import COLUMNS, worst
+from reports.load import Results, Row
+from reports.wording import quantity
+
+# Two runs on one host differ by this factor in frame time without any change in the code; smaller changes say nothing.
+TIME_NOISE = 1.25
+# Relative change below which an accuracy measure counts as unchanged: far below any change that matters, above rounding.
+SAME = 1e-6
+# What must agree in provenance before times are compared.
+HOST = ("cpu", "host", "cores", "python")
+Key = tuple[str, str, str]
+
+
+@dataclass(frozen=True)
+class Change:
+    """One measure of one run that differs; `old` or `new` is None where only the other run has a number."""
+
+    scenario: str
+    run: str
+    metric: str
+    unit: str
+    old: float | None
+    new: float | None
+
+    def line(self) -> str:
+        """The change as one line of text."""
+        return f"{self.scenario}  {self.run}  {self.metric}: {quantity(self.old, self.unit)} -> {quantity(self.new, self.unit)}"
+
+
+@dataclass(frozen=True)
+class Changes:
+    """All changes, and why times were left out ("" if they were compared)."""
+
+    worse: tuple[Change, ...]
+    better: tuple[Change, ...]
+    only_old: tuple[str, ...]
+    only_new: tuple[str, ...]
+    no_times: str
+
+    def text(self) -> str:
+        """The whole comparison; what got worse stands first."""
+        lines = [f"worse {len(self.worse)}, better {len(self.better)}"]
+        for name, changes in (("worse", self.worse), ("better", self.better)):
+            lines += [f"{name:<7}{change.line()}" for change in changes]
+        lines += [f"gone   {name}" for name in self.only_old] + [f"new    {name}" for name in self.only_new]
+        return "\n".join([*lines, self.no_times] if self.no_times else lines)
+
+
+def diff(old: Results, new: Results) -> Changes:
+    """Compare the metrics of the verdict table, run by run. A number that is gone or no longer finite is worse."""
+    no_times = _why_no_times(old.provenance, new.provenance)
+    before, after = _numbers(old), _numbers(new)
+    worse, better = [], []
+    for key in before:
+        if key not in after or (no_times and before[key].unit == "us"):
+            continue
+        a, b = before[key], after[key]
+        change = Change(key[0], key[1], key[2], b.unit or a.unit, a.value, b.value)
+        direction = _direction(a, b)
+        if direction > 0:
+            worse.append(change)
+        elif direction < 0:
+            better.append(change)
+    runs_before, runs_after = ({f"{r.scenario}  {r.run}" for r in results.rows} for results in (old, new))
+    gone = [Change(k[0], k[1], k[2], before[k].unit, before[k].value, None) for k in before
+            if k not in after and f"{k[0]}  {k[1]}" in runs_after and before[k].value is not None]
+    return Changes(
+        tuple(worse + [c for c in gone if not (no_times and c.unit == "us")]), tuple(better),
+        tuple(sorted(runs_before - runs_after)), tuple(sorted(runs_after - runs_before)), no_times,
+    )
+
+
+def _numbers(results: Results) -> Mapping[Key, Row]:
+    """The worst row over seeds per scene, run and metric, for every metric that the verdict table ranks."""
+    grouped: dict[Key, list[Row]] = {}
+    for row in results.rows:
+        if any(column.takes(row.metric) for column in COLUMNS):
+            grouped.setdefault((row.scenario, row.run, row.metric), []).append(row)
+    return {key: found for key, rows in grouped.items() if (found := worst(rows))}
+
+
+def _direction(old: Row, new: Row) -> int:
+    """1 if `new` is worse, -1 if better, 0 if they are the same within what can be told apart."""
+    a, b = _rank(old.value), _rank(new.value)
+    if a == b:
+        return 0
+    column = next(column for column in COLUMNS if column.takes(old.metric))
+    a, b = max(a, column.floor), max(b, column.floor)
+    margin = TIME_NOISE if old.unit == "us" else 1.0 + SAME
+    return 1 if b > margin * a else -1 if a > margin * b else 0
+
+
+def _rank(value: float | None) -> float:
+    return value if value is not None and math.isfinite(value) else math.inf
+
+
+def _why_no_times(old: Mapping[str, object], new: Mapping[str, object]) -> str:
+    known = [name for name in HOST if name in old or name in new]
+    if not known:
+        return "times not compared: the files do not say which host they come from"
+    differing = [name for name in known if old.get(name) != new.get(name)]
+    return f"times not compared: the hosts differ in {', '.join(differing)}" if differing else ""

@@ -1,0 +1,40 @@
+"""junit.xml: one test case per scene and bound of the gate, and one for each run that crashed or was not measured."""
+
+from xml.etree import ElementTree
+
+from reports.load import Row
+from reports.verdict import Verdict
+from reports.wording import quantity
+
+
+def junit(verdict: Verdict) -> str:
+    """The document as text. Failed bounds are failures, crashes errors, what was not measured or cannot be said skipped."""
+    outcomes = (
+        *(("", row) for row in verdict.held), *(("failure", row) for row in verdict.failed),
+        *(("error", row) for row in verdict.crashed), *(("skipped", row) for row in verdict.unmeasured),
+        *(("" if row.status == "refused" else "skipped", row) for row in verdict.neutral),
+    )
+    suite = ElementTree.Element("testsuite", {
+        "name": "avatarsim", "tests": str(len(outcomes)),
+        **{f"{kind}{'' if kind == 'skipped' else 's'}": str(sum(kind == outcome for outcome, _ in outcomes))
+           for kind in ("failure", "error", "skipped")},
+    })
+    for kind, row in outcomes:
+        case = ElementTree.SubElement(suite, "testcase", {"classname": f"{row.scenario}.{row.run}", "name": _name(row)})
+        if kind:
+            ElementTree.SubElement(case, kind, {"message": _message(row)})
+    ElementTree.indent(suite)
+    return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
+
+
+def _name(row: Row) -> str:
+    name = row.metric or "run"
+    return f"{name} <= {quantity(row.limit, row.unit)} (seed {row.seed})" if row.limit is not None else f"{name} (seed {row.seed})"
+
+
+def _message(row: Row) -> str:
+    if row.status in ("pass", "fail"):
+        text = f"{row.metric} is {quantity(row.value, row.unit)}, limit {quantity(row.limit, row.unit)}"
+    else:
+        text = row.status
+    return f"{text}: {row.note}" if row.note else text

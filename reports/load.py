@@ -1,0 +1,175 @@
+"""Read one run folder: results.json becomes typed rows, series and engine notes. Nothing is computed here."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidFile
+
+Array = NDArray[np.float64]
+
+# The layout of results.json that this reader knows. Raising it without teaching `load` the new layout refuses every file.
+SCHEMA_VERSION = 1
+STATUSES = ("pass", "fail", "info", "crashed", "not-measured", "cannot-say", "refused")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measured number of one run; `value` is None where nothing was measured, NaN where the number was not finite."""
+
+    scenario: str
+    engine: str
+    preset: str
+    seed: int
+    frames: int
+    metric: str
+    value: float | None
+    unit: str
+    bound: float | None
+    ceiling: float | None
+    status: str
+    note: str
+
+    @property
+    def run(self) -> str:
+        """Engine and preset as every table and chart names them."""
+        return f"{self.engine}/{self.preset}"
+
+    @property
+    def limit(self) -> float | None:
+        """Where the gate stands: the ceiling while there is one, else the bound."""
+        return self.bound if self.ceiling is None else self.ceiling
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """Numbers per shown frame, NaN where missing: `overlap` [m], shape (frames,); `frame_time` [us], shape (timed,)."""
+
+    overlap: Array
+    frame_time: Array
+
+
+@dataclass(frozen=True)
+class EngineNote:
+    """What one engine said about itself in one scene: the words it lacks, and its settings (value, reason or "")."""
+
+    run: str
+    scenario: str
+    version: str
+    cannot_say: Mapping[str, str]
+    settings: Mapping[str, tuple[str, str]]
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a report is made of. `titles` maps a scene to one sentence about it, where the file has one."""
+
+    rows: tuple[Row, ...]
+    series: Mapping[str, Mapping[str, Series]]
+    engines: tuple[EngineNote, ...]
+    provenance: Mapping[str, object]
+    exit_code: int | None
+    titles: Mapping[str, str]
+
+    def scenes(self) -> tuple[str, ...]:
+        """Scene names in the order in which they first appear."""
+        return tuple(dict.fromkeys(row.scenario for row in self.rows))
+
+
+def load(run_dir: Path) -> Results:
+    """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, or of another schema."""
+    path = run_dir / "results.json"
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InvalidFile(str(path), type(error).__name__, "a readable file, written at the end of a run") from error
+    except ValueError as error:
+        raise InvalidFile(str(path), str(error), "complete JSON in UTF-8; a killed run leaves half a file") from error
+    if not isinstance(data, dict) or not isinstance(data.get("rows"), list):
+        raise InvalidFile(str(path), type(data).__name__, "an object with a list called rows")
+    if data.get("schema_version") != SCHEMA_VERSION:
+        raise InvalidFile(f"schema_version of {path}", data.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+    try:
+        return Results(
+            rows=tuple(_row(raw) for raw in data["rows"]),
+            series={
+                scene: {run: _series(raw) for run, raw in runs.items()}
+                for scene, runs in (data.get("series") or {}).items()
+            },
+            engines=tuple(_engine_note(raw) for raw in data.get("engines") or ()),
+            provenance=dict(data.get("provenance") or {}),
+            exit_code=data.get("exit_code"),
+            titles={name: _title(raw) for name, raw in (data.get("scenes") or {}).items()},
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error
+
+
+def _number(raw: object) -> float | None:
+    """A JSON number, or one of the words NaN and Infinity that JSON has no number for; None stays None."""
+    if raw is None:
+        return None
+    if isinstance(raw, bool) or not isinstance(raw, int | float | str):
+        raise TypeError(f"{raw!r} is no number")
+    return float(raw)
+
+
+def _row(raw: Mapping[str, object]) -> Row:
+    status = str(raw["status"])
+    if status not in STATUSES:
+        raise ValueError(f"status {status!r} is none of {', '.join(STATUSES)}")
+    return Row(
+        scenario=str(raw["scenario"]),
+        engine=str(raw["engine"]),
+        preset=str(raw.get("preset") or "default"),
+        seed=int(_number(raw.get("seed")) or 0),
+        frames=int(_number(raw.get("frames")) or 0),
+        metric=str(raw.get("metric") or ""),
+        value=_number(raw.get("value")),
+        unit=str(raw.get("unit") or ""),
+        bound=_number(raw.get("bound")),
+        ceiling=_number(raw.get("ceiling")),
+        status=status,
+        note=str(raw.get("note") or ""),
+    )
+
+
+def _series(raw: Mapping[str, list[object] | None]) -> Series:
+    def numbers(key: str) -> Array:
+        listed = (_number(item) for item in raw.get(key) or ())
+        return np.array([math.nan if item is None else item for item in listed], dtype=np.float64)
+
+    return Series(overlap=numbers("overlap_m"), frame_time=numbers("frame_time_us"))
+
+
+def _engine_note(raw: Mapping[str, object]) -> EngineNote:
+    cannot, settings = raw.get("cannot_say") or {}, raw.get("settings") or {}
+    if not isinstance(cannot, Mapping) or not isinstance(settings, Mapping):
+        raise TypeError("cannot_say and settings are objects")
+    return EngineNote(
+        run=f"{raw['name']}/{raw.get('preset') or 'default'}",
+        scenario=str(raw.get("scenario") or ""),
+        version=str(raw.get("version") or ""),
+        cannot_say={str(key): str(text) for key, text in cannot.items()},
+        settings={str(key): _setting(value) for key, value in settings.items()},
+    )
+
+
+def _setting(raw: object) -> tuple[str, str]:
+    """A setting is its value, or a pair [value, reason] whose second part is a text with a blank in it."""
+    if isinstance(raw, list) and len(raw) == 2 and isinstance(raw[1], str) and " " in raw[1]:
+        return _plain(raw[0]), raw[1]
+    return _plain(raw), ""
+
+
+def _plain(raw: object) -> str:
+    return raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False)
+
+
+def _title(raw: object) -> str:
+    return str(raw.get("title") or "") if isinstance(raw, Mapping) else str(raw)

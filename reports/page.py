@@ -1,0 +1,157 @@
+"""index.html: one self-contained page, built from results alone. The template lays out; here the words are gathered."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from reports.charts import overlap_panels, time_panels, time_percentiles
+from reports.columns import COLUMNS, Column
+from reports.conclusions import OVERLAP_BOUND, overlap_summary, table_sentence, time_summary
+from reports.load import EngineNote, Results
+from reports.palette import dark_rules, strokes
+from reports.tables import Block, Cell, blocks, more_truths
+from reports.verdict import Verdict, believed, losing_scenes
+from reports.wording import count, listed, quantity, ratio
+
+TEMPLATES = Path(__file__).parent / "templates"
+# Losses shown before the reader has to ask for the rest.
+FIRST_LOSSES = 6
+# Printed on every page, whatever the figures say.
+FAIRNESS = (
+    "Our avatar is kinematic: the user's motion drives it, and it meets simulated bodies with a coupled mass. It is not full "
+    "articulated dynamics. MuJoCo and PyBullet compute the dynamics of the whole articulated body and pay for it in frame time.",
+    "One scene description; every engine is built from it: the same shapes vertex for vertex, the same masses, the same tracker "
+    "samples at the same instants.",
+    "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth is used.",
+    "Accuracy and time are measured in separate passes. The timing pass is serial, on one thread, warm, with nothing recorded; "
+    "sub-steps count, because time is per rendered frame. First-frame compilation is reported beside it, never inside.",
+    "Each engine runs at its documented defaults and at the best settings known to us; settings and reasons are listed above.",
+    "Only the gated engine and preset can pass or fail. Every other row is information.",
+)
+
+
+@dataclass(frozen=True)
+class SettingLine:
+    """One setting of one engine: its values, each with the scenes it was used in (none listed if it was all of them)."""
+
+    name: str
+    values: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
+class EngineCard:
+    """What an engine and preset says about itself, gathered over all scenes."""
+
+    run: str
+    version: str
+    settings: tuple[SettingLine, ...]
+    cannot: tuple[tuple[str, str, str], ...]
+
+
+def page(results: Results, verdict: Verdict) -> str:
+    """The whole page as text."""
+    first = losing_scenes(verdict)
+    shown = blocks(results, first)
+    runs = [line.run for block in shown for line in block.lines]
+    colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
+    order = tuple(dict.fromkeys([*(block.scene for block in shown), *results.series]))
+    spreads, courses = time_panels(results, colours, order)
+    template = Environment(
+        loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+    ).get_template("index.html.j2")
+    return template.render(
+        verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
+        first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
+        table_sentence=table_sentence(shown, verdict.gated), cell_note=_cell_note,
+        overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
+        spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
+        cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
+        css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
+        more_truths=lambda block: listed(more_truths(results, block)),
+        quantity=quantity, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
+    )
+
+
+def _heads(shown: tuple[Block, ...]) -> Mapping[str, str]:
+    """The line under each column's title: bound and ceiling where the gate has them."""
+    ceilings = sorted({block.ceiling for block in shown if block.ceiling is not None})
+    text = f"bound {quantity(OVERLAP_BOUND, 'm')}"
+    if ceilings:
+        span = quantity(ceilings[0], "m")
+        text += f"; gate at {span}" + (f" to {quantity(ceilings[-1], 'm')}, by scene" if len(ceilings) > 1 else "")
+    heads = {column.key: "" for column in COLUMNS} | {"overlap": text, "overlap_frames": "above 1 µm"}
+    for index, column in enumerate(COLUMNS):
+        limits = {cell.row.limit for block in shown for line in block.lines for cell in line.cells[index : index + 1]
+                  if cell.row and cell.row.limit is not None}
+        if limits and column.key not in ("overlap", "truth"):
+            span = " to ".join(quantity(limit, column.unit) for limit in dict.fromkeys((min(limits), max(limits))))
+            heads[column.key] = f"{heads[column.key]}; bound {span}".removeprefix("; ")
+    return heads
+
+
+def _cell_note(column: Column, cell: Cell) -> tuple[str, str]:
+    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour."""
+    row = cell.row
+    if row is None or row.value is None:
+        return ("missing", "")
+    status = believed(row)
+    if status == "fail":
+        return ("failed", f"fails {quantity(row.limit, row.unit)}")
+    if row.bound is not None and not row.value <= row.bound:
+        return ("above", "above bound")
+    return ("held", "holds") if status == "pass" else ("", "")
+
+
+def cards(notes: tuple[EngineNote, ...]) -> tuple[EngineCard, ...]:
+    """Notes of all scenes, one card per engine and preset; what is the same in all scenes is said once."""
+    grouped: dict[str, list[EngineNote]] = defaultdict(list)
+    for note in notes:
+        grouped[note.run].append(note)
+    return tuple(_card(run, own) for run, own in grouped.items())
+
+
+def _card(run: str, notes: list[EngineNote]) -> EngineCard:
+    settings: dict[str, dict[tuple[str, str], list[str]]] = defaultdict(lambda: defaultdict(list))
+    cannot: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for note in notes:
+        for name, value in note.settings.items():
+            settings[name][value].append(note.scenario)
+        for said in note.cannot_say.items():
+            cannot[said].append(note.scenario)
+
+    def where(scenes: list[str]) -> str:
+        return "" if len(scenes) == len(notes) else listed(tuple(dict.fromkeys(scenes)))
+
+    return EngineCard(
+        run, listed(tuple(dict.fromkeys(note.version for note in notes if note.version))),
+        tuple(
+            SettingLine(name, tuple((value, reason, where(scenes)) for (value, reason), scenes in values.items()))
+            for name, values in settings.items()
+        ),
+        tuple((what, consequence, where(scenes)) for (what, consequence), scenes in cannot.items()),
+    )
+
+
+def _flat(raw: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
+    """Nested provenance as (name, text), names joined by dots."""
+    lines = []
+    for key, value in raw.items():
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping):
+            lines += _flat(value, f"{name}.")
+        else:
+            lines.append((name, ", ".join(map(str, value)) if isinstance(value, list) else str(value)))
+    return lines
+
+
+def _disagreement(results: Results, verdict: Verdict) -> str:
+    """A sentence if the exit code in the file is not the one that its rows call for; "" otherwise."""
+    if results.exit_code is None or results.exit_code == verdict.exit_code:
+        return ""
+    return (
+        f"The run ended with exit code {results.exit_code}, but its rows call for {verdict.exit_code}. "
+        "Trust neither until this is explained."
+    )

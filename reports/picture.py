@@ -1,0 +1,30 @@
+"""From a Vega-Lite specification to a small SVG that can stand in a page among others."""
+
+import re
+from collections.abc import Mapping
+from html import escape
+
+import vl_convert
+
+# The Vega-Lite that altair 6 writes for; the converter carries several.
+VEGA_LITE = "6.4"
+# One decimal of a pixel: finer cannot be seen, and path data are most of a picture's size.
+LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}(?:e-?\d+)?")
+# Vega describes every mark for screen readers; a picture is one thing here, with one description that says what matters.
+INNER_ROLES = re.compile(r' (?:aria-[a-z]+|role|class|pointer-events|xmlns:xlink|version)="[^"]*"')
+EMPTY_PATHS = re.compile(r'<path(?: [a-z-]+="[^"]*")* d=""[^>]*></path>|<path(?: [a-z-]+="[^"]*")* display="none"[^>]*></path>')
+
+
+def picture(spec: Mapping[str, object], label: str, name: str) -> str:
+    """The SVG of `spec`, described by `label` for those who do not see it; `name` keeps ids apart within one page."""
+    svg: str = vl_convert.vegalite_to_svg(dict(spec), VEGA_LITE)
+    svg = INNER_ROLES.sub("", svg)
+    svg = EMPTY_PATHS.sub("", svg)
+    svg = LONG_NUMBER.sub(lambda found: _one_decimal(found.group()), svg)
+    svg = svg.replace('id="', f'id="{name}-').replace("url(#", f"url(#{name}-")
+    return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(label, quote=True)}" ', 1)
+
+
+def _one_decimal(text: str) -> str:
+    rounded = f"{float(text):.1f}"
+    return "0" if rounded in ("-0.0", "0.0") else rounded.removesuffix(".0")

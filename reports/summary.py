@@ -1,0 +1,77 @@
+"""summary.md: the run in the order in which a reviewer needs it. What we lose stands first."""
+
+from reports.columns import COLUMNS
+from reports.load import Results
+from reports.tables import Block, Line, blocks
+from reports.verdict import Verdict, believed, losing_scenes
+from reports.wording import MISSING, count, quantity, ratio
+
+# Losses listed before the rest becomes a number.
+MOST_LOSSES = 20
+
+
+def summary(results: Results, verdict: Verdict) -> str:
+    """The document as Markdown text, ending in a newline."""
+    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(verdict)]
+    shown = blocks(results, losing_scenes(verdict))
+    if shown:
+        parts += ["### All scenes", _table(shown)]
+    else:
+        parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
+    told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
+    parts.append(f"{'; '.join(told)}." if told else "The results say nothing about where they come from.")
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _counts(verdict: Verdict) -> str:
+    return (
+        f"Held {len(verdict.held)} · failed {len(verdict.failed)} · crashed {len(verdict.crashed)} · "
+        f"not measured {len(verdict.unmeasured)}. Gate: `{verdict.gated}`."
+    )
+
+
+def _troubles(verdict: Verdict) -> list[str]:
+    """One list item per run that crashed or was not measured."""
+    rows = [f"- **{row.status}** {row.scenario}, `{row.run}` {row.metric}: {_text(row.note) or 'no reason given'}"
+            for row in verdict.crashed + verdict.unmeasured]
+    return ["### Crashed or not measured", "\n".join(rows)] if rows else []
+
+
+def _losses(verdict: Verdict) -> list[str]:
+    if not verdict.losses:
+        return ["### What we lose", "Nothing in this run: no gated bound failed and no other engine did better anywhere."]
+    lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
+    for loss in verdict.losses[:MOST_LOSSES]:
+        factor = f" ({ratio(loss.severity[1])})" if loss.severity[0] == 1 else ""
+        strong = "**" if loss.severity[0] == 2 else ""
+        lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
+    more = len(verdict.losses) - MOST_LOSSES
+    after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
+    return ["### What we lose, worst first", "\n".join(lines), *after]
+
+
+def _table(shown: tuple[Block, ...]) -> str:
+    head = ["scene", "engine", *(column.title for column in COLUMNS)]
+    lines = ["| " + " | ".join(head) + " |", "|---|---|" + "---:|" * len(COLUMNS)]
+    for block in shown:
+        for line in block.lines:
+            name = f"**{line.run}**" if line.ours else line.run
+            lines.append(f"| {block.scene} | {name}{' ' + line.trouble if line.trouble else ''} | {_cells(line)} |")
+    return "\n".join(lines)
+
+
+def _cells(line: Line) -> str:
+    texts = []
+    for cell in line.cells:
+        text = cell.word or quantity(cell.value, cell.row.unit if cell.row else "")
+        if cell.row and believed(cell.row) == "fail":
+            text = f"**{text} ✕**"
+        if cell.ratio is not None and text != MISSING:
+            text += f" ({'best' if cell.best else ratio(cell.ratio)})"
+        texts.append(text)
+    return " | ".join(texts)
+
+
+def _text(raw: str) -> str:
+    """Text from outside, on one line and unable to end a table cell."""
+    return " ".join(raw.split()).replace("|", "\\|")

@@ -1,0 +1,151 @@
+"""The verdict table as data: one block per scene, one line per engine and preset, one cell per column."""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from reports.columns import COLUMNS, Column, is_truth_error, ratio_to_best, truth_metric, worst
+from reports.load import Results, Row
+
+# The engine whose rows are the raw tracker motion: no contact handling at all. It shows how large the problem is and can win
+# nothing, because its distance from itself is zero and it costs no time.
+RAW_TRACKER = "tracker"
+# The engine and preset that the gate covers unless the rows themselves say another.
+OURS = "avatarsim/default"
+# Statuses that speak about a whole run, worst first.
+RUN_WORDS = ("crashed", "not-measured", "refused", "cannot-say")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One number of the table. `word` replaces the number where there is none; `ratio` is to the best, None if not ranked."""
+
+    row: Row | None
+    word: str
+    ratio: float | None
+    best: bool
+
+    @property
+    def value(self) -> float | None:
+        """The number itself; None where there is none."""
+        return self.row.value if self.row else None
+
+
+@dataclass(frozen=True)
+class Line:
+    """One engine and preset in one scene; `trouble` says what makes the whole run suspect, "" if nothing does."""
+
+    run: str
+    cells: tuple[Cell, ...]
+    trouble: str
+    tracker: bool
+    ours: bool
+
+
+@dataclass(frozen=True)
+class Block:
+    """One scene of the table; `truth` names the metric in the ground-truth column, `ceiling` is where the overlap gate stands."""
+
+    scene: str
+    title: str
+    lines: tuple[Line, ...]
+    truth: str | None
+    ceiling: float | None
+
+
+def gated_run(rows: Iterable[Row]) -> str:
+    """The engine and preset under the gate: whichever carries pass or fail, by default avatarsim/default."""
+    return next((row.run for row in rows if row.status in ("pass", "fail")), OURS)
+
+
+def blocks(results: Results, first: Sequence[str] = ()) -> tuple[Block, ...]:
+    """One block per scene, those named in `first` before the others."""
+    order = [*(s for s in dict.fromkeys(first) if s in results.scenes()), *results.scenes()]
+    grouped: dict[str, list[Row]] = defaultdict(list)
+    for row in results.rows:
+        grouped[row.scenario].append(row)
+    ours = gated_run(results.rows)
+    return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours) for s in dict.fromkeys(order))
+
+
+def _block(scene: str, rows: list[Row], title: str, ours: str) -> Block:
+    truth = truth_metric(rows)
+    runs: dict[str, list[Row]] = defaultdict(list)
+    for row in rows:
+        runs[row.run].append(row)
+    found = {run: [_worst_in(own, column, truth) for column in COLUMNS] for run, own in runs.items()}
+    best = [_best(column, found, index) for index, column in enumerate(COLUMNS)]
+    lines = [
+        _line(run, runs[run], found[run], best, ours) for run in sorted(runs, key=lambda run: _order(run, ours))
+    ]
+    overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
+    return Block(scene, title, tuple(lines), truth, max(overlap, default=None))
+
+
+def _order(run: str, ours: str) -> tuple[int, str]:
+    """The gated run first, its other presets next, the other engines by name, the raw tracker last."""
+    engine = run.split("/")[0]
+    if run == ours:
+        return (0, run)
+    if engine == RAW_TRACKER:
+        return (3, run)
+    return (1, run) if engine == ours.split("/")[0] else (2, run)
+
+
+def _worst_in(rows: list[Row], column: Column, truth: str | None) -> Row | None:
+    fitting = [r for r in rows if column.takes(r.metric) and (column.key != "truth" or r.metric == truth)]
+    return worst(fitting)
+
+
+def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> float | None:
+    """The smallest finite value of the column; the raw tracker never counts, nor a run that left the room."""
+    candidates = []
+    for run, rows in found.items():
+        row = rows[index]
+        if run.split("/")[0] == RAW_TRACKER or row is None or row.value is None or not math.isfinite(row.value):
+            continue
+        if column.stays_inside and _left_room(rows):
+            continue
+        candidates.append(row.value)
+    return min(candidates, default=None)
+
+
+def _left_room(rows: list[Row | None]) -> bool:
+    side = rows[next(i for i, column in enumerate(COLUMNS) if column.key == "wrong_side")]
+    return side is not None and side.value is not None and not side.value <= 0.0
+
+
+def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float | None], ours: str) -> Line:
+    tracker = run.split("/")[0] == RAW_TRACKER
+    word = next((word for word in RUN_WORDS if any(row.status == word for row in rows)), "")
+    cells = []
+    for column, row, least in zip(COLUMNS, found, best, strict=True):
+        value = row.value if row else None
+        ratio = None if tracker else ratio_to_best(value, least, column.floor)
+        no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
+        escaped = column.stays_inside and _left_room(found)
+        cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not escaped))
+    return Line(run, tuple(cells), _trouble(rows, word), tracker, run == ours)
+
+
+def _trouble(rows: list[Row], word: str) -> str:
+    broken = [row for row in rows if row.metric == "not_finite_frames" and row.value is not None and not row.value <= 0.0]
+    if broken:
+        return "shows NaN"
+    return word if word in ("crashed", "not-measured") else ""
+
+
+def ranked_metrics(block: Block) -> tuple[str, ...]:
+    """The metric behind each column of this block, for people who look it up in results.csv."""
+    names = []
+    for index, column in enumerate(COLUMNS):
+        row = next((line.cells[index].row for line in block.lines if line.cells[index].row), None)
+        names.append(row.metric if row else (block.truth or "") if column.key == "truth" else "")
+    return tuple(names)
+
+
+def more_truths(results: Results, block: Block) -> tuple[str, ...]:
+    """Names of the scene's other ground-truth errors, which only results.csv lists."""
+    names = {row.metric for row in results.rows if row.scenario == block.scene and is_truth_error(row.metric)}
+    return tuple(sorted(names - {block.truth or ""}))

@@ -1,0 +1,78 @@
+"""Numbers as a reader wants them: three figures, a unit of the right size, and a word where there is no number."""
+
+import math
+
+MISSING = "—"
+# Prefixes for lengths and times, largest first: (factor to the base unit, name). The base units are metre and microsecond.
+LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+TIMES = ((1e6, "s"), (1e3, "ms"), (1.0, "µs"))
+UNITS = {"deg": "°", "us": "µs", "frames": "", "": ""}
+
+
+def quantity(value: float | None, unit: str) -> str:
+    """`value` in `unit` with three figures: metres and microseconds get a fitting prefix; None is a dash, NaN is NaN."""
+    if value is None:
+        return MISSING
+    if math.isnan(value):
+        return "NaN"
+    if math.isinf(value):
+        return "infinite"
+    if value == 0.0:
+        return f"0 {UNITS.get(unit, unit)}".strip() if unit not in ("m", "us") else "0"
+    if unit == "m" and abs(value) < 1e3:
+        return _prefixed(value, LENGTHS)
+    if unit == "us":
+        return _prefixed(value, TIMES)
+    name = UNITS.get(unit, unit)
+    return f"{figures(value)}{'' if name in ('', '°') else ' '}{name}"
+
+
+def _prefixed(value: float, prefixes: tuple[tuple[float, str], ...]) -> str:
+    # 0.9995 guards against 999.7 µm being printed as 1,000 µm.
+    factor, name = next((p for p in prefixes if abs(value) >= 0.9995 * p[0]), prefixes[-1])
+    return f"{figures(value / factor)} {name}"
+
+
+def figures(value: float) -> str:
+    """Three significant figures, thousands separated, powers of ten only where plain digits would be long."""
+    size = abs(value)
+    if size == 0.0:
+        return "0"
+    if not 1e-3 <= size < 1e6:
+        digits, exponent = f"{value:.1e}".split("e")
+        return f"{digits}·10{_superscript(int(exponent))}"
+    if size >= 999.5:
+        return f"{value:,.0f}"
+    decimals = max(0, 2 - math.floor(math.log10(size)))
+    text = f"{value:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text and size < 100 and decimals > 2 else text
+
+
+def ratio(value: float | None) -> str:
+    """How many times the best: "best" for 1, "level" within 0.5 %, "×12" above; a dash where there is nothing to compare."""
+    if value is None or math.isnan(value):
+        return MISSING
+    if value <= 1.0:
+        return "best"
+    if value < 1.005:
+        return "level"
+    if value < 9.95:
+        return f"×{value:.2f}" if value < 1.095 else f"×{value:.1f}"
+    if value < 1e6:
+        return f"×{float(f'{value:.1e}'):,.0f}"
+    return f"×10{_superscript(round(math.log10(value)))}"
+
+
+def count(number: int, noun: str) -> str:
+    """"1 scene", "3 scenes"."""
+    return f"{number:,} {noun}" if number == 1 else f"{number:,} {noun}s"
+
+
+def listed(names: tuple[str, ...], most: int = 6) -> str:
+    """Names with commas; the rest as a number."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def _superscript(number: int) -> str:
+    return str(number).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -1,0 +1,1 @@
+"""What we ask of every engine: scenes, tracker motions, bounds. Knows no engine by name."""

@@ -1,0 +1,105 @@
+"""How far a human's joints turn: one table of ranges of motion, and the limits we construct from it.
+
+The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are
+OUR OWN construction from them, not published anywhere: anatomy tables state ends of motion in four directions, our
+ball joints a circular cone and a twist. So the cone's axis is tilted half-way between opposite ends, and its opening is
+what the furthest of the four ends needs. A circle through the far ends is generous in between.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import UnknownName
+from avatarsim.scene.joint import SwingTwist
+
+DOWN, UP = (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Ends of motion [degrees] of a ball joint whose limb points along `axis` when it is at zero.
+
+    Forward and backward, outward (away from the middle of the body) and inward are swings of that direction,
+    `turn_out` and `turn_in` turns about it: the left limb's `turn_out` turns what faces forward to the left.
+    """
+
+    axis: tuple[float, float, float]
+    forward: float
+    backward: float
+    outward: float
+    inward: float
+    turn_out: float
+    turn_in: float
+
+
+RANGES = {
+    #                 axis   forward       backward      outward       inward        turn out  turn in
+    # flexion, extension, abduction, adduction, lateral and medial rotation
+    "shoulder": Range(DOWN, 180.0, 60.0, 180.0, 45.0, 90.0, 80.0),
+    "hip": Range(DOWN, 125.0, 30.0, 45.0, 25.0, 60.0, 40.0),
+    # of the sole: dorsiflexion, plantarflexion, eversion, inversion
+    "ankle": Range(DOWN, 20.0, 50.0, 25.0, 35.0, 25.0, 35.0),
+    # flexion, extension, to either side, turn to either side
+    "chest": Range(UP, 75.0, 30.0, 35.0, 35.0, 45.0, 45.0),
+    "neck": Range(UP, 90.0, 55.0, 35.0, 35.0, 70.0, 70.0),
+}
+
+HINGES = {
+    # flexion only; the signs are those of the humanoid's file: elbows bend by positive angles, knees by negative ones
+    "elbow": (0.0, 150.0),
+    "knee": (-140.0, 0.0),
+}
+
+
+def hinge_limits(link: str) -> tuple[float, float]:
+    """Lower and upper limit [rad] of the hinge of `link`, such as "left_knee"."""
+    _, joint = _side_and_joint(link)
+    if joint not in HINGES:
+        raise UnknownName("joint with hinge limits", link, HINGES)
+    low, high = np.radians(HINGES[joint])
+    return float(low), float(high)
+
+
+def ball_limits(link: str) -> SwingTwist:
+    """Cone and twist of the ball joint of `link`, such as "left_hip" or "neck"."""
+    side, joint = _side_and_joint(link)
+    if joint not in RANGES:
+        raise UnknownName("joint with ball limits", link, RANGES)
+    found = RANGES[joint]
+    centre = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward))
+    swing = max(_angle(centre, end) for end in ends(found, side))
+    # turning the left limb outwards is a positive turn about up
+    out = side * (1.0 if found.axis == UP else -1.0)
+    low, high = sorted((out * found.turn_out, -out * found.turn_in))
+    x, y, z = (float(value) for value in centre)
+    return SwingTwist(found.axis, (x, y, z), swing, (float(np.radians(low)), float(np.radians(high))))
+
+
+def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:
+    """Direction of the limb swung by `forward` and `outward` degrees at once; side is 1 for left, -1 for right."""
+    towards = np.array([forward, side * outward, 0.0])
+    angle = float(np.linalg.norm(towards))
+    if angle == 0.0:
+        return np.array(found.axis)
+    return np.cos(np.radians(angle)) * np.array(found.axis) + np.sin(np.radians(angle)) * towards / angle
+
+
+def ends(found: Range, side: float) -> tuple[NDArray[np.float64], ...]:
+    """The four directions at which the table says motion ends."""
+    reached = ((found.forward, 0.0), (-found.backward, 0.0), (0.0, found.outward), (0.0, -found.inward))
+    return tuple(tilted(found, side, forward, outward) for forward, outward in reached)
+
+
+def _side_and_joint(link: str) -> tuple[float, str]:
+    """(1, "hip") of "left_hip", (-1, "hip") of "right_hip", (1, "neck") of "neck"."""
+    side, _, joint = link.partition("_")
+    if joint:
+        return (-1.0 if side == "right" else 1.0), joint
+    return 1.0, link
+
+
+def _angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Angle [rad] between two directions."""
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), np.dot(a, b)))

@@ -1,0 +1,37 @@
+"""All scenes by name. One file per scene, found by looking: each exports SCENARIO or SCENARIOS."""
+
+from functools import cache
+from importlib import import_module
+from pkgutil import walk_packages
+from types import MappingProxyType
+
+from avatarsim.errors import InvalidInput, UnknownName
+from scenarios.scenario import Scenario
+
+
+@cache
+def _found() -> MappingProxyType[str, Scenario]:
+    found: dict[str, Scenario] = {}
+    for module in sorted(walk_packages(__path__, f"{__name__}."), key=lambda info: info.name):
+        if module.ispkg:
+            continue
+        exports = import_module(module.name)
+        family = getattr(exports, "SCENARIOS", None)
+        for scenario in family if family is not None else (exports.SCENARIO,):
+            if scenario.name in found:
+                raise InvalidInput("name of a scenario", scenario.name, "names that occur once only")
+            found[scenario.name] = scenario
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+def scenarios() -> dict[str, Scenario]:
+    """Every scenario by name, sorted; none is built, which may need data that is not installed."""
+    return dict(_found())
+
+
+def get(name: str) -> Scenario:
+    """The scenario called `name`; UnknownName lists those that exist."""
+    try:
+        return _found()[name]
+    except KeyError:
+        raise UnknownName("scenario", name, _found()) from None

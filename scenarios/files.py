@@ -1,0 +1,78 @@
+"""Files that are whole or absent: written beside their place, then moved there, so that a killed run leaves no halves."""
+
+import json
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import BinaryIO
+
+from avatarsim.errors import InvalidInput
+
+OUT = Path(__file__).resolve().parent.parent / "reports" / "out"
+"""Where runs go unless `--out` names another folder; ignored by git."""
+
+
+def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
+    """Let `write` fill a file that takes the name `path` only once it is complete."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with beside.open("wb") as file:
+            write(file)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """`text` as UTF-8 at `path`, whole or not at all."""
+    write_whole(path, lambda file: file.write(text.encode()))
+
+
+def write_json(path: Path, value: object) -> None:
+    """`value` as strict JSON; numbers that JSON has no word for become the texts NaN, Infinity and -Infinity."""
+    write_text(path, json.dumps(plain(value), ensure_ascii=False, allow_nan=False, indent=1) + "\n")
+
+
+def plain(value: object) -> object:
+    """`value` with mappings, sequences and numbers turned into what strict JSON can hold; anything else into text."""
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, Sequence):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        if math.isfinite(value):
+            return value
+        return "NaN" if math.isnan(value) else ("Infinity" if value > 0.0 else "-Infinity")
+    return str(value)
+
+
+def run_folder(out: Path, command: str) -> Path:
+    """A new folder below `out`, named by the time and the command, and `out`/latest leading to it."""
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    out.mkdir(parents=True, exist_ok=True)
+    for attempt in range(1000):
+        folder = out / f"{stamp}-{command}{f'-{attempt}' if attempt else ''}"
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            continue
+        return folder
+    raise InvalidInput("number of runs of one second", 1000, "fewer")
+
+
+def point_latest(folder: Path) -> None:
+    """Let `latest`, beside `folder`, lead to it. A folder that somebody put there by hand is left alone."""
+    latest = folder.parent / "latest"
+    if latest.exists() and not latest.is_symlink():
+        return
+    beside = folder.parent / f".latest.{os.getpid()}"
+    beside.unlink(missing_ok=True)
+    beside.symlink_to(folder.name, target_is_directory=True)
+    os.replace(beside, latest)

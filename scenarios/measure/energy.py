@@ -1,0 +1,94 @@
+"""Energy of simulated bodies: how much of a frame's gain nothing explains, and how much removing overlap has lifted."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
+from avatarsim.spatial import rotation
+from scenarios.measure.timeline import timeline
+from scenarios.measure.value import Missing, Values
+from scenarios.record import Recording
+
+Array = NDArray[np.float64]
+
+REACH = 0.05
+"""Distance [m] between bounding balls within which a driven link may do work on a simulated body. Such frames explain any gain,
+so they are left out; wider would leave out more, narrower would blame an engine whose margin acts at a distance."""
+
+
+def bounding_radius(pieces: tuple[Piece, ...]) -> float:
+    """Radius [m] of a ball about the body's origin that holds all pieces."""
+    return max(float(np.linalg.norm(piece.position)) + _radius(piece) for piece in pieces)
+
+
+def _radius(piece: Piece) -> float:
+    shape = piece.shape
+    if isinstance(shape, Sphere):
+        return shape.radius
+    if isinstance(shape, Capsule):
+        return shape.radius + 0.5 * shape.length
+    if isinstance(shape, Box):
+        return 0.5 * float(np.linalg.norm(shape.size))
+    if isinstance(shape, Ellipsoid):
+        return max(shape.radii)
+    return float(np.linalg.norm(shape.vertices, axis=1).max())
+
+
+def kinetic(mass: Array, inertia: Array, orientations: Array, velocities: Array, spins: Array) -> Array:
+    """(T, b) kinetic energy [J] of b bodies of `mass` (b,) and body-frame `inertia` (b, 3, 3)."""
+    own = rotation.rotate(rotation.conjugate(orientations), spins)
+    turning = np.einsum("tbi,bij,tbj->tb", own, inertia, own)
+    return np.asarray(0.5 * (mass * np.sum(velocities**2, axis=-1) + turning))
+
+
+def lifts(time: Array, height: Array, speed: Array) -> Array:
+    """(T-1, b) rise [m] between states that no velocity explains: more than the faster of the two speeds would give."""
+    explained = np.maximum(speed[:-1], speed[1:]) * np.diff(time)[:, None]
+    return np.asarray(np.maximum(np.diff(height, axis=0) - explained, 0.0))
+
+
+def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[np.bool_]:
+    """(F,) True for frames in which no link comes within REACH of a simulated body at either end."""
+    links = recording.positions[:, recording.links]
+    if links.shape[1] == 0:
+        return np.ones(recording.frames, dtype=bool)
+    own = np.array([bounding_radius(scene.bodies[k].pieces) for k in bodies])
+    theirs = np.array([bounding_radius(link.pieces) if link.pieces else 0.0 for link in scene.links])
+    apart = np.linalg.norm(links[:, :, None] - recording.positions[:, None, bodies], axis=-1)
+    away = (apart > own[None, None] + theirs[None, :, None] + REACH).all(axis=(1, 2))
+    return np.asarray(away[:-1] & away[1:])
+
+
+def energy(recording: Recording, scene: Scene) -> Values:
+    """energy_added_max and lift_energy_max [J]: per frame the kinetic energy gained by all simulated bodies beyond gravity's work
+    (over the way without lift), and the potential energy of that lift. Empty without simulated bodies."""
+    bodies = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
+    masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
+    if not bodies or recording.frames == 0:
+        return {}
+    line = timeline(recording, bodies)
+    mass, inertia = np.array([m.mass for m in masses]), np.array([m.inertia for m in masses])
+    gravity = np.array(scene.gravity)
+    strength = float(np.linalg.norm(gravity))
+    up = -gravity / strength if strength > 0.0 else np.array([0.0, 0.0, 1.0])
+    height = (line.positions + rotation.rotate(line.orientations, np.array([m.centre for m in masses]))) @ up
+    lift = lifts(line.time, height, line.velocities @ up)
+    work = -strength * mass * (np.diff(height, axis=0) - lift)
+    moving = kinetic(mass, inertia, line.orientations, line.velocities, line.angular_velocities).sum(axis=1)
+    shown = np.flatnonzero(np.diff(line.frame, append=recording.frames + 1) > 0)
+    gained = np.diff(moving[shown])
+    explained, lifted = np.zeros(recording.frames + 1), np.zeros(recording.frames + 1)
+    np.add.at(explained, line.frame[1:], work.sum(axis=1))
+    np.add.at(lifted, line.frame[1:], (strength * mass * lift).sum(axis=1))
+    chosen = undriven(recording, scene, bodies)
+    none = Missing("a driven link is within reach of a simulated body in every frame", "scene")
+    return {
+        "energy_added_max": max(0.0, _largest((gained - explained[1:])[chosen])) if chosen.any() else none,
+        "lift_energy_max": _largest(lifted[1:]),
+    }
+
+
+def _largest(values: Array) -> float:
+    return float(np.max(values))

@@ -1,0 +1,66 @@
+"""All figures of one recording: asks each family in turn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from scenarios.measure.bounce import bounces
+from scenarios.measure.counts import work
+from scenarios.measure.energy import energy
+from scenarios.measure.finite import not_finite
+from scenarios.measure.free import free_frames
+from scenarios.measure.jumps import jumps
+from scenarios.measure.limits import limit_excess
+from scenarios.measure.overlap import INSIDE_JUDGED, depths, residual_overlap, substep_overlap
+from scenarios.measure.side import wrong_side
+from scenarios.measure.stillness import still_frames
+from scenarios.measure.tracker_offset import tracker_offset
+from scenarios.measure.value import Missing, Value
+from scenarios.record import Recording
+from scenarios.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Figures by metric, remarks by metric, and the overlap of every state shown (F+1,) [m], empty when nobody could judge."""
+
+    values: dict[str, Value]
+    notes: dict[str, str]
+    overlap: Array
+
+
+def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside: int | None = INSIDE_JUDGED) -> Measured:
+    """Every metric that applies to the scene. Without the judge's package its metrics are Missing, all others stand."""
+    values: dict[str, Value] = {
+        **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
+        **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
+        **bounces(recording, scenario, scene), **work(recording),
+    }
+    try:
+        # a compiled package that not every machine has; its absence costs the judged figures and nothing else
+        from reference.judge import Judge
+    except ImportError as error:
+        absent = Missing(f"the judge needs the package {error.name}, which is not installed", "package")
+        values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free"), absent)
+        return Measured(values, {}, np.zeros(0))
+    judge = Judge(scene)
+    driven = set(scene.names[len(scene.bodies) :])
+
+    def depth(positions: Array, orientations: Array) -> float:
+        return judge.overlaps(positions, orientations).deepest
+
+    def link_depth(positions: Array, orientations: Array) -> float:
+        verdict = judge.overlaps(positions, orientations)
+        if not np.isfinite(verdict.deepest):
+            return verdict.deepest
+        return max((pair[2] for pair in verdict.pairs if driven & set(pair[:2])), default=0.0)
+
+    shown = depths(recording.positions, recording.orientations, depth)
+    values |= residual_overlap(shown)
+    values["substep_overlap_max"], note = substep_overlap(recording, depth, most_inside)
+    values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, link_depth))
+    return Measured(values, {"substep_overlap_max": note} if note else {}, shown)

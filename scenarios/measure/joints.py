@@ -1,0 +1,83 @@
+"""Joints as poses show them: rotations between parent and child, turned back into angles. Nothing an engine says is believed
+that its poses do not show."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.joint import Hinges, Joint
+from avatarsim.scene.scene import Scene
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where one link is among the links (`child`, `parent`, from 0; no parent: the world) and its hinge angles (`angles`)."""
+
+    joint: Joint
+    child: int
+    parent: int | None
+    angles: slice
+    anchor: Array
+    orientation: Array
+
+
+def places(scene: Scene) -> Iterator[Place]:
+    """All joints of all avatars, link by link."""
+    first = hinge = 0
+    for avatar in scene.avatars:
+        at = {link.name: first + k for k, link in enumerate(avatar.links)}
+        for link in avatar.links:
+            count = len(link.joint.hinges) if isinstance(link.joint, Hinges) else 0
+            parent = None if link.parent is None else at[link.parent]
+            yield Place(
+                link.joint, at[link.name], parent, slice(hinge, hinge + count), np.array(link.anchor), np.array(link.orientation),
+            )
+            hinge += count
+        first += len(avatar.links)
+
+
+def relative(place: Place, orientations: Array) -> Array:
+    """(F, 4) rotation of the link against its parent (or the world), of link orientations (F, L, 4)."""
+    child = orientations[:, place.child]
+    if place.parent is None:
+        return child
+    return rotation.multiply(rotation.conjugate(orientations[:, place.parent]), child)
+
+
+def turned(place: Place, orientations: Array) -> Array:
+    """(F, 4) rotation that the joint has made from its zero."""
+    return rotation.multiply(rotation.conjugate(place.orientation), relative(place, orientations))
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """Angle [rad], 0 to pi, of the turn between quaternions (..., 4)."""
+    turn = rotation.multiply(rotation.conjugate(a), b)
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0])))
+
+
+def angle_about(axis: Array, turn: Array) -> Array:
+    """Signed angle [rad] in (-pi, pi] of the twist of quaternions (..., 4) about the unit `axis`."""
+    angle = 2.0 * np.arctan2(turn[..., 1:] @ axis, turn[..., 0])
+    return np.asarray(np.pi - (np.pi - angle) % (2.0 * np.pi))
+
+
+def beyond(angle: Array, low: float, high: float) -> Array:
+    """How far [rad] angles (...) are outside [low, high], a whole turn being no turn. nan stays nan."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    away = np.abs(np.pi - (np.pi - (angle - middle)) % (2.0 * np.pi))
+    return np.asarray(np.maximum(away - half, 0.0))
+
+
+def gaps(scene: Scene, positions: Array, orientations: Array) -> Array:
+    """(F,) largest distance [m] between a link's frame and the place on its parent where the joint holds it."""
+    worst = np.zeros(len(positions))
+    for place in places(scene):
+        if place.parent is not None:
+            held = positions[:, place.parent] + rotation.rotate(orientations[:, place.parent], place.anchor)
+            worst = np.maximum(worst, np.linalg.norm(positions[:, place.child] - held, axis=-1))
+    return worst

@@ -1,0 +1,43 @@
+"""Jumps: change of the shown posture from frame to frame beyond the change of the tracker's own."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.joint import Free, Rigid
+from avatarsim.scene.scene import Scene
+from scenarios.measure.joints import angle_between, places, relative
+from scenarios.measure.value import Values
+from scenarios.record import Recording
+
+Array = NDArray[np.float64]
+
+
+def _turns(orientations: Array, scene: Scene) -> Array:
+    """(F,) largest turn [rad] of a joint from state to state, of links' orientations (F+1, L, 4)."""
+    worst = np.zeros(len(orientations) - 1)
+    for place in places(scene):
+        if not isinstance(place.joint, Rigid):
+            rotations = relative(place, orientations)
+            worst = np.maximum(worst, angle_between(rotations[:-1], rotations[1:]))
+    return worst
+
+
+def _roots(positions: Array, scene: Scene) -> Array:
+    """(F,) largest way [m] of a free root from state to state, of links' positions (F+1, L, 3)."""
+    roots = [place.child for place in places(scene) if isinstance(place.joint, Free)]
+    moved = np.linalg.norm(np.diff(positions[:, roots], axis=0), axis=-1)
+    return np.asarray(moved.max(axis=1, initial=0.0))
+
+
+def jumps(recording: Recording, scene: Scene) -> Values:
+    """pose_jump_max [deg] and root_jump_max [m]: per frame the largest change of any joint (root) shown less the largest
+    change of any joint (root) of the raw tracker; the largest over all frames, at least 0. Empty without avatars."""
+    if not scene.links or recording.frames == 0:
+        return {}
+    shown, raw = recording.orientations[:, recording.links], recording.raw_orientations
+    turn = _turns(shown, scene) - _turns(raw, scene)
+    way = _roots(recording.positions[:, recording.links], scene) - _roots(recording.raw_positions, scene)
+    return {
+        "pose_jump_max": float(np.degrees(np.max(np.maximum(turn, 0.0)))),
+        "root_jump_max": float(np.max(np.maximum(way, 0.0))),
+    }

@@ -1,0 +1,45 @@
+"""All states of a recording in order of time: snapshots inside frames and the states shown."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenarios.record import EVENTS, Integers, Recording
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Timeline:
+    """T states: `frame` (T,), `time` (T,) [s], `event` (T,) code in EVENTS, poses (T, n, .) and velocities (T, n, 3).
+
+    A frame's shown state comes after everything inside that frame."""
+
+    frame: Integers
+    time: Array
+    event: Integers
+    positions: Array
+    orientations: Array
+    velocities: Array
+    angular_velocities: Array
+
+
+def timeline(recording: Recording, bodies: list[int]) -> Timeline:
+    """The states of the bodies and links at places `bodies` in canonical order."""
+    shown = np.arange(recording.frames + 1)
+    frame = np.concatenate([recording.inside_frame, shown])
+    order = np.lexsort((np.repeat([0, 1], [len(recording.inside_frame), len(shown)]), frame))
+
+    def joined(inside: Array, ends: Array) -> Array:
+        return np.concatenate([inside[:, bodies], ends[:, bodies]])[order]
+
+    return Timeline(
+        frame=frame[order],
+        time=np.concatenate([recording.inside_time, recording.times])[order],
+        event=np.concatenate([recording.inside_event, np.full(len(shown), EVENTS.index("step"))])[order],
+        positions=joined(recording.inside_positions, recording.positions),
+        orientations=joined(recording.inside_orientations, recording.orientations),
+        velocities=joined(recording.inside_velocities, recording.velocities),
+        angular_velocities=joined(recording.inside_angular_velocities, recording.angular_velocities),
+    )

@@ -1,0 +1,51 @@
+"""How far the shown avatar is from what the user did, over all frames and over those in which nothing is in the way."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.joint import Rigid
+from avatarsim.scene.scene import Scene
+from scenarios.measure.joints import angle_between, places, relative
+from scenarios.measure.value import Missing, Values
+from scenarios.record import Recording
+
+Array = NDArray[np.float64]
+
+
+def offsets(recording: Recording) -> Array:
+    """(F, L) distance [m] of each link's frame from the raw tracker's, without the first state."""
+    shown = recording.positions[1:, recording.links]
+    return np.asarray(np.linalg.norm(shown - recording.raw_positions[1:], axis=-1))
+
+
+def angle_offsets(recording: Recording, scene: Scene) -> Array:
+    """(F, joints) angle [rad] between each joint's rotation and the raw tracker's; a free root counts as one joint."""
+    shown, raw = recording.orientations[1:, recording.links], recording.raw_orientations[1:]
+    found = [
+        angle_between(relative(place, shown), relative(place, raw))
+        for place in places(scene) if not isinstance(place.joint, Rigid)
+    ]
+    return np.array(found, dtype=np.float64).reshape(len(found), recording.frames).T
+
+
+def rms(values: Array) -> float:
+    """Root of the mean square over everything."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def tracker_offset(recording: Recording, scene: Scene, free: NDArray[np.bool_]) -> Values:
+    """tracker_offset_rms [m], tracker_angle_rms [deg] and their _free twins; `free` (F+1,): the raw posture is possible.
+
+    Empty without avatars."""
+    if not scene.links or recording.frames == 0:
+        return {}
+    offset, angle, chosen = offsets(recording), np.degrees(angle_offsets(recording, scene)), free[1:]
+    none = Missing("in no frame that was run is the raw tracker's own posture free", "scene")
+    return {
+        "tracker_offset_rms": rms(offset),
+        "tracker_offset_rms_free": rms(offset[chosen]) if chosen.any() else none,
+        **({} if angle.shape[1] == 0 else {
+            "tracker_angle_rms": rms(angle),
+            "tracker_angle_rms_free": rms(angle[chosen]) if chosen.any() else none,
+        }),
+    }

@@ -1,0 +1,55 @@
+"""Every metric: its unit and what it means, in the words that `python -m scenarios metrics` prints."""
+
+from avatarsim.errors import UnknownName
+
+METRICS: dict[str, tuple[str, str]] = {
+    "residual_overlap_max": ("m", "largest penetration over all pairs that the scene filters in, over all states shown"),
+    "residual_overlap_p95": ("m", "the same per state shown, 95th percentile"),
+    "residual_overlap_mean": ("m", "the same, mean"),
+    "overlap_frames": ("%", "states shown with more than 1e-6 m of penetration"),
+    "substep_overlap_max": ("m", "largest penetration at a sub-step or event inside a frame"),
+    "wrong_side_frames": ("frames", "frames, sub-steps included, in which something is outside its declared region"),
+    "restitution_error_max": ("", "largest |v+/v- - e| of an impact faster than 0.3 m/s"),
+    "apex_error_max": ("m", "largest |apex - e^(2n) h| over the bounces whose expected apex is at least 1 mm"),
+    "joint_limit_excess_max": ("deg", "largest angle beyond a hinge's limits or a ball's swing and twist, from poses"),
+    "joint_gap_max": ("m", "largest distance of a link from where its joint holds it on its parent"),
+    "reach_cone_excess_max": ("deg", "largest angle by which a limb points outside its reach cone"),
+    "tracker_offset_rms": ("m", "root mean square distance of link origins from the raw tracker's"),
+    "tracker_offset_rms_free": ("m", "the same over frames in which the raw posture overlaps nothing, is within its limits "
+                                "and on the right side"),
+    "tracker_angle_rms": ("deg", "root mean square angle of joints from the raw tracker's"),
+    "tracker_angle_rms_free": ("deg", "the same over those free frames"),
+    "still_frames": ("%", "frames in which the tracker moves more than 1 mm and nothing shown of the avatar moves"),
+    "pose_jump_max": ("deg", "largest change of a joint from frame to frame beyond the tracker's own largest"),
+    "root_jump_max": ("m", "largest way of a free root from frame to frame beyond the tracker's own"),
+    "energy_added_max": ("J", "largest gain of kinetic energy of a frame that gravity does not explain, no driven link near"),
+    "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),
+    "not_finite_frames": ("frames", "states shown in which something is nan or infinite"),
+    "frame_time_p50": ("us", "median time of a rendered frame, engine only, least of all repeats"),
+    "frame_time_p95": ("us", "the same, 95th percentile"),
+    "frame_time_p99": ("us", "the same, 99th percentile"),
+    "frame_time_max": ("us", "the same, worst frame"),
+    "frame_time_raw_p50": ("us", "median over all frames of all repeats, disturbances included"),
+    "frame_time_raw_p95": ("us", "the same, 95th percentile"),
+    "frame_time_raw_p99": ("us", "the same, 99th percentile"),
+    "frame_time_raw_max": ("us", "the same, worst frame"),
+    "frame_time_python_p50": ("us", "median with the Python round the engine, least of all repeats"),
+    "warmup": ("s", "import, load and first frames in a fresh process"),
+    "deterministic": ("", "1 when the repeats of the timing pass ended in the same bits, 0 when not"),
+    "resyncs": ("", "jumps that untied limbs"),
+    "run": ("", "stands in for all metrics of a run that gave none: crashed, not measured, refused"),
+}
+FAMILIES: dict[str, tuple[str, str]] = {
+    "stage_share_": ("%", "share of a stage in the engine's time (stage_share_<stage>)"),
+    "_per_frame": ("", "work per frame as the engine counts it (<name>_per_frame): joints, iterations, pairs, ..."),
+}
+
+
+def unit(metric: str) -> str:
+    """Unit of `metric`; UnknownName for one that nobody defined."""
+    if metric in METRICS:
+        return METRICS[metric][0]
+    for part, (name, _) in FAMILIES.items():
+        if metric.startswith(part) or metric.endswith(part):
+            return name
+    raise UnknownName("metric", metric, METRICS)

@@ -1,0 +1,121 @@
+"""What a scenario is: a scene, a motion, how long, and what must hold, each bound with its reason."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.checks import Vector, positive
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+
+INFINITE = math.inf
+RENDERED: float = 1.0 / 60.0
+"""Length [s] of one rendered frame, and of one step of every stored motion."""
+
+Motion = Callable[[int], TrackerSample]
+"""What the user did by the END of frame k, k = 0 being the first frame advanced. Deterministic."""
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A promise about one metric: its value may be at most `limit`, in the metric's own unit.
+
+    A metric that was not measured, or is not a number, has broken the promise.
+    """
+
+    metric: str
+    limit: float
+    reason: str
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.limit):
+            raise InvalidInput(f"limit of {self.metric}", self.limit, "a finite number")
+        if not self.reason:
+            raise InvalidInput(f"reason for the bound on {self.metric}", self.reason, "a sentence")
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` keeps the promise; not-a-number never does."""
+        return value <= self.limit
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where the frame origins of some bodies may be: a box from `low` to `high` [m], sides may be infinite.
+
+    `bodies` are names in canonical order or patterns with `*`, such as "human/*".
+    """
+
+    bodies: tuple[str, ...]
+    low: Vector
+    high: Vector
+    reason: str
+
+    def __post_init__(self) -> None:
+        for axis, low, high in zip("xyz", self.low, self.high, strict=True):
+            if not low < high:
+                thing = f"region of {', '.join(self.bodies)} along {axis}"
+                raise InvalidInput(thing, (low, high), "low below high")
+
+    def indices(self, names: tuple[str, ...]) -> tuple[int, ...]:
+        """Places in `names` that match, rising; UnknownName for a pattern that matches nothing."""
+        for pattern in self.bodies:
+            if not any(fnmatchcase(name, pattern) for name in names):
+                raise UnknownName("body of a region", pattern, names)
+        return tuple(k for k, name in enumerate(names) if any(fnmatchcase(name, p) for p in self.bodies))
+
+
+@dataclass(frozen=True)
+class Drop:
+    """A ball that falls straight onto a fixed slab: the closed form of a bounce.
+
+    `height` [m] from surface to surface at the start; `restitution` of the pair, so apex n is e^(2n) h.
+    """
+
+    ball: str
+    floor: str
+    restitution: float
+    height: float
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One question put to every engine.
+
+    `title` and `judged` are one sentence each. `build` makes the scene, `motion(scene, seed)` the tracker's.
+    `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
+    motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
+    standard list, `expects` holds closed forms by name, `hinge_order` the three hinges that stand in for a
+    ball joint in an engine that has none.
+    """
+
+    name: str
+    title: str
+    judged: str
+    build: Callable[[], Scene]
+    motion: Callable[[Scene, int], Motion]
+    frames: int
+    short: int | None = None
+    dt: float = RENDERED
+    bounds: tuple[Bound, ...] = ()
+    regions: tuple[Region, ...] = ()
+    metrics: tuple[str, ...] = ()
+    expects: Mapping[str, object] = field(default_factory=dict)
+    hinge_order: str = "xyz"
+    short_motion: Callable[[Scene, int], Motion] | None = None
+
+    def __post_init__(self) -> None:
+        positive(f"frames of {self.name}", self.frames, InvalidInput)
+        positive(f"frame time of {self.name}", self.dt, InvalidInput)
+        if self.short is not None and not 0 < self.short <= self.frames:
+            raise InvalidInput(f"short length of {self.name}", self.short, f"1 to {self.frames} frames")
+        if sorted(self.hinge_order) != ["x", "y", "z"]:
+            raise InvalidInput(f"hinge order of {self.name}", self.hinge_order, "the letters x, y and z")
+
+    def as_run(self, full: bool) -> "Scenario":
+        """The scenario as it is run: `frames` and `motion` are those in force, nothing short is left."""
+        if full or self.short is None:
+            return replace(self, short=None, short_motion=None)
+        motion = self.short_motion or self.motion
+        return replace(self, frames=self.short, motion=motion, short=None, short_motion=None)
