@@ -71,6 +71,8 @@ def kernel(function: Function) -> Function:
 @functools.cache
 def cache_folder(source: str) -> Path | None:
     """Return the folder for the compiled kernels of one source file; None if none can be written to."""
+    if not Path(source).is_file():  # typed at a prompt
+        return None
     name, digest = ".".join(Path(source).with_suffix("").parts[-3:]), source_hash(source)
     for base in _bases():
         folder = base / name / digest

@@ -10,7 +10,7 @@ from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.start_check import require_free
 from avatarsim.world.world import build, shown_poses
@@ -79,7 +79,6 @@ class AvatarsimEngine:
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """One rendered frame."""
         frames = self._running()
-        checked(sample, frames.world.scene.avatars)
         frames.frame(sample, dt)
         return self._record(frames.counts(), frames.statuses(), frames.inside())
 
@@ -99,6 +98,6 @@ class AvatarsimEngine:
     def _record(self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...]) -> FrameRecord:
         frames = self._running()
         world = frames.world
-        position, orientation = shown_poses(world, world.poses.position, world.poses.rotation)
+        position, orientation = shown_poses(world)
         shown = Snapshot(frames.time, position, orientation, world.velocities.linear.copy(), world.velocities.angular.copy())
         return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, dict(frames.clock.ns), inside)

@@ -27,10 +27,10 @@ from reference.closed_form_impact import (
 from reference.closed_form_reach import reach_angles, reach_shortfall
 from reference.closed_form_sliding import (
     incline_acceleration,
+    rod_angular_velocity,
     roll_distance,
     roll_speed,
     roll_time,
-    rod_angular_velocity,
     stop_distance,
     stop_time,
     tips_over,

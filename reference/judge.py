@@ -73,7 +73,8 @@ class Judge:
         if faults:
             return Verdict(np.nan, None, faults=faults, gap=np.nan)
         first, second, distances = self.distances(positions, orientations, reach)
-        names, depths = self.scene.names, {}
+        names = self.scene.names
+        depths: dict[tuple[int, int], float] = {}
         for a, b, distance in zip(self.pieces.owner[first], self.pieces.owner[second], distances, strict=True):
             if not distance >= 0.0:
                 pair = (int(min(a, b)), int(max(a, b)))

@@ -94,7 +94,7 @@ class Outline:
     def reach(self, axes: Array) -> Array:
         """Highest coordinate (k,) [m] of the shape along unit `axes` (k, 3), in the shape's own frame."""
         if self._radii is not None:
-            return np.sqrt(((axes * self._radii) ** 2).sum(axis=1))
+            return np.asarray(np.sqrt(((axes * self._radii) ** 2).sum(axis=1)))
         return np.asarray((axes @ self._points.T).max(axis=1) + self._radius)
 
 

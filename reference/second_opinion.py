@@ -82,7 +82,9 @@ def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
     return fcl.Convex(shape.vertices, len(faces), np.array(faces).flatten())
 
 
-def fcl_distance(a: fcl.CollisionGeometry, turn_a: Array, at_a: Array, b: fcl.CollisionGeometry, turn_b: Array, at_b: Array) -> float:
+def fcl_distance(
+    a: fcl.CollisionGeometry, turn_a: Array, at_a: Array, b: fcl.CollisionGeometry, turn_b: Array, at_b: Array
+) -> float:
     """Signed distance [m] by fcl of two geometries at rotations (3, 3) and positions (3,) [m]."""
     request = fcl.DistanceRequest(enable_signed_distance=True, gjk_solver_type=fcl.GJKSolverType.GST_LIBCCD)
     first = fcl.CollisionObject(a, fcl.Transform(turn_a, at_a))

@@ -93,6 +93,25 @@ def chain_poses(parent: Integers, kind: Integers, anchor: Array, rest: Array, fi
 
 
 @kernel
+def extrapolate(positions: Array, orientations: Array, steps: float, ahead: Array, turned: Array) -> int:
+    """Write poses `steps` ahead of each but the first, at the velocity of the step that led there; 0 on return.
+
+    Linear in positions, a constant turn in orientations.
+    """
+    for i in range(1, len(positions)):
+        for k in range(positions.shape[1]):
+            for c in range(3):
+                ahead[i - 1, k, c] = positions[i, k, c] + steps * (positions[i, k, c] - positions[i - 1, k, c])
+            aw, ax, ay, az = orientations[i, k, 0], orientations[i, k, 1], orientations[i, k, 2], orientations[i, k, 3]
+            w, x, y, z = _multiply(aw, ax, ay, az, orientations[i - 1, k, 0], -orientations[i - 1, k, 1],
+                                   -orientations[i - 1, k, 2], -orientations[i - 1, k, 3])
+            w, x, y, z = _scaled_turn(w, x, y, z, steps)
+            turned[i - 1, k, 0], turned[i - 1, k, 1], turned[i - 1, k, 2], turned[i - 1, k, 3] = _multiply(
+                w, x, y, z, aw, ax, ay, az)
+    return 0
+
+
+@kernel
 def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops: Array, turns: Array) -> int:
     """Bring the rotations `turns` (links, 4) of the links `balls` within `stops` (swing, lower and upper twist); 0 on return.
 

@@ -13,7 +13,7 @@ from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from reference.target_kernels import FREE, MOVED, RIGID, TURNED, chain_poses, clamp_balls, interpolate
+from reference.target_kernels import FREE, MOVED, RIGID, TURNED, chain_poses, clamp_balls, extrapolate, interpolate
 
 Array = NDArray[np.float64]
 
@@ -93,6 +93,15 @@ class Targets:
             goals.roots, goals.turns, goals.angles, goals.positions, goals.orientations,
         )
         return goals
+
+    def ahead(self, goals: Goals, steps: float) -> tuple[Array, Array]:
+        """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it came with.
+
+        A critically damped follower that is led by its own lag has none in steady motion. No future sample is used.
+        """
+        positions, orientations = np.empty_like(goals.positions[1:]), np.empty_like(goals.orientations[1:])
+        extrapolate(goals.positions, goals.orientations, steps, positions, orientations)
+        return positions, orientations
 
 
 def _kind(joint: object) -> int:

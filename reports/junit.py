@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 from reports.load import Row
 from reports.verdict import Verdict
-from reports.wording import quantity
+from reports.wording import limit, quantity
 
 
 def junit(verdict: Verdict) -> str:
@@ -29,12 +29,12 @@ def junit(verdict: Verdict) -> str:
 
 def _name(row: Row) -> str:
     name = row.metric or "run"
-    return f"{name} <= {quantity(row.limit, row.unit)} (seed {row.seed})" if row.limit is not None else f"{name} (seed {row.seed})"
+    return f"{name} <= {limit(row.limit, row.unit)} (seed {row.seed})" if row.limit is not None else f"{name} (seed {row.seed})"
 
 
 def _message(row: Row) -> str:
     if row.status in ("pass", "fail"):
-        text = f"{row.metric} is {quantity(row.value, row.unit)}, limit {quantity(row.limit, row.unit)}"
+        text = f"{row.metric} is {quantity(row.value, row.unit)}, limit {limit(row.limit, row.unit)}"
     else:
         text = row.status
     return f"{text}: {row.note}" if row.note else text

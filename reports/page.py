@@ -14,7 +14,7 @@ from reports.load import EngineNote, Results
 from reports.palette import dark_rules, strokes
 from reports.tables import Block, Cell, blocks, more_truths
 from reports.verdict import Verdict, believed, losing_scenes
-from reports.wording import count, listed, quantity, ratio
+from reports.wording import count, limit, listed, quantity, ratio
 
 TEMPLATES = Path(__file__).parent / "templates"
 # Losses shown before the reader has to ask for the rest.
@@ -25,7 +25,8 @@ FAIRNESS = (
     "articulated dynamics. MuJoCo and PyBullet compute the dynamics of the whole articulated body and pay for it in frame time.",
     "One scene description; every engine is built from it: the same shapes vertex for vertex, the same masses, the same tracker "
     "samples at the same instants.",
-    "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth is used.",
+    "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth "
+    "is used.",
     "Accuracy and time are measured in separate passes. The timing pass is serial, on one thread, warm, with nothing recorded; "
     "sub-steps count, because time is per rendered frame. First-frame compilation is reported beside it, never inside.",
     "Each engine runs at its documented defaults and at the best settings known to us; settings and reasons are listed above.",
@@ -65,31 +66,39 @@ def page(results: Results, verdict: Verdict) -> str:
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
-        table_sentence=table_sentence(shown, verdict.gated), cell_note=_cell_note,
+        table_sentence=table_sentence(shown, verdict.gated), cell_note=_cell_note, absent=_absent(shown),
         overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
         spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         more_truths=lambda block: listed(more_truths(results, block)),
-        quantity=quantity, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
+        quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
     )
 
 
 def _heads(shown: tuple[Block, ...]) -> Mapping[str, str]:
     """The line under each column's title: bound and ceiling where the gate has them."""
     ceilings = sorted({block.ceiling for block in shown if block.ceiling is not None})
-    text = f"bound {quantity(OVERLAP_BOUND, 'm')}"
+    text = f"bound {limit(OVERLAP_BOUND, 'm')}"
     if ceilings:
-        span = quantity(ceilings[0], "m")
-        text += f"; gate at {span}" + (f" to {quantity(ceilings[-1], 'm')}, by scene" if len(ceilings) > 1 else "")
+        span = limit(ceilings[0], "m")
+        text += f"; gate at {span}" + (f" to {limit(ceilings[-1], 'm')}, by scene" if len(ceilings) > 1 else "")
     heads = {column.key: "" for column in COLUMNS} | {"overlap": text, "overlap_frames": "above 1 µm"}
     for index, column in enumerate(COLUMNS):
         limits = {cell.row.limit for block in shown for line in block.lines for cell in line.cells[index : index + 1]
                   if cell.row and cell.row.limit is not None}
         if limits and column.key not in ("overlap", "truth"):
-            span = " to ".join(quantity(limit, column.unit) for limit in dict.fromkeys((min(limits), max(limits))))
+            span = " to ".join(limit(bound, column.unit) for bound in dict.fromkeys((min(limits), max(limits))))
             heads[column.key] = f"{heads[column.key]}; bound {span}".removeprefix("; ")
     return heads
+
+
+def _absent(shown: tuple[Block, ...]) -> tuple[int, ...]:
+    """Indices of the columns that hold no number in any scene; the page names them once instead of printing dashes."""
+    return tuple(
+        index for index in range(len(COLUMNS))
+        if all(line.cells[index].value is None for block in shown for line in block.lines)
+    )
 
 
 def _cell_note(column: Column, cell: Cell) -> tuple[str, str]:
@@ -99,7 +108,7 @@ def _cell_note(column: Column, cell: Cell) -> tuple[str, str]:
         return ("missing", "")
     status = believed(row)
     if status == "fail":
-        return ("failed", f"fails {quantity(row.limit, row.unit)}")
+        return ("failed", f"fails {limit(row.limit, row.unit)}")
     if row.bound is not None and not row.value <= row.bound:
         return ("above", "above bound")
     return ("held", "holds") if status == "pass" else ("", "")

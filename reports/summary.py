@@ -32,8 +32,11 @@ def _counts(verdict: Verdict) -> str:
 
 def _troubles(verdict: Verdict) -> list[str]:
     """One list item per run that crashed or was not measured."""
-    rows = [f"- **{row.status}** {row.scenario}, `{row.run}` {row.metric}: {_text(row.note) or 'no reason given'}"
-            for row in verdict.crashed + verdict.unmeasured]
+    rows = []
+    for row in verdict.crashed + verdict.unmeasured:
+        metric = f" {row.metric}" if row.metric else ""
+        reason = _text(row.note) or "no reason given"
+        rows.append(f"- **{row.status}** {row.scenario}, `{row.run}`{metric}: {reason}")
     return ["### Crashed or not measured", "\n".join(rows)] if rows else []
 
 
@@ -56,7 +59,9 @@ def _table(shown: tuple[Block, ...]) -> str:
     for block in shown:
         for line in block.lines:
             name = f"**{line.run}**" if line.ours else line.run
-            lines.append(f"| {block.scene} | {name}{' ' + line.trouble if line.trouble else ''} | {_cells(line)} |")
+            trouble = f" {line.trouble}" if line.trouble and not line.nothing else ""
+            cells = _text(line.nothing) + " |" * (len(COLUMNS) - 1) if line.nothing else _cells(line)
+            lines.append(f"| {block.scene} | {name}{trouble} | {cells} |")
     return "\n".join(lines)
 
 

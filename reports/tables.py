@@ -34,13 +34,15 @@ class Cell:
 
 @dataclass(frozen=True)
 class Line:
-    """One engine and preset in one scene; `trouble` says what makes the whole run suspect, "" if nothing does."""
+    """One engine and preset in one scene. `trouble` says what makes the whole run suspect, `nothing` why it has no number
+    at all; both are "" otherwise."""
 
     run: str
     cells: tuple[Cell, ...]
     trouble: str
     tracker: bool
     ours: bool
+    nothing: str = ""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,9 @@ def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float |
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
         escaped = column.stays_inside and _left_room(found)
         cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not escaped))
-    return Line(run, tuple(cells), _trouble(rows, word), tracker, run == ours)
+    note = next((row.note for row in rows if row.status == word and row.note), "")
+    nothing = f"{word}: {note}".removesuffix(": ") if word and all(cell.value is None for cell in cells) else ""
+    return Line(run, tuple(cells), _trouble(rows, word), tracker, run == ours, nothing)
 
 
 def _trouble(rows: list[Row], word: str) -> str:

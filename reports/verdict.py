@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from reports.columns import COLUMNS
 from reports.load import Results, Row
 from reports.tables import RAW_TRACKER, Block, Line, blocks, gated_run
-from reports.wording import count, quantity
+from reports.wording import count, limit, quantity
 
 # Frame times of two runs closer than this are a draw: repeats on a busy host differ by that much.
 TIME_DRAW = 1.10
@@ -123,7 +123,7 @@ def _losses(results: Results, failed: tuple[Row, ...], ours: str) -> tuple[Loss,
     found = [
         Loss(
             row.scenario, row.metric, quantity(row.value, row.unit),
-            f"limit {quantity(row.limit, row.unit)}" + (f", {row.note}" if row.note else ""), (2, excess(row)),
+            f"limit {limit(row.limit, row.unit)}" + (f", {row.note}" if row.note else ""), (2, excess(row)),
         )
         for row in failed
     ]

@@ -43,9 +43,16 @@ def figures(value: float) -> str:
         return f"{digits}·10{_superscript(int(exponent))}"
     if size >= 999.5:
         return f"{value:,.0f}"
-    decimals = max(0, 2 - math.floor(math.log10(size)))
-    text = f"{value:.{decimals}f}"
-    return text.rstrip("0").rstrip(".") if "." in text and size < 100 and decimals > 2 else text
+    rounded = float(f"{value:.2e}")  # first, so that 9.999 becomes 10.0 and not 10.00
+    decimals = max(0, 2 - math.floor(math.log10(abs(rounded))))
+    text = f"{rounded:.{decimals}f}"
+    return text.rstrip("0") if decimals > 2 else text
+
+
+def limit(value: float | None, unit: str) -> str:
+    """A chosen number, such as a bound: as `quantity`, without the zeros that only say how precisely something was measured."""
+    number, space, name = quantity(value, unit).partition(" ")
+    return (number.rstrip("0").rstrip(".") if "." in number and "·" not in number else number) + space + name
 
 
 def ratio(value: float | None) -> str:

@@ -42,6 +42,10 @@ class Track:
         """The track as a scenario's motion."""
         return self.posture
 
+    def backwards(self) -> "Track":
+        """The same postures, the last one first."""
+        return Track(self.positions[::-1], self.rotations[::-1], self.angles[::-1])
+
     def there_and_back(self, frames: int) -> "Track":
         """`frames` postures: the track forwards, backwards, forwards, ... without standing still at the turns."""
         turn = max(len(self) - 1, 1)

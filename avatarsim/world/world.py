@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import AvatarsimError
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
+from avatarsim.world.doors import read_sample, write_shown
 from avatarsim.world.dynamics import Dynamics, Velocities, dynamics, velocities
 from avatarsim.world.geometry import Geometry, Poses, geometry, poses
 from avatarsim.world.skeleton import Posture, Skeleton, hinge_dofs, skeleton
@@ -33,12 +35,20 @@ class World:
 
 
 def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:
-    """The sample as arrays for the kernels."""
-    angle = np.zeros(skel.first_dof[-1])
-    angle[hinges] = sample.angles
-    root = np.array(sample.positions, dtype=np.float64).reshape(-1, 3)
-    turn = np.ascontiguousarray(rotation.to_matrix(rotation.normalised(sample.rotations))).reshape(-1, 3, 3)
-    return Posture(root, turn, angle)
+    """The sample as arrays for the kernels; the sample has been checked."""
+    nl = len(skel.kind)
+    posture = Posture(np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(skel.first_dof[-1]))
+    read_sample(*sample_arrays(sample), hinges, posture)
+    return posture
+
+
+def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
+    """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
+    wanted = ("C", "W")
+    return (
+        np.require(sample.positions, np.float64, wanted), np.require(sample.rotations, np.float64, wanted),
+        np.require(sample.angles, np.float64, wanted),
+    )
 
 
 def build(scene: Scene) -> World:
@@ -59,7 +69,9 @@ def build(scene: Scene) -> World:
     return World(scene, geo, skel, dynamics(scene), placed, velocities(scene), posture, centres, hinges)
 
 
-def shown_poses(world: World, position: Array, matrices: Array) -> tuple[Array, Array]:
-    """Positions and orientations of body frames, from centres of mass and rotation matrices."""
-    orientation = rotation.from_matrix(matrices).reshape(-1, 4)
-    return position - rotation.rotate(orientation, world.centres), orientation
+def shown_poses(world: World) -> tuple[Array, Array]:
+    """Positions (n, 3) and orientations (n, 4) of body frames now."""
+    position, orientation = np.empty_like(world.poses.position), np.empty((len(world.centres), 4))
+    if not write_shown(world.poses.position, world.poses.rotation, world.centres, position, orientation):
+        raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
+    return position, orientation

@@ -29,7 +29,8 @@ class World:
 
     body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
     hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (driven links,) -> mocap index;
-    geom_law, pair_law: what each geom and each explicit pair must say.
+    geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven: whether an avatar
+    has a part in it.
     """
 
     model: mujoco.MjModel
@@ -39,8 +40,10 @@ class World:
     balls: tuple[Indices, Indices]
     roots: tuple[Indices, Indices]
     mocap: tuple[Indices, Indices]
-    geom_law: tuple[Law | None, ...]
+    geom_law: tuple[Law, ...]
+    geom_driven: NDArray[np.bool_]
     pair_law: tuple[Law, ...]
+    pair_driven: NDArray[np.bool_]
 
 
 def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool) -> World:
@@ -64,9 +67,9 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
             _inertia(made, body)
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
     _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links)
-    pair_law = _pairs(spec, scene, laws, geoms)
+    pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
-    return _addresses(scene, laws, model, geoms, pair_law)
+    return _addresses(scene, laws, model, geoms, pairs)
 
 
 def _avatars(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool,
@@ -138,7 +141,7 @@ def _geoms(spec: mujoco.MjSpec, body: mujoco.MjsBody, k: int, pieces: tuple[Piec
     priority, law = laws.own[k]
     for i, piece in enumerate(pieces):
         geom = body.add_geom(name=f"g{k}.{i}", pos=piece.position, quat=piece.orientation)
-        geom.priority, geom.friction, geom.condim = priority, [law.friction, 0.0, 0.0], 3
+        geom.priority, geom.friction, geom.condim = priority, [law.friction, 0.0, 0.0], _directions(law)
         shape = piece.shape
         if isinstance(shape, Sphere):
             geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [shape.radius, 0.0, 0.0]
@@ -163,23 +166,29 @@ def _mesh(spec: mujoco.MjSpec, name: str, shape: ConvexHull) -> str:
     return name
 
 
-def _pairs(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]]) -> list[Law]:
+def _pairs(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]]) -> list[tuple[Law, bool]]:
     n, still = len(scene.names), np.array([role is Role.FIXED for role in scene.roles])
     for a in range(n):
         for b in range(a + 1, n):
             if not scene.pair_filter[a, b] and not (still[a] and still[b]):
                 spec.add_exclude(bodyname1=f"b{a}", bodyname2=f"b{b}")
-    pair_law = []
+    made: list[tuple[Law, bool]] = []
     for (a, b), law in laws.explicit.items():
         for first in geoms[a]:
             for second in geoms[b]:
-                pair = spec.add_pair(geomname1=first, geomname2=second)
-                pair.condim, pair.friction = 3, [law.friction, law.friction, 0.0, 0.0, 0.0]
-                pair_law.append(law)
-    return pair_law
+                pair = spec.add_pair(name=f"p{len(made)}", geomname1=first, geomname2=second)
+                pair.condim, pair.friction = _directions(law), [law.friction, law.friction, 0.0, 0.0, 0.0]
+                made.append((law, Role.DRIVEN in (scene.roles[a], scene.roles[b])))
+    return made
 
 
-def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list[str]], pair_law: list[Law]) -> World:
+def _directions(law: Law) -> int:
+    """MuJoCo's condim: 1 is a contact without friction, 3 one with sliding friction."""
+    return 3 if law.friction > 0.0 else 1
+
+
+def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list[str]],
+               pairs: list[tuple[Law, bool]]) -> World:
     def ints(values: list[int]) -> Indices:
         return np.array(values, dtype=np.int64)
 
@@ -192,6 +201,9 @@ def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list
     balls = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Ball)]
     driven = [k for k, link in enumerate(scene.links) if not isinstance(link.joint, Rigid)]
     owner = {name: k for k, names in enumerate(geoms) for name in names}
+    owners = [owner[model.geom(g).name] for g in range(model.ngeom)]
+    # the compiler sorts pairs: their names say which is which
+    order = [pairs[int(model.pair(p).name[1:])] for p in range(model.npair)]
     hinges = sum(avatar.hinge_count for avatar in scene.avatars)
     return World(
         model=model,
@@ -202,9 +214,8 @@ def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list
         balls=(ints(balls), ints([qpos(f"b{first + k}") for k in balls])),
         roots=(ints(roots), ints([qpos(f"b{first + k}") for k in roots])),
         mocap=(ints(driven), ints([int(model.body(f"m{first + k}").mocapid[0]) for k in driven])),
-        geom_law=tuple(laws.own[owner[model.geom(g).name]][1] for g in range(model.ngeom)),
-        # the compiler keeps the order of pairs as they were added
-        pair_law=tuple(pair_law),
+        geom_law=tuple(laws.own[k][1] for k in owners),
+        geom_driven=np.array([scene.roles[k] is Role.DRIVEN for k in owners], dtype=bool),
+        pair_law=tuple(law for law, _ in order),
+        pair_driven=np.array([driven for _, driven in order], dtype=bool),
     )
-
-

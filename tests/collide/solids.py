@@ -139,4 +139,3 @@ def dumb_ellipsoid_gap(a: Solid, b: Solid, starts: int = 40) -> float:
     rng = np.random.default_rng(0)
     tries = [minimize(lost, rng.normal(size=3), options={"gtol": 1e-11}) for _ in range(starts)]
     return -min(found.fun for found in tries)
-

@@ -98,7 +98,12 @@ def test_ellipsoid_above_a_floor_in_closed_form():
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_body_that_is_not_finite_is_a_status(bad):
     for axis in range(3):
-        shift = np.zeros(3)
-        shift[axis] = bad
-        assert run(box(0.1, 0.1, 0.1).moved(shift=shift), ball(0.2))[0] == NOT_FINITE
-        assert run(ball(0.2), ellipsoid(0.1, 0.1, 0.1).moved(shift=shift), margin=0.0)[0] == NOT_FINITE
+        for a, b in ((box(0.1, 0.1, 0.1), ball(0.2)), (ellipsoid(0.1, 0.1, 0.1), ball(0.2))):
+            vertices, shapes = as_arrays(a, b)
+            # A bad position reaches every point of a body, but only the centre of an ellipsoid.
+            vertices[: 8 if len(a.rows) == 8 else 1, axis] = bad
+            for margin in (inf, 0.0):
+                for first, second in ((0, 1), (1, 0)):
+                    with np.errstate(invalid="ignore"):
+                        status = gjk(vertices, shapes, first, second, NO_SEED, margin, SCRATCH)[0]
+                    assert status == NOT_FINITE

@@ -37,7 +37,9 @@ def test_grows_to_the_same_hull_as_qhull(seed):
     ours = np.hstack([scratch.normal[:faces][alive], -scratch.height[:faces][alive, None]])
     theirs = ConvexHull(points).equations
     assert len(ours) == len(theirs)
-    np.testing.assert_allclose(ours[np.lexsort(ours.T.round(9))], theirs[np.lexsort(theirs.T.round(9))], atol=1e-9)
+    np.testing.assert_allclose(
+        ours[np.lexsort(ours.T.round(9))], theirs[np.lexsort(theirs.T.round(9))], atol=1e-9
+    )
 
 
 def test_every_edge_is_shared_by_the_face_said_to_be_across_it():

@@ -1,0 +1,204 @@
+"""Impacts at one instant: the fastest approach first, one block of impulses per pair of bodies (eqs 7 to 10)."""
+
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.collision_impulse import collision_impulse, turning_term
+from avatarsim.impact.contact_solver import change, solve_contacts
+from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, axis, impulse_of, velocity_at
+from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
+from avatarsim.impact.masses import Masses
+from avatarsim.impact.relative_velocity import normal_velocity, tangential_velocity, velocity_after
+from avatarsim.kernel import kernel
+from avatarsim.spatial.tangent import columns
+from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row
+
+Array = NDArray[np.float64]
+
+REST_SPEED = 1.5e-3
+"""A rebound slower than this [m/s] is rest: it would rise 1.1e-7 m. Larger: visible bounces end early; smaller: a bouncing
+ball takes more impacts to come to rest, without limit as it goes to 0."""
+
+TIE = 1e-9
+"""Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
+
+BLOCK_TOLERANCE = 1e-15
+"""Block impulses are solved to this part of the approach speed (times 10); it bounds the error of restitution."""
+
+BLOCK_SWEEPS = 3000
+"""Double sweeps per block; a box face needs about 25."""
+
+CENTRAL = 1e-9
+"""An arm whose part across the normal is smaller than this part of it counts as parallel: then normal and friction impulse do
+not influence each other and eqs 9 and 10 are the exact answer."""
+
+
+@kernel
+def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple[int, float]:
+    """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches."""
+    head, fastest = -1, 0.0
+    for k in range(contacts.count[0]):
+        v = normal_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+        if v < fastest:
+            head, fastest = k, v
+    return head, fastest
+
+
+@kernel
+def same_pair(contacts: Contacts, i: int, k: int) -> bool:
+    """Whether two contacts belong to the same pair of bodies."""
+    return contacts.body[i, 0] == contacts.body[k, 0] and contacts.body[i, 1] == contacts.body[k, 1]
+
+
+@kernel
+def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Array) -> tuple[int, int, int]:
+    """Set targets (eq. 8) for all points of all pairs that tie with the fastest; -inf for the others.
+
+    Returns (first, last, number of points): the block lies within first <= k < last.
+    """
+    first, last, points = -1, 0, 0
+    count = contacts.count[0]
+    start = 0
+    while start < count:
+        end, tied = start, False
+        while end < count and same_pair(contacts, start, end):
+            v = normal_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
+            contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
+            if contacts.target[end] <= REST_SPEED:
+                contacts.target[end] = 0.0
+            if v <= fastest * (1.0 - TIE):
+                tied = True
+            end += 1
+        if tied:
+            first = start if first < 0 else first
+            last = end
+            points += end - start
+        else:
+            for k in range(start, end):
+                contacts.target[k] = -inf
+        start = end
+    for k in range(first, last):
+        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
+    return first, last, points
+
+
+@kernel
+def central(contacts: Contacts, k: int) -> bool:
+    """Whether both arms of contact k are parallel to its normal, as they are between spheres."""
+    n = axis(contacts, k, 0)
+    ra, rb = row(contacts.arm_a, k), row(contacts.arm_b, k)
+    return norm(cross(ra, n)) <= CENTRAL * norm(ra) and norm(cross(rb, n)) <= CENTRAL * norm(rb)
+
+
+@kernel
+def lone_impact(contacts: Contacts, masses: Masses, k: int, literal: bool, linear: Array, angular: Array) -> None:
+    """Equations 7, 9 and 10 in turn for one point, as printed if ``literal``, else with friction limited to sticking."""
+    n, v_ab = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
+    before, v_t = normal_velocity(n, v_ab), tangential_velocity(n, v_ab)
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    restitution = contacts.restitution[k] if contacts.target[k] > 0.0 else 0.0
+    # a body of infinite mass has inverse mass 0 and turns not at all, central arms or not: its terms vanish
+    j = collision_impulse(
+        restitution, before, masses.inverse_mass[a], masses.inverse_mass[b],
+        turning_term(columns(masses.inverse_inertia, a), row(contacts.arm_a, k), n),
+        turning_term(columns(masses.inverse_inertia, b), row(contacts.arm_b, k), n),
+    )
+    if literal:
+        j_t = friction_impulse(contacts.friction[k], j, v_t)
+    else:
+        j_t = limited_friction_impulse(contacts.friction[k], j, v_t, norm(v_t) / contacts.ease[k, 1])
+    change(contacts, masses, k, in_frame(contacts, k, along(j_t, j, n)), linear, angular)
+
+
+@kernel
+def in_frame(contacts: Contacts, k: int, j: Vec3) -> Vec3:
+    """A world vector in the axes of contact k: along the normal, and the two tangents."""
+    return (dot(axis(contacts, k, 0), j), dot(axis(contacts, k, 1), j), dot(axis(contacts, k, 2), j))
+
+
+@kernel
+def resolve_impact(
+    contacts: Contacts, masses: Masses, head: int, fastest: float, literal: bool, linear: Array, angular: Array,
+    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
+) -> bool:
+    """Resolve the head of the queue; ``received`` (nb, 3) gains the impulses [N s] on driven bodies.
+
+    Returns:
+        Whether the energy guard had to shorten the impulses: Newton's law (eq. 8) with friction can otherwise create energy.
+    """
+    guarded = False
+    if literal:
+        first, last = head, head + 1
+        put_row(contacts.impulse, head, (0.0, 0.0, 0.0))
+        target = velocity_after(contacts.restitution[head], fastest)
+        contacts.target[head] = target if target > REST_SPEED else 0.0
+        lone_impact(contacts, masses, head, True, linear, angular)
+    else:
+        first, last, points = choose_block(contacts, fastest, linear, angular)
+        if points == 1 and (contacts.friction[first] == 0.0 or central(contacts, first)):
+            lone_impact(contacts, masses, first, False, linear, angular)
+        else:
+            linear_before[:, :] = linear
+            angular_before[:, :] = angular
+            tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest)
+            solve_contacts(contacts, masses, first, last, linear, angular, tolerance, BLOCK_SWEEPS, before, direction)
+            guarded = guard_energy(contacts, first, last, linear, angular, linear_before, angular_before)
+    collect(contacts, first, last, received)
+    return guarded
+
+
+@kernel
+def guard_energy(
+    contacts: Contacts, first: int, last: int, linear: Array, angular: Array, linear_before: Array, angular_before: Array
+) -> bool:
+    """Shorten the block's impulses so that the energy they add, sum p . (u- + u+) / 2, is not above zero."""
+    work, gained = 0.0, 0.0
+    for k in range(first, last):
+        if contacts.target[k] != -inf:
+            j = impulse_of(contacts, k)
+            u0 = velocity_at(contacts, k, linear_before, angular_before)
+            u1 = velocity_at(contacts, k, linear, angular)
+            work += dot(j, u0)
+            gained += 0.5 * (dot(j, u0) + dot(j, u1))
+    # rounding of an elastic impact is no gain
+    if not (gained > 1e-13 * abs(work)):
+        return False
+    kept = min(1.0, max(0.0, -work / (gained - work)))
+    for b in range(linear.shape[0]):
+        for i in range(3):
+            linear[b, i] = linear_before[b, i] + kept * (linear[b, i] - linear_before[b, i])
+            angular[b, i] = angular_before[b, i] + kept * (angular[b, i] - angular_before[b, i])
+    for k in range(first, last):
+        for i in range(3):
+            contacts.impulse[k, i] *= kept
+    return True
+
+
+@kernel
+def collect(contacts: Contacts, first: int, last: int, received: Array) -> None:
+    """Add the impulses of these contacts to what each driven body received, for eq. 6."""
+    for k in range(first, last):
+        if contacts.driven[k] != NOT_DRIVEN and contacts.target[k] != -inf:
+            j = impulse_of(contacts, k)
+            if contacts.driven[k] == DRIVEN_A:
+                b, sign = contacts.body[k, 0], 1.0
+            else:
+                b, sign = contacts.body[k, 1], -1.0
+            put_row(received, b, along(row(received, b), sign, j))
+
+
+@kernel
+def settle(
+    contacts: Contacts, masses: Masses, tolerance: float, sweeps_cap: int, linear: Array, angular: Array, before: Array,
+    direction: Array, received: Array,
+) -> float:
+    """Take away what slow approach is left, all contacts together and without rebound; returns the residual [m/s]."""
+    count = contacts.count[0]
+    for k in range(count):
+        contacts.target[k] = 0.0
+        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
+    left = solve_contacts(contacts, masses, 0, count, linear, angular, tolerance, sweeps_cap, before, direction)
+    collect(contacts, 0, count, received)
+    return left

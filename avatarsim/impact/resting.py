@@ -1,0 +1,160 @@
+"""Contact forces that are constant over a stretch of time: what holds, slows and stops bodies that stay in touch."""
+
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.contact_solver import solve_contacts, unsolved
+from avatarsim.impact.contacts import Contacts, axis, impulse_of, push, velocity_at
+from avatarsim.impact.masses import Masses
+from avatarsim.impact.relative_velocity import tangential_velocity
+from avatarsim.kernel import kernel
+from avatarsim.spatial.tangent import columns, turned
+from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, sub
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+STAND_OFF = 2e-8
+"""Gap [m] at which bodies stop, meet and rest. The first apex of a bounce of height h is off by 2e-8/h; must stay above about a
+hundred roundings of a coordinate, see `motion.time_of_impact`."""
+
+PARTING = 1e-7
+"""Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back."""
+
+SOLVED = 1e-9
+"""Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times slower."""
+
+SWEEPS = 600
+"""Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
+
+SLIPPING = 1e-9
+"""Slip [m/s] above which the direction of friction is taken from it, and its end is looked for."""
+
+ATTEMPTS = 6
+"""Times one segment may be shortened because a slip ends inside it."""
+
+
+@kernel
+def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) -> None:
+    """Fill ``bend``: how fast the gap at each contact would accelerate open [m/s^2] without any force.
+
+    A corner that pivots moves on a circle, n . (w x (w x r)); two balls that roll on each other on another, |v_t|^2 / distance.
+    """
+    for k in range(contacts.count[0]):
+        a, b = contacts.body[k, 0], contacts.body[k, 1]
+        n = axis(contacts, k, 0)
+        bend = 0.0
+        if ball[a] == 0:
+            w, r = row(angular, a), row(contacts.arm_a, k)
+            bend += dot(n, cross(w, cross(w, r)))
+        if ball[b] == 0:
+            w, r = row(angular, b), row(contacts.arm_b, k)
+            bend -= dot(n, cross(w, cross(w, r)))
+        if ball[a] == 1 and ball[b] == 1:
+            across = norm(tangential_velocity(n, sub(row(linear, a), row(linear, b))))
+            bend += across * across / (norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k])
+        contacts.bend[k] = bend
+
+
+@kernel
+def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
+    """Set the normal velocity that each contact must have after h seconds of constant force, from velocities at the start."""
+    for k in range(contacts.count[0]):
+        v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+        if v > PARTING:
+            contacts.target[k] = -inf
+            for i in range(3):
+                contacts.impulse[k, i] = 0.0
+        else:
+            contacts.target[k] = -h * contacts.bend[k] - max(0.0, 2.0 * (contacts.gap[k] - 1.5 * STAND_OFF) / h)
+
+
+@kernel
+def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array) -> float:
+    """Time <= h at which the first slip ends.
+
+    Summed over the points of a manifold, because how they share the friction is not unique: less friction than sliding gives means
+    that the slip ended at that part of h; a slip that reversed went through zero on the way.
+    """
+    soonest = h
+    count, start = contacts.count[0], 0
+    while start < count:
+        end, limit, pull, touching = start, 0.0, (0.0, 0.0, 0.0), -1
+        while end < count and contacts.key[end] // 8 == contacts.key[start] // 8:
+            if contacts.impulse[end, 0] > 0.0:
+                limit += contacts.friction[end] * contacts.impulse[end, 0]
+                pull = along(pull, contacts.impulse[end, 1], axis(contacts, end, 1))
+                pull = along(pull, contacts.impulse[end, 2], axis(contacts, end, 2))
+                touching = end
+            end += 1
+        if limit > 0.0:
+            n = axis(contacts, touching, 0)
+            u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
+            slip = norm(u0)
+            if slip > SLIPPING:
+                share = norm(pull) / limit
+                u1 = tangential_velocity(n, velocity_at(contacts, touching, linear_end, angular_end))
+                if share < 1.0 - 1e-7:
+                    soonest = min(soonest, h * share)
+                elif dot(u0, u1) < 0.0:
+                    soonest = min(soonest, h * slip / (slip + norm(u1)))
+        start = end
+    return soonest
+
+
+@kernel
+def fall(
+    moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array, angular: Array,
+    linear_end: Array, angular_end: Array,
+) -> None:
+    """Velocities after h seconds without contacts; ``inertia`` (nb, 3, 3) in world axes, gyroscopic unless ``round_``."""
+    for b in range(moving.shape[0]):
+        for i in range(3):
+            linear_end[b, i] = linear[b, i] + (h * gravity[i] if moving[b] == 1 else 0.0)
+            angular_end[b, i] = angular[b, i]
+        if moving[b] == 1 and round_[b] == 0:
+            w = row(angular, b)
+            torque = cross(turned(columns(inertia, b), w), w)
+            put_row(angular_end, b, along(w, h, turned(columns(masses.inverse_inertia, b), torque)))
+
+
+@kernel
+def hold(
+    contacts: Contacts, masses: Masses, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
+    linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array,
+) -> tuple[float, float]:
+    """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
+
+    Args:
+        contacts: hold forces [N] on entry (a guess), impulses over the segment [N s] on return.
+        masses: driven bodies must not yield in them.
+        linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
+
+    Returns:
+        (length of the segment [s], residual [m/s]).
+    """
+    for k in range(contacts.count[0]):
+        for i in range(3):
+            contacts.impulse[k, i] *= h
+    residual = 0.0
+    for _ in range(ATTEMPTS):
+        count = contacts.count[0]
+        aim(contacts, h, linear, angular)
+        fall(moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
+        for k in range(count):
+            push(contacts, masses, k, impulse_of(contacts, k), linear_end, angular_end)
+        residual = unsolved(contacts, 0, count, linear_end, angular_end)
+        if residual > 10.0 * SOLVED or not (residual >= 0.0):
+            residual = solve_contacts(
+                contacts, masses, 0, count, linear_end, angular_end, SOLVED, SWEEPS, before, direction
+            )
+        shorter = end_of_slip(contacts, h, linear, angular, linear_end, angular_end)
+        if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10:
+            break
+        for k in range(count):
+            for i in range(3):
+                contacts.impulse[k, i] *= shorter / h
+        h = shorter
+    return h, residual

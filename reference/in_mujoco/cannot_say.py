@@ -1,0 +1,37 @@
+"""What MuJoCo has no words for in a scene, as data: feature -> consequence."""
+
+from collections.abc import Mapping
+
+from avatarsim.scene.joint import Ball, Rigid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import ConvexHull
+
+
+def cannot_say(scene: Scene) -> Mapping[str, str]:
+    """Empty when MuJoCo can express all of the scene."""
+    found: dict[str, str] = {}
+    links = scene.links
+    balls = [link.joint for link in links if isinstance(link.joint, Ball)]
+    pieces = [piece for owner in (*scene.bodies, *links) for piece in owner.pieces]
+    if any(isinstance(piece.shape, ConvexHull) for piece in pieces):
+        found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the body's origin"
+    if any(ball.limits for ball in balls):
+        found["twist limits"] = (
+            "a ball joint limits its total rotation only; swing cones are said by tendons (tuned only, as no such limit is "
+            "documented), twist is limited in what the joint is asked for, not in what contact makes of it (tuned only)"
+        )
+    if any(ball.cone for ball in balls):
+        found["reach cones"] = "no spherical polygons: ignored"
+    if scene.effects.restitution:
+        found["restitution"] = (
+            "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is found"
+        )
+    if any(avatar.coupled_mass is not None for avatar in scene.avatars):
+        found["coupled mass"] = "an avatar's links have one mass: their own"
+    if links and isinstance(links[0].joint, Rigid) and links[0].parent is None:
+        found["rigid root"] = "links that cannot move make no contact with fixed bodies"
+    if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
+        found["no gyroscopic effect"] = "cannot be switched off"
+    if scene.derived_effects.overlap_removal and not scene.effects.overlap_removal:
+        found["no overlap removal"] = "cannot be switched off apart from contact as a whole"
+    return found

@@ -1,0 +1,162 @@
+"""MuJoCo behind the Engine protocol."""
+
+from collections.abc import Mapping
+from time import perf_counter_ns
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.engine import FrameRecord, Settings, Snapshot
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.spatial import rotation
+from reference.in_mujoco.cannot_say import cannot_say
+from reference.in_mujoco.laws import contact_laws
+from reference.in_mujoco.presets import presets
+from reference.in_mujoco.stiffness import Stiffness
+from reference.in_mujoco.world import build_world
+from reference.presets import Chosen, in_force, kind_of
+from reference.targets import Targets
+
+Array = NDArray[np.float64]
+
+
+def _quiet(message: str) -> None:
+    """Warnings are counted in MjData and reported as statuses; MuJoCo would also write them to a file."""
+
+
+class MujocoEngine:
+    """MuJoCo, driven through one mocap body per link welded to the link."""
+
+    name = "mujoco"
+    presets = ("default", "tuned")
+
+    @property
+    def version(self) -> str:
+        """Version of the library."""
+        return str(mujoco.__version__)
+
+    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+        """What MuJoCo has no words for: feature -> consequence."""
+        return cannot_say(scene)
+
+    def settings_as_run(self) -> Mapping[str, object]:
+        """Every setting in force after `load`: name -> (value, reason)."""
+        run = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
+        run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
+        return run
+
+    def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+        """Build the model, put everything at its first pose, show it."""
+        mujoco.set_mju_user_warning(_quiet)
+        self._settings, self._scene = settings, scene
+        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene)), settings)
+        chosen = self._chosen
+        self._world = build_world(
+            scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
+            swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
+        )
+        self._stiffness = Stiffness(self._world, chosen)
+        self._stiffness.set_options()
+        self._model, self._data = self._world.model, mujoco.MjData(self._world.model)
+        self._targets = Targets(scene, clamp=bool(chosen["clamp_targets"].value))
+        self._step, self._count = 0.0, 0
+        self._cut(dt)
+        self._origin = scene.first_sample.time
+        self._last = self._targets.within_limits(scene.first_sample)
+        self._elapsed, self._warned = 0.0, np.zeros(len(self._data.warning), dtype=np.int64)
+        self._first_state()
+        return FrameRecord(self._snapshot(), self._angles())
+
+    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+        """Follow the motion from the last sample to this one in equal steps."""
+        began = perf_counter_ns()
+        self._cut(dt)
+        goal = self._targets.within_limits(checked(sample, self._scene.avatars))
+        goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
+        positions, orientations = self._targets.ahead(goals, self._stiffness.lead(self._step) / self._step)
+        self._last = goal
+        stepping, iterations, inside = 0, 0, []
+        for k in range(self._count):
+            self._aim(positions[k], orientations[k])
+            before = perf_counter_ns()
+            mujoco.mj_step(self._model, self._data)
+            stepping += perf_counter_ns() - before
+            iterations += int(self._data.solver_niter.sum())
+            if self._settings.record_inside:
+                self._elapsed += self._step
+                inside.append(self._snapshot())
+        if not self._settings.record_inside:
+            self._elapsed += self._step * self._count
+        shown, angles = inside[-1] if inside else self._snapshot(), self._angles()
+        stages = {}
+        if self._settings.time_stages:
+            stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
+        counts = {"steps": self._count, "iterations": iterations, "contacts": int(self._data.ncon)}
+        return FrameRecord(shown, angles, counts, self._statuses(), stages, tuple(inside))
+
+    def close(self) -> None:
+        """Drop the model; MuJoCo frees it."""
+        for name in ("_data", "_model", "_world", "_stiffness"):
+            self.__dict__.pop(name, None)
+
+    def _cut(self, dt: float) -> None:
+        """Cut a frame of `dt` into the whole number of steps nearest to the step that was set."""
+        if not (np.isfinite(dt) and dt > 0.0):
+            raise InvalidInput("frame time [s]", dt, "finite and above 0")
+        count = max(1, round(dt / float(self._chosen["dt"].value or 0.0)))  # type: ignore[arg-type]
+        if dt / count != self._step:
+            self._step, self._count = dt / count, count
+            self._stiffness.set_step(self._step)
+
+    def _first_state(self) -> None:
+        """All bodies and joints at their first pose, velocities as stated, mocap bodies where the links are."""
+        data, world, start = self._data, self._world, self._last
+        for k, q, v in zip(*world.free, strict=True):
+            body = self._scene.bodies[k]
+            turn = np.array(body.orientation)
+            assert body.mass is not None
+            arm = rotation.rotate(turn, body.mass.centre)
+            data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = body.position, turn
+            # a free joint moves the body's origin, and turns about body axes
+            data.qvel[v : v + 3] = np.array(body.velocity) - np.cross(body.angular_velocity, arm)
+            data.qvel[v + 3 : v + 6] = rotation.rotate(rotation.conjugate(turn), body.angular_velocity)
+        for k, q in zip(*world.roots, strict=True):
+            data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = start.positions[k], start.rotations[k]
+        for k, q in zip(*world.balls, strict=True):
+            data.qpos[q : q + 4] = start.rotations[k]
+        data.qpos[world.hinge_qpos] = start.angles
+        goals = self._targets.between(start, start, np.zeros(1))
+        self._aim(goals.positions[0], goals.orientations[0])
+
+    def _aim(self, positions: Array, orientations: Array) -> None:
+        links, mocap = self._world.mocap
+        self._data.mocap_pos[mocap] = positions[links]
+        self._data.mocap_quat[mocap] = orientations[links]
+
+    def _snapshot(self) -> Snapshot:
+        """Poses from qpos: after a step xpos is one step old, so kinematics runs again first."""
+        model, data, ids = self._model, self._data, self._world.body_ids
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_comVel(model, data)
+        spin = data.cvel[ids, :3]
+        # MuJoCo states velocities about the centre of mass of the whole tree
+        arm = data.xipos[ids] - data.subtree_com[model.body_rootid[ids]]
+        velocity = data.cvel[ids, 3:] + np.cross(spin, arm)
+        return Snapshot(self._elapsed, data.xpos[ids].copy(), data.xquat[ids].copy(), velocity, spin.copy())
+
+    def _angles(self) -> Array:
+        return np.array(self._data.qpos[self._world.hinge_qpos])
+
+    def _statuses(self) -> dict[str, int]:
+        """How often each kind of warning was raised in this frame, and non-finite states."""
+        numbers = np.array([warning.number for warning in self._data.warning], dtype=np.int64)
+        new, self._warned = numbers - self._warned, numbers
+        found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): int(new[k]) for k in np.flatnonzero(new)}
+        if not np.isfinite(self._data.qpos).all():
+            found["not_finite"] = 1
+        return found

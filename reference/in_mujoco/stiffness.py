@@ -1,0 +1,93 @@
+"""The settings that depend on the length of a step, written into a compiled model."""
+
+import mujoco
+import numpy as np
+
+from avatarsim.errors import InvalidInput, UnknownName
+from reference.in_mujoco.laws import Law
+from reference.in_mujoco.world import World
+from reference.presets import Chosen
+
+SOFTEST = 0.02
+"""MuJoCo's default time constant [s] of limits."""
+
+CONTACTS = ("soft", "one_step")
+"""Contact laws: MuJoCo's spring and damper, or a damper that acts within one step (Newton's law of restitution)."""
+
+
+def check_words(chosen: dict[str, Chosen]) -> None:
+    """Raise for a contact law, an integrator or a cone that does not exist, and for a step that is not above 0."""
+    if chosen["contact"].value not in CONTACTS:
+        raise UnknownName("option contact of mujoco", str(chosen["contact"].value), CONTACTS)
+    for name, prefix, words in (("integrator", "mjINT_", mujoco.mjtIntegrator), ("cone", "mjCONE_", mujoco.mjtCone)):
+        known = [word.removeprefix(prefix) for word in words.__members__ if word.startswith(prefix)]
+        if chosen[name].value not in known:
+            raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), known)
+    if not float(chosen["dt"].value or 0.0) > 0.0:  # type: ignore[arg-type]
+        raise InvalidInput("option dt of mujoco", chosen["dt"].value, "seconds above 0")
+
+
+class Stiffness:
+    """Writes time step, contact law, limits and welds into the model of one world."""
+
+    def __init__(self, world: World, chosen: dict[str, Chosen]) -> None:
+        check_words(chosen)
+        self._world, self._chosen = world, chosen
+
+    def set_options(self) -> None:
+        """What does not depend on the step."""
+        option, model = self._world.model.opt, self._world.model
+        option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{self._word('integrator')}")
+        option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self._word('cone')}")
+        option.iterations = int(self._number("iterations"))
+        refsafe = int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
+        option.disableflags = option.disableflags & ~refsafe if self._chosen["refsafe"].value else option.disableflags | refsafe
+        model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
+        model.eq_data[:, 10] = self._number("weld_rotation")
+        model.geom_margin[:] = self._number("margin") * self._world.geom_driven
+        model.pair_margin[:] = self._number("margin") * self._world.pair_driven
+        for solimp in (model.geom_solimp, model.pair_solimp, model.jnt_solimp, model.tendon_solimp_lim):
+            solimp[:, :3] = self._chosen["solimp"].value
+
+    def set_step(self, step: float) -> None:
+        """What depends on the step [s]."""
+        model = self._world.model
+        model.opt.timestep = step
+        for g, law in enumerate(self._world.geom_law):
+            model.geom_solref[g] = self._contact(law, step)
+        for p, law in enumerate(self._world.pair_law):
+            model.pair_solref[p] = self._contact(law, step)
+            # friction is not bouncy: zeros would hand it the contact's own constants
+            model.pair_solreffriction[p] = (2.0 * step, 1.0) if self._word("contact") == "one_step" else (0.0, 0.0)
+        steps = self._number("limit_steps")
+        limit = (steps * step if steps > 0.0 else SOFTEST, 1.0)
+        model.jnt_solref[:] = limit
+        model.tendon_solref_lim[:] = limit
+        model.eq_solref[:] = (self.weld_time(step), 1.0)
+
+    def weld_time(self, step: float) -> float:
+        """Time constant [s] of the welds to the tracked poses."""
+        steps = self._number("weld_steps")
+        return steps * step if steps > 0.0 else self._number("weld_time")
+
+    def lead(self, step: float) -> float:
+        """How far ahead [s] of the tracker the welds aim.
+
+        A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over stiffness).
+        """
+        return self._number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
+
+    def _contact(self, law: Law, step: float) -> tuple[float, float]:
+        """MuJoCo's two solref numbers: (time constant, damping ratio), or negative (stiffness, damping)."""
+        if self._word("contact") == "soft":
+            steps = self._number("contact_steps")
+            return (steps * step if steps > 0.0 else self._number("contact_time")), 1.0
+        kappa = self._number("kappa_driven" if law.stops else "kappa")
+        # a stiffness of exactly 0 would be read as the other format
+        return -max(kappa, 1e-12) / step**2, -(1.0 + law.restitution) / step
+
+    def _number(self, name: str) -> float:
+        return float(np.asarray(self._chosen[name].value, dtype=np.float64))
+
+    def _word(self, name: str) -> str:
+        return str(self._chosen[name].value)

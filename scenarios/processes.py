@@ -1,0 +1,125 @@
+"""Every job in a process of its own: engines leak settings, and one that dies must not take the others along."""
+
+import multiprocessing
+import os
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import BaseContext
+from multiprocessing.process import BaseProcess
+from typing import Generic, TypeVar
+
+Task = TypeVar("Task")
+Answer = TypeVar("Answer")
+
+PRELOADED = ("numpy", "numba", "scipy.spatial")
+"""Packages that the mother of all children imports once. Only third parties: a fault in the project's own files shall show where
+it is used. No engine among them, so that each child begins with a fresh one."""
+PATIENCE = 1800.0
+"""Longest a job may take [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""Set to 1 in every child: as many jobs as processors run side by side, and the timing pass promises one thread."""
+
+
+class Died(Exception):
+    """A child ended without an answer; the text says how."""
+
+
+def context() -> BaseContext:
+    """Children forked from a clean, small process where the system can (10 ms each), else started anew (0.6 s each)."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    server = multiprocessing.get_context("forkserver")
+    server.set_forkserver_preload(list(PRELOADED))
+    return server
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """The environment that children inherit, for the time in which they are started."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess, Connection]:
+    """Start `target(connection, *arguments)` in a process of its own; returns it and this end of the connection."""
+    here, there = multiprocessing.Pipe()
+    with one_thread():
+        # typeshed's BaseContext does not know that every context has its own Process
+        child: BaseProcess = getattr(context(), "Process")(target=target, args=(there, *arguments), daemon=True)  # noqa: B009
+        child.start()
+    there.close()
+    return child, here
+
+
+def quiet() -> None:
+    """Send what this process prints to the error stream: some engines greet on import, and tables belong to the parent."""
+    sys.stdout.flush()
+    os.dup2(2, 1)
+
+
+def ended(child: BaseProcess) -> str:
+    """How a child that gave no answer came to its end."""
+    child.join(timeout=5.0)
+    code = child.exitcode
+    return f"its process was killed by signal {-code}" if code is not None and code < 0 else f"its process ended with code {code}"
+
+
+def _work(connection: Connection, function: Callable[[Task], Answer], task: Task) -> None:
+    quiet()
+    try:
+        connection.send(("answer", function(task)))
+    except Exception as error:
+        connection.send(("raised", f"{type(error).__name__}: {error} ({traceback.format_exc().strip().splitlines()[-2].strip()})"))
+
+
+class Pool(Generic[Task, Answer]):
+    """Runs `function` on tasks, at most `workers` at a time, each in a process of its own."""
+
+    def __init__(self, function: Callable[[Task], Answer], workers: int, patience: float = PATIENCE) -> None:
+        self.function, self.workers, self.patience = function, workers, patience
+
+    def results(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Answer | Died]]:
+        """Each task with its answer, or with how it died, in the order in which they end."""
+        waiting = list(tasks)
+        running: dict[Connection, tuple[Task, BaseProcess, float]] = {}
+        try:
+            while waiting or running:
+                while waiting and len(running) < self.workers:
+                    task = waiting.pop(0)
+                    child, connection = begin(_work, self.function, task)
+                    running[connection] = (task, child, time.monotonic())
+                ready = [end for end in wait(list(running), timeout=1.0) if isinstance(end, Connection)]
+                late = [end for end, (_, _, since) in running.items() if time.monotonic() - since > self.patience]
+                for connection in ready or late:
+                    task, child, _ = running.pop(connection)
+                    yield task, self._answer(connection, child)
+        finally:
+            for connection, (_, child, _) in running.items():
+                child.terminate()
+                child.join()
+                connection.close()
+
+    def _answer(self, connection: Connection, child: BaseProcess) -> Answer | Died:
+        try:
+            if not connection.poll():
+                child.kill()
+                return Died(f"no answer within {self.patience:g} s")
+            kind, answer = connection.recv()
+        except (EOFError, ConnectionError):
+            return Died(ended(child))
+        finally:
+            connection.close()
+        child.join()
+        return answer if kind == "answer" else Died(str(answer))

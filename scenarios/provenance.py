@@ -1,0 +1,80 @@
+"""Where figures come from: versions, machine, command, and hashes of the scenes they are about."""
+
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from datetime import UTC, datetime
+from enum import Enum
+from importlib import metadata
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.scene.scene import Scene
+
+PACKAGES = ("avatarsim", "numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
+"""Distributions whose versions can change a figure."""
+
+
+def provenance(command: list[str]) -> dict[str, object]:
+    """What is known before a run begins; `seconds` is added at its end."""
+    return {
+        "command": " ".join(["python -m scenarios", *command]),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "cpu": cpu(),
+        "cpus": os.cpu_count() or 1,
+        "versions": {name: version(name) for name in PACKAGES},
+    }
+
+
+def version(package: str) -> str | None:
+    """Version of an installed distribution, None when there is none."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def cpu() -> str:
+    """The processor's name where the system tells it."""
+    table = Path("/proc/cpuinfo")
+    if sys.platform == "linux" and table.exists():
+        for line in table.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def scene_hash(scene: Scene) -> str:
+    """Sixteen hexadecimal digits of everything in the scene's description; equal scenes give equal hashes everywhere."""
+    digest = hashlib.blake2b(digest_size=8)
+    _feed(digest, scene)
+    return digest.hexdigest()
+
+
+def _feed(digest: "hashlib.blake2b", value: object) -> None:
+    """Feed the kind of every part as well as its content, so that no two different scenes look alike."""
+    digest.update(f"<{type(value).__name__}>".encode())
+    if isinstance(value, np.ndarray):
+        digest.update(repr(value.shape).encode() + np.ascontiguousarray(value).tobytes())
+    elif is_dataclass(value) and not isinstance(value, type):
+        for entry in fields(value):
+            digest.update(entry.name.encode())
+            _feed(digest, getattr(value, entry.name))
+    elif isinstance(value, Enum):
+        digest.update(value.name.encode())
+    elif isinstance(value, Mapping):
+        for key in sorted(value):
+            _feed(digest, key)
+            _feed(digest, value[key])
+    elif isinstance(value, list | tuple):
+        digest.update(f"{len(value)}".encode())
+        for item in value:
+            _feed(digest, item)
+    else:
+        digest.update(repr(value).encode())

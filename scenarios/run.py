@@ -1,0 +1,130 @@
+"""The accuracy pass: run one engine through one scenario, record everything, measure it, keep the recording."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.engine import Engine, FrameRecord, Snapshot
+from avatarsim.errors import AvatarsimError, MissingPackage, StartOverlaps
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, link_poses
+from scenarios import record
+from scenarios.engines import opened
+from scenarios.job import Job, Outcome
+from scenarios.measure.everything import measured
+from scenarios.measure.overlap import INSIDE_JUDGED
+from scenarios.provenance import scene_hash
+from scenarios.record import EVENTS, Integers, Recording
+from scenarios.scenario import Motion, Scenario
+
+REFUSAL = "refusal"
+"""Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
+
+
+class EngineFailed(Exception):
+    """An engine raised; the text says where and what."""
+
+
+def accuracy(job: Job, folder: Path) -> Outcome:
+    """Run `job`, save its recording below `folder` and measure it. Whatever goes wrong becomes an outcome of its own."""
+    try:
+        scenario, scene, motion = job.asked()
+        samples = [motion(k) for k in range(scenario.frames)]
+    except (AvatarsimError, ImportError) as error:
+        return Outcome(job, "not-measured", f"the scene could not be made: {described(error)}")
+    try:
+        engine = opened(job.engine)
+        cannot_say = dict(engine.cannot_say(scene))
+        about: dict[str, object] = {"version": engine.version, "cannot_say": cannot_say, "settings": {}}
+        if "scene" in cannot_say:
+            return Outcome(job, "cannot-say", cannot_say["scene"], about=about)
+        settings = job.settings(engine, inside=True)
+    except MissingPackage as error:
+        return Outcome(job, "not-measured", str(error))
+    except Exception as error:
+        # an engine is someone else's code: whatever it raises is its result, not the end of the comparison
+        return Outcome(job, "crashed", f"before loading: {described(error)}")
+    path = folder / "recordings" / f"{job.stem}.npz"
+    states = [scene.first_sample, *samples]
+    frames: list[FrameRecord] = []
+    try:
+        frames.append(engine.load(scene, settings, scenario.dt))
+        about["settings"] = dict(engine.settings_as_run())
+        for sample in samples:
+            frames.append(engine.advance(sample, scenario.dt))
+    except MissingPackage as error:
+        return Outcome(job, "not-measured", str(error), about=about)
+    except StartOverlaps as error:
+        state = "refused" if scenario.expects.get(REFUSAL) else "crashed"
+        return Outcome(job, "refused" if state == "refused" else "crashed", described(error), about=about)
+    except Exception as error:
+        note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
+        if frames:
+            record.save(gathered(job, scenario, scene, states, frames, {**about, "error": note}), path)
+        return Outcome(job, "crashed", note, len(frames), about=about, recording=path if frames else None)
+    finally:
+        _close(engine)
+    recording = gathered(job, scenario, scene, states, frames, about)
+    record.save(recording, path)
+    found = measured(recording, scenario, scene, None if job.full else INSIDE_JUDGED)
+    return Outcome(
+        job, "measured", "", recording.frames, found.values, found.notes, tuple(found.overlap.tolist()), about, path,
+    )
+
+
+def described(error: BaseException) -> str:
+    """One line: the kind of error and what it says."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+
+
+def _close(engine: Engine) -> None:
+    try:
+        engine.close()
+    except Exception:
+        # its frames are all there; failing to tidy up changes no figure
+        return
+
+
+def gathered(
+    job: Job, scenario: Scenario, scene: Scene, states: list[TrackerSample], frames: list[FrameRecord], about: Mapping[str, object],
+) -> Recording:
+    """The frames that an engine showed, and the tracker's own posture beside each, as one recording."""
+    shown = [frame.shown for frame in frames]
+    inside = [(k, snapshot) for k, frame in enumerate(frames) for snapshot in frame.inside if k > 0]
+    raw = [link_poses(scene.avatars, sample) for sample in states[: len(frames)]]
+    n, hinges = len(scene.names), sum(avatar.hinge_count for avatar in scene.avatars)
+    # an engine that gives no angles, or a wrong number of them, has given none
+    angles = [frame.angles for frame in frames] if all(len(frame.angles) == hinges for frame in frames) else [np.zeros(0)] * len(frames)
+    within = [snapshot for _, snapshot in inside]
+    return Recording(
+        meta={
+            "scene": scenario.name, "engine": job.engine, "preset": job.preset, "seed": job.seed, "dt": scenario.dt,
+            "scene_hash": scene_hash(scene), "full": job.full, "names": scene.names, **about,
+        },
+        times=np.arange(len(frames)) * scenario.dt,
+        positions=_stack(shown, "positions", n, 3), orientations=_stack(shown, "orientations", n, 4),
+        velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
+        angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),
+        raw_positions=np.array([pose[0] for pose in raw]), raw_orientations=np.array([pose[1] for pose in raw]),
+        raw_angles=np.array([sample.angles for sample in states[: len(frames)]], dtype=np.float64).reshape(len(frames), -1),
+        inside_time=np.array([snapshot.time for snapshot in within], dtype=np.float64),
+        inside_frame=np.array([k for k, _ in inside], dtype=np.int64),
+        inside_event=np.array([EVENTS.index(snapshot.event) for snapshot in within], dtype=np.int64),
+        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_stack(within, "orientations", n, 4),
+        inside_velocities=_stack(within, "velocities", n, 3),
+        inside_angular_velocities=_stack(within, "angular_velocities", n, 3),
+        state_hashes=np.array([frame.state_hash() for frame in frames]),
+        counts=_tally([frame.counts for frame in frames]), statuses=_tally([frame.statuses for frame in frames]),
+    )
+
+
+def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> record.Array:
+    """(len(snapshots), n, width) of one field; an engine that gives another shape is told so by numpy."""
+    return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
+
+
+def _tally(per_frame: list[Mapping[str, int]]) -> dict[str, Integers]:
+    """name -> (F+1,), 0 where a frame does not mention it."""
+    names = sorted({name for tally in per_frame for name in tally})
+    return {name: np.array([tally.get(name, 0) for tally in per_frame], dtype=np.int64) for name in names}
