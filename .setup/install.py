@@ -8,12 +8,15 @@ import fcntl
 import hashlib
 import json
 import os
+import platform
 import re
 import shutil
 import subprocess
 import sys
 import sysconfig
+import tempfile
 import time
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -159,7 +162,29 @@ def install_pybullet(pin: str) -> bool:
         if not why:
             return True
     say(f"      pybullet is left out: {why}")
+    kept = extract_pybullet_data(pin)
+    say(f"      Its data folder (motion clips, meshes) is {'there all the same' if kept else 'missing too'}.")
     say("      Everything else works; pybullet's rows will say not-measured. `make setup` tries it again.")
+    return False
+
+
+def extract_pybullet_data(pin: str) -> bool:
+    """Take pybullet's data folder out of the wheel made for Python 3.11; False if that wheel cannot be had.
+
+    Clips and meshes are plain files, the same for every Python, and most scenes need them.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        pins = Path(folder) / "pins.txt"
+        pins.write_text(pin, encoding="utf-8")
+        command = [str(VENV_PYTHON), "-I", "-m", "pip", "download", "--require-hashes", "--no-deps", "--only-binary", ":all:"]
+        command += ["--python-version", "3.11", "--implementation", "cp", "--abi", "cp311", "--no-input", "--retries", "2"]
+        command += ["--platform", f"manylinux2014_{platform.machine()}", "--progress-bar", "off", "-d", folder, "-r", str(pins)]
+        subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, check=False)
+        for wheel in Path(folder).glob("*.whl"):
+            with zipfile.ZipFile(wheel) as archive:
+                members = [name for name in archive.namelist() if name.startswith("pybullet_data/")]
+                archive.extractall(VENV / "lib" / f"python{HERE}" / "site-packages", members)
+            return bool(members)
     return False
 
 

@@ -1,7 +1,7 @@
 """The native engine: a scene in, one record per frame out."""
 
 from collections.abc import Mapping
-from typing import get_type_hints
+from typing import TypeVar, get_type_hints
 
 import numpy as np
 
@@ -18,16 +18,19 @@ from avatarsim.world.world import build, shown_poses
 PRESETS = ("default",)
 
 
-def override(defaults: PostureSettings | CouplingSettings, options: Mapping[str, object]) -> dict[str, float | int]:
-    """Those of `options` that name a field of `defaults`, checked for type and finiteness."""
-    chosen: dict[str, float | int] = {}
+Chosen = TypeVar("Chosen", PostureSettings, CouplingSettings)
+
+
+def override(defaults: Chosen, options: Mapping[str, object]) -> Chosen:
+    """`defaults` with those fields replaced that `options` names, checked for type and finiteness."""
+    chosen = {}
     for name, kind in get_type_hints(type(defaults)).items():
         if name in options:
             value = options[name]
             if not isinstance(value, (int, float)) or isinstance(value, bool) or not np.isfinite(value) or value < 0:
                 raise InvalidInput(f"option {name}", value, "a finite number, 0 or more")
             chosen[name] = kind(value)
-    return chosen
+    return defaults._replace(**chosen)
 
 
 class AvatarsimEngine:
@@ -70,8 +73,8 @@ class AvatarsimEngine:
         self._settings = settings
         self._frames = Frames(
             world,
-            PostureSettings()._replace(**override(PostureSettings(), settings.options)),
-            CouplingSettings()._replace(**override(CouplingSettings(), settings.options)),
+            override(PostureSettings(), settings.options),
+            override(CouplingSettings(), settings.options),
             record_inside=settings.record_inside, time_stages=settings.time_stages,
         )
         return self._record({}, {}, ())

@@ -76,19 +76,29 @@ def _box_round(shape: Shape) -> tuple[Array, Array, float, float]:
 class Outline:
     """What of a shape can be measured along an axis without any search: how far it reaches, and its faces.
 
-    faces (f, 3) are its unit face normals, offsets (f,) [m] how far it reaches along them; none for smooth shapes.
+    faces (f, 3) are its unit face normals, offsets (f,) [m] how far it reaches along them, edges (e, 3) its unit edge
+    directions; none for smooth shapes.
     """
 
     def __init__(self, shape: Shape) -> None:
         self._radii: Array | None = None
-        self.faces = np.zeros((0, 3))
+        self.faces = self.edges = np.zeros((0, 3))
         if isinstance(shape, Ellipsoid):
             self._radii = np.array(shape.radii)
         else:
             self._points, self._radius = rounded_points(shape)
             if isinstance(shape, (Box, ConvexHull)):
+                hull = QuickHull(self._points)
                 # a box's sides are two triangles each: once is enough
-                self.faces = np.unique(QuickHull(self._points).equations[:, :3].round(15), axis=0)
+                self.faces = np.unique(hull.equations[:, :3].round(15), axis=0)
+                corners = self._points[hull.simplices]
+                edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
+                edges /= np.linalg.norm(edges, axis=1)[:, None]
+                # both ways along an edge are one direction
+                edges *= np.where(edges @ np.array([1.0, np.sqrt(2.0), np.sqrt(3.0)]) < 0.0, -1.0, 1.0)[:, None]
+                self.edges = np.unique(edges.round(12), axis=0)
+            elif isinstance(shape, Capsule):
+                self.edges = np.array([[0.0, 0.0, 1.0]])
         self.offsets = self.reach(self.faces)
 
     def reach(self, axes: Array) -> Array:

@@ -13,7 +13,7 @@ TIME_NOISE = 1.25
 # Relative change below which an accuracy measure counts as unchanged: far below any change that matters, above rounding.
 SAME = 1e-6
 # What must agree in provenance before times are compared.
-HOST = ("cpu", "host", "cores", "python")
+HOST = ("cpu", "cpus", "platform", "python")
 Key = tuple[str, str, str]
 
 

@@ -10,7 +10,8 @@ from reports.wording import limit, quantity
 def junit(verdict: Verdict) -> str:
     """The document as text. Failed bounds are failures, crashes errors, what was not measured or cannot be said skipped."""
     outcomes = (
-        *(("", row) for row in verdict.held), *(("failure", row) for row in verdict.failed),
+        *(("", row) for row in verdict.held), *(("system-out", row) for row in verdict.ceiling),
+        *(("failure", row) for row in verdict.failed),
         *(("error", row) for row in verdict.crashed), *(("skipped", row) for row in verdict.unmeasured),
         *(("" if row.status == "refused" else "skipped", row) for row in verdict.neutral),
     )
@@ -21,7 +22,9 @@ def junit(verdict: Verdict) -> str:
     })
     for kind, row in outcomes:
         case = ElementTree.SubElement(suite, "testcase", {"classname": f"{row.scenario}.{row.run}", "name": _name(row)})
-        if kind:
+        if kind == "system-out":
+            ElementTree.SubElement(case, kind).text = f"above the bound {limit(row.bound, row.unit)}, within the ceiling"
+        elif kind:
             ElementTree.SubElement(case, kind, {"message": _message(row)})
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"

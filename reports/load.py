@@ -67,7 +67,8 @@ class EngineNote:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything a report is made of. `titles` maps a scene to one sentence about it, where the file has one."""
+    """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `notes`: the run's
+    own remarks; `exit_code` is None while a run has not ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -75,6 +76,7 @@ class Results:
     provenance: Mapping[str, object]
     exit_code: int | None
     titles: Mapping[str, str]
+    notes: tuple[str, ...]
 
     def scenes(self) -> tuple[str, ...]:
         """Scene names in the order in which they first appear."""
@@ -104,6 +106,7 @@ def load(run_dir: Path) -> Results:
             engines=tuple(_engine_note(raw) for raw in data.get("engines") or ()),
             provenance=dict(data.get("provenance") or {}),
             exit_code=data.get("exit_code"),
+            notes=tuple(str(note) for note in data.get("notes") or ()),
             titles={name: _title(raw) for name, raw in (data.get("scenes") or {}).items()},
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -8,8 +8,8 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from reports.charts import overlap_panels, time_panels, time_percentiles
-from reports.columns import COLUMNS, Column
-from reports.conclusions import OVERLAP_BOUND, overlap_summary, table_sentence, time_summary
+from reports.columns import COLUMNS
+from reports.conclusions import OVERLAP_BOUND, overlap_summary, peak, table_sentence, time_summary
 from reports.load import EngineNote, Results
 from reports.palette import dark_rules, strokes
 from reports.tables import Block, Cell, blocks, more_truths
@@ -66,7 +66,8 @@ def page(results: Results, verdict: Verdict) -> str:
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
-        table_sentence=table_sentence(shown, verdict.gated), cell_note=_cell_note, absent=_absent(shown),
+        table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: _cell_note(cell, verdict.gated),
+        absent=_absent(shown),
         overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
         spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
@@ -78,11 +79,10 @@ def page(results: Results, verdict: Verdict) -> str:
 
 def _heads(shown: tuple[Block, ...]) -> Mapping[str, str]:
     """The line under each column's title: bound and ceiling where the gate has them."""
-    ceilings = sorted({block.ceiling for block in shown if block.ceiling is not None})
+    ceilings = [block.ceiling for block in shown if block.ceiling is not None and block.ceiling > OVERLAP_BOUND]
     text = f"bound {limit(OVERLAP_BOUND, 'm')}"
     if ceilings:
-        span = limit(ceilings[0], "m")
-        text += f"; gate at {span}" + (f" to {limit(ceilings[-1], 'm')}, by scene" if len(ceilings) > 1 else "")
+        text += f"; ceilings up to {limit(max(ceilings), 'm')} in {count(len(ceilings), 'scene')}"
     heads = {column.key: "" for column in COLUMNS} | {"overlap": text, "overlap_frames": "above 1 µm"}
     for index, column in enumerate(COLUMNS):
         limits = {cell.row.limit for block in shown for line in block.lines for cell in line.cells[index : index + 1]
@@ -101,16 +101,16 @@ def _absent(shown: tuple[Block, ...]) -> tuple[int, ...]:
     )
 
 
-def _cell_note(column: Column, cell: Cell) -> tuple[str, str]:
+def _cell_note(cell: Cell, ours: str) -> tuple[str, str]:
     """(class, word) of a cell: what the gate says about it, in a word as well as in a colour."""
     row = cell.row
     if row is None or row.value is None:
         return ("missing", "")
-    status = believed(row)
+    status = believed(row, ours)
     if status == "fail":
-        return ("failed", f"fails {limit(row.limit, row.unit)}")
-    if row.bound is not None and not row.value <= row.bound:
-        return ("above", "above bound")
+        return ("failed", f"fails, limit {limit(row.limit, row.unit)}")
+    if status == "ceiling":
+        return ("above", f"above {limit(row.bound, row.unit)}")
     return ("held", "holds") if status == "pass" else ("", "")
 
 
@@ -157,7 +157,15 @@ def _flat(raw: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
 
 
 def _disagreement(results: Results, verdict: Verdict) -> str:
-    """A sentence if the exit code in the file is not the one that its rows call for; "" otherwise."""
+    """A sentence if the file contradicts itself: exit code against rows, a pass against its own series; "" otherwise."""
+    for row in verdict.held:
+        series = results.series.get(row.scenario, {}).get(row.run)
+        if row.metric == "residual_overlap_max" and series and series.overlap.size and row.limit is not None:
+            if not peak(series.overlap) <= row.limit:
+                return (
+                    f"The overlap of {row.run} in {row.scenario} passes at {quantity(row.value, 'm')}, but its series reaches "
+                    f"{quantity(peak(series.overlap), 'm')}. Trust neither until this is explained."
+                )
     if results.exit_code is None or results.exit_code == verdict.exit_code:
         return ""
     return (

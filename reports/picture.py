@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from html import escape
+from itertools import pairwise
 
 import vl_convert
 
@@ -12,19 +13,34 @@ VEGA_LITE = "6.4"
 LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}(?:e-?\d+)?")
 # Vega describes every mark for screen readers; a picture is one thing here, with one description that says what matters.
 INNER_ROLES = re.compile(r' (?:aria-[a-z]+|role|class|pointer-events|xmlns:xlink|version)="[^"]*"')
-EMPTY_PATHS = re.compile(r'<path(?: [a-z-]+="[^"]*")* d=""[^>]*></path>|<path(?: [a-z-]+="[^"]*")* display="none"[^>]*></path>')
+EMPTY_PATHS = re.compile(r'<path [^>]*(?:d=""|display="none")[^>]*/>|<path d="M0,0h0v0h0Z"/>')
+# Said by the style sheet, or the default anyway.
+IDLE = re.compile(r' (?:font-family="[^"]*"|font-weight="normal"|opacity="1"|stroke-dasharray="1,0")')
+# A path of straight pieces; steps over time are half of them level and half of them upright.
+STRAIGHT = re.compile(r"M[-\d.]+,[-\d.]+(?:L[-\d.]+,[-\d.]+)+")
 
 
 def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     """The SVG of `spec`, described by `label` for those who do not see it; `name` keeps ids apart within one page."""
     svg: str = vl_convert.vegalite_to_svg(dict(spec), VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
-    svg = EMPTY_PATHS.sub("", svg)
+    svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))
     svg = LONG_NUMBER.sub(lambda found: _one_decimal(found.group()), svg)
     svg = svg.replace('id="', f'id="{name}-').replace("url(#", f"url(#{name}-")
+    svg = STRAIGHT.sub(lambda found: _short(found.group()), svg)
     return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(label, quote=True)}" ', 1)
 
 
 def _one_decimal(text: str) -> str:
     rounded = f"{float(text):.1f}"
     return "0" if rounded in ("-0.0", "0.0") else rounded.removesuffix(".0")
+
+
+def _short(path: str) -> str:
+    """The same path with level and upright pieces written by their one changing number, and repeated points left out."""
+    points = [tuple(point.split(",")) for point in path[1:].split("L")]
+    pieces = [f"M{points[0][0]},{points[0][1]}"]
+    for (x0, y0), (x, y) in pairwise(points):
+        if (x, y) != (x0, y0):
+            pieces.append(f"H{x}" if y == y0 else f"V{y}" if x == x0 else f"L{x},{y}")
+    return "".join(pieces)

@@ -1,5 +1,7 @@
 """summary.md: the run in the order in which a reviewer needs it. What we lose stands first."""
 
+from html import escape
+
 from reports.columns import COLUMNS
 from reports.load import Results
 from reports.tables import Block, Line, blocks
@@ -15,7 +17,7 @@ def summary(results: Results, verdict: Verdict) -> str:
     parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(verdict)]
     shown = blocks(results, losing_scenes(verdict))
     if shown:
-        parts += ["### All scenes", _table(shown)]
+        parts += ["### All scenes", _table(shown, verdict.gated)]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
@@ -25,7 +27,8 @@ def summary(results: Results, verdict: Verdict) -> str:
 
 def _counts(verdict: Verdict) -> str:
     return (
-        f"Held {len(verdict.held)} · failed {len(verdict.failed)} · crashed {len(verdict.crashed)} · "
+        f"Held {len(verdict.held)} · within a ceiling {len(verdict.ceiling)} · failed {len(verdict.failed)} · "
+        f"crashed {len(verdict.crashed)} · "
         f"not measured {len(verdict.unmeasured)}. Gate: `{verdict.gated}`."
     )
 
@@ -34,7 +37,7 @@ def _troubles(verdict: Verdict) -> list[str]:
     """One list item per run that crashed or was not measured."""
     rows = []
     for row in verdict.crashed + verdict.unmeasured:
-        metric = f" {row.metric}" if row.metric else ""
+        metric = f" {row.metric}" if row.metric not in ("", "run") else ""
         reason = _text(row.note) or "no reason given"
         rows.append(f"- **{row.status}** {row.scenario}, `{row.run}`{metric}: {reason}")
     return ["### Crashed or not measured", "\n".join(rows)] if rows else []
@@ -45,32 +48,32 @@ def _losses(verdict: Verdict) -> list[str]:
         return ["### What we lose", "Nothing in this run: no gated bound failed and no other engine did better anywhere."]
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:
-        factor = f" ({ratio(loss.severity[1])})" if loss.severity[0] == 1 else ""
-        strong = "**" if loss.severity[0] == 2 else ""
+        factor = f" ({ratio(loss.factor)})" if loss.kind == "behind" else ""
+        strong = "**" if loss.kind == "failed" else ""
         lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
     after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
     return ["### What we lose, worst first", "\n".join(lines), *after]
 
 
-def _table(shown: tuple[Block, ...]) -> str:
+def _table(shown: tuple[Block, ...], ours: str) -> str:
     head = ["scene", "engine", *(column.title for column in COLUMNS)]
     lines = ["| " + " | ".join(head) + " |", "|---|---|" + "---:|" * len(COLUMNS)]
     for block in shown:
         for line in block.lines:
             name = f"**{line.run}**" if line.ours else line.run
             trouble = f" {line.trouble}" if line.trouble and not line.nothing else ""
-            cells = _text(line.nothing) + " |" * (len(COLUMNS) - 1) if line.nothing else _cells(line)
+            cells = _text(line.nothing) + " |" * (len(COLUMNS) - 1) if line.nothing else _cells(line, ours)
             lines.append(f"| {block.scene} | {name}{trouble} | {cells} |")
     return "\n".join(lines)
 
 
-def _cells(line: Line) -> str:
+def _cells(line: Line, ours: str) -> str:
     texts = []
     for cell in line.cells:
         text = cell.word or quantity(cell.value, cell.row.unit if cell.row else "")
-        if cell.row and believed(cell.row) == "fail":
-            text = f"**{text} ✕**"
+        word = believed(cell.row, ours) if cell.row else ""
+        text = f"**{text} ✕**" if word == "fail" else f"{text} above bound" if word == "ceiling" else text
         if cell.ratio is not None and text != MISSING:
             text += f" ({'best' if cell.best else ratio(cell.ratio)})"
         texts.append(text)
@@ -78,5 +81,5 @@ def _cells(line: Line) -> str:
 
 
 def _text(raw: str) -> str:
-    """Text from outside, on one line and unable to end a table cell."""
-    return " ".join(raw.split()).replace("|", "\\|")
+    """Text from outside, on one line, and unable to end a table cell or to open a tag."""
+    return escape(" ".join(raw.split()), quote=False).replace("|", "\\|")

@@ -10,33 +10,44 @@ from reports.wording import count, limit, quantity
 
 # Frame times of two runs closer than this are a draw: repeats on a busy host differ by that much.
 TIME_DRAW = 1.10
+# Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better.
+KINDS = ("failed", "above bound", "behind")
 # Other measures closer than this are a draw.
 MEASURE_DRAW = 1.01
 
 
 @dataclass(frozen=True)
 class Loss:
-    """One thing we lose. `severity` orders: a gated bound that does not hold outweighs any comparison."""
+    """One thing we lose: `kind` is one of KINDS, `factor` how many times the limit, or the best other engine, we have."""
 
     scene: str
     what: str
     ours: str
     theirs: str
-    severity: tuple[int, float]
+    kind: str
+    factor: float
+
+    @property
+    def severity(self) -> tuple[int, float]:
+        """Orders losses: a failed bound outweighs one kept up by a ceiling, and that any comparison."""
+        return (-KINDS.index(self.kind), self.factor)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Rows of the gate by outcome; crashed and unmeasured also hold one row per run of the other engines."""
+    """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
+    and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended."""
 
     gated: str
     held: tuple[Row, ...]
+    ceiling: tuple[Row, ...]
     failed: tuple[Row, ...]
     crashed: tuple[Row, ...]
     unmeasured: tuple[Row, ...]
     neutral: tuple[Row, ...]
     losses: tuple[Loss, ...]
     exit_code: int
+    finished: bool
 
     @property
     def word(self) -> str:
@@ -45,43 +56,51 @@ class Verdict:
             return "failed"
         if self.crashed:
             return "crashed"
-        if self.unmeasured:
+        if self.unmeasured or not self.finished:
             return "incomplete"
-        return "held" if self.held else "empty"
+        return "held" if self.held or self.ceiling else "empty"
 
     @property
     def sentence(self) -> str:
         """The verdict line."""
-        total = len(self.held) + len(self.failed)
+        total = len(self.held) + len(self.ceiling) + len(self.failed)
         if self.word == "empty":
             return f"No verdict: this run has no gated measurement of {self.gated}."
         parts = [f"{len(self.failed)} of {count(total, 'gated bound')} of {self.gated} failed"] if self.failed else []
         parts += [f"{count(len(self.crashed), 'run')} crashed"] if self.crashed else []
         parts += [f"{len(self.unmeasured):,} not measured"] if self.unmeasured else []
-        if not parts:
-            return "The bound held." if total == 1 else f"All {total:,} gated bounds of {self.gated} held."
-        if not self.failed and total:
-            parts.append(f"{'the one gated bound' if total == 1 else f'all {total:,} gated bounds'} that were measured held")
+        if not self.finished:
+            parts.append("the run did not end")
+        if total and not self.failed:
+            parts.append(f"{count(total - len(self.ceiling), 'bound')} of {total:,} held by {self.gated}")
+        if self.ceiling:
+            parts.append(f"{len(self.ceiling):,} above the bound but within a ceiling")
+        if len(parts) == 1 and self.held and not self.failed:
+            return f"All {count(total, 'gated bound')} of {self.gated} held." if total > 1 else "The one gated bound held."
         return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + "."
 
 
-def believed(row: Row) -> str:
-    """The status of a row, unless its own numbers contradict it: a pass needs a finite value that is within the limit."""
-    if row.status != "pass":
+def believed(row: Row, ours: str) -> str:
+    """What a gated row says, unless its numbers contradict it: a pass needs a finite value within the limit. A gated row
+    above its bound but within its ceiling reads "ceiling"; info rows of other engines stay info."""
+    gated = row.status == "pass" or (row.status == "info" and row.run == ours and row.bound is not None)
+    if not gated:
         return row.status
     if row.value is None:
         return "not-measured"
-    return "pass" if math.isfinite(row.value) and (row.limit is None or row.value <= row.limit) else "fail"
+    if not math.isfinite(row.value) or (row.limit is not None and not row.value <= row.limit):
+        return "fail"
+    return "pass" if row.bound is None or row.value <= row.bound else "ceiling"
 
 
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
-    by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "fail", "crashed", "not-measured", "neutral")}
+    by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
-        word = believed(row)
-        if word in ("pass", "fail"):
+        word = believed(row, ours)
+        if word in ("pass", "ceiling", "fail"):
             by_word[word].append(row)
         elif word in ("crashed", "not-measured"):
             key = (row.scenario, row.run, row.seed, row.metric if row.run == ours and word == "not-measured" else word)
@@ -94,17 +113,18 @@ def verdict(results: Results) -> Verdict:
     failed = tuple(sorted(by_word["fail"], key=lambda row: -excess(row)))
     code = 1 if failed else 3 if by_word["crashed"] or by_word["not-measured"] else 0 if results.rows else 5
     return Verdict(
-        ours, tuple(by_word["pass"]), failed, tuple(by_word["crashed"]), tuple(by_word["not-measured"]),
-        tuple(by_word["neutral"]), _losses(results, failed, ours), code,
+        ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
+        tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
+        _losses(results, failed, tuple(by_word["ceiling"]), ours), code, results.exit_code is not None,
     )
 
 
 def excess(row: Row) -> float:
-    """How many times its limit a failed row has; infinite when it is not finite or the limit is zero."""
+    """How many times its bound (where there is none, its limit) a row has; infinite when not finite or the bound is zero."""
     if row.value is None or not math.isfinite(row.value):
         return math.inf
-    limit = row.limit or 0.0
-    return row.value / limit if limit > 0.0 else math.inf
+    stands = (row.limit if row.bound is None else row.bound) or 0.0
+    return row.value / stands if stands > 0.0 else math.inf
 
 
 def _gaps(results: Results, ours: str) -> list[Row]:
@@ -119,13 +139,18 @@ def _gaps(results: Results, ours: str) -> list[Row]:
     ]
 
 
-def _losses(results: Results, failed: tuple[Row, ...], ours: str) -> tuple[Loss, ...]:
+def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...], ours: str) -> tuple[Loss, ...]:
     found = [
         Loss(
             row.scenario, row.metric, quantity(row.value, row.unit),
-            f"limit {limit(row.limit, row.unit)}" + (f", {row.note}" if row.note else ""), (2, excess(row)),
+            f"limit {limit(row.limit, row.unit)}" + (f"; {row.note}" if row.note else ""), "failed", excess(row),
         )
         for row in failed
+    ]
+    found += [
+        Loss(row.scenario, row.metric, quantity(row.value, row.unit), f"bound {limit(row.bound, row.unit)}; the gate stands at "
+             f"a ceiling of {limit(row.limit, row.unit)}", "above bound", excess(row))
+        for row in ceiling
     ]
     for block in blocks(results):
         line = next((line for line in block.lines if line.run == ours), None)
@@ -143,12 +168,12 @@ def _lost_cells(block: Block, line: Line) -> list[Loss]:
             continue
         rivals = [o for o in block.lines if o is not line and not o.run.startswith(RAW_TRACKER + "/") and o.cells[index].best]
         theirs = ", ".join(f"{o.run} {quantity(o.cells[index].value, cell.row.unit)}" for o in rivals)
-        lost.append(Loss(block.scene, cell.row.metric, quantity(cell.value, cell.row.unit), theirs, (1, cell.ratio)))
+        lost.append(Loss(block.scene, cell.row.metric, quantity(cell.value, cell.row.unit), theirs, "behind", cell.ratio))
     return lost
 
 
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:
     """Scenes in the order in which a reader should see them: failed and lost first."""
     troubled = [row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated]
-    failed = [row.scenario for row in verdict_.failed]
+    failed = [row.scenario for row in verdict_.failed + verdict_.ceiling]
     return tuple(dict.fromkeys([*failed, *troubled, *(loss.scene for loss in verdict_.losses)]))

@@ -40,5 +40,6 @@ def opened(name: str) -> Engine:
     except ImportError as error:
         raise MissingPackage(error.name or module, EXTRA, f"engine {name}") from error
     if not isinstance(made, Engine):
-        raise InvalidInput(f"engine {name} ({paths[name]})", type(made).__name__, "a class with every part of avatarsim.engine.Engine")
+        valid = "a class with every part of avatarsim.engine.Engine"
+        raise InvalidInput(f"engine {name} ({paths[name]})", type(made).__name__, valid)
     return made

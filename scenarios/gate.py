@@ -29,7 +29,7 @@ MEANINGS = {
     INCOMPLETE: "an engine is missing or crashed, or something was not measured",
     NOTHING: "the filter matched no scene",
 }
-"""Exit codes; 4 is left out because pytest and make lint-like tools use it for something else."""
+"""Exit codes. A failed bound wins over an incomplete comparison."""
 
 Ceilings = Mapping[str, Mapping[str, float]]
 

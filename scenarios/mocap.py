@@ -9,12 +9,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.spatial import rotation
 from scenarios.data_folder import data_file, pybullet_data
 from scenarios.scenario import RENDERED
@@ -136,7 +135,7 @@ def _frames(path: Path) -> tuple[Array, bool]:
 def repeated(clip: Clip, times: int) -> Clip:
     """A clip that wraps, `times` over: each round starts where the last ended, its first frame being the join."""
     if not clip.wraps:
-        raise InvalidFile(f"Loop of clip {clip.name}", "none", "wrap, for a clip that is repeated")
+        raise InvalidInput(f"Loop of clip {clip.name}", "none", "wrap, for a clip that is repeated")
     rounds = np.arange(times)[:, None]
     stride = (clip.root_positions[-1] - clip.root_positions[0]) * np.array([1.0, 1.0, 0.0])
 
@@ -158,14 +157,15 @@ def repeated(clip: Clip, times: int) -> Clip:
 def retimed(clip: Clip, step: float = RENDERED) -> Clip:
     """The clip at equal steps [s]: rotations on the great circle between their neighbours, the rest on a line."""
     # 1e-9 of a step keeps a clip whose length is a whole number of steps from losing its last one to rounding
-    times = step * np.arange(int(clip.times[-1] / step + 1e-9) + 1)
+    count = int(clip.times[-1] / step + 1e-9) + 1
+    times = np.arange(count, dtype=np.float64) * step
     after = np.clip(np.searchsorted(clip.times, times, side="right"), 1, len(clip.times) - 1)
     before = after - 1
     fraction = np.clip((times - clip.times[before]) / (clip.times[after] - clip.times[before]), 0.0, 1.0)
 
     def on_line(values: Array) -> Array:
         u = fraction.reshape(-1, *(1,) * (values.ndim - 1))
-        return cast(Array, values[before] + u * (values[after] - values[before]))
+        return values[before] + u * (values[after] - values[before])
 
     return Clip(
         name=clip.name,

@@ -64,9 +64,11 @@ def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess,
 
 
 def quiet() -> None:
-    """Send what this process prints to the error stream: some engines greet on import, and tables belong to the parent."""
+    """Drop what this process prints: some engines greet from C on import, and tables belong to the parent. Errors stay."""
     sys.stdout.flush()
-    os.dup2(2, 1)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
 
 
 def ended(child: BaseProcess) -> str:
@@ -81,7 +83,8 @@ def _work(connection: Connection, function: Callable[[Task], Answer], task: Task
     try:
         connection.send(("answer", function(task)))
     except Exception as error:
-        connection.send(("raised", f"{type(error).__name__}: {error} ({traceback.format_exc().strip().splitlines()[-2].strip()})"))
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        connection.send(("raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"))
 
 
 class Pool(Generic[Task, Answer]):

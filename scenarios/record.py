@@ -5,6 +5,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,11 +103,12 @@ def load(path: Path) -> Recording:
     """Read a recording. Raises InvalidFile when it is missing, truncated, or of another layout."""
     try:
         with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
+            arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
         meta = json.loads(str(arrays.pop("meta")))
         version = meta.pop("schema_version")
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", "a whole .npz file from this runner") from error
+        found = f"{type(error).__name__}: {error}"
+        raise InvalidFile(f"recording {path}", found, "a whole .npz file from this runner") from error
     if version != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")
     for name in WIDE:
@@ -120,6 +122,6 @@ def load(path: Path) -> Recording:
         kind, name = key.split(":", 1)
         named[kind][name] = arrays.pop(key)
     try:
-        return Recording(meta=meta, **named, **arrays)
+        return Recording(meta=meta, counts=named["counts"], statuses=named["statuses"], **arrays)
     except TypeError as error:
         raise InvalidFile(f"recording {path}", str(error), "every field of this layout, and no other") from error

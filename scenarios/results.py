@@ -52,7 +52,7 @@ class Results:
     scenes: Mapping[str, Mapping[str, str]]
     provenance: Mapping[str, object]
     exit_code: int | None
-    skipped: Sequence[str] = ()
+    notes: Sequence[str] = ()
 
 
 def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
@@ -87,7 +87,7 @@ def write(results: Results, folder: Path) -> None:
             for outcome in results.outcomes
         ],
         "series": results.series,
-        "notes": list(results.skipped),
+        "notes": list(results.notes),
     })
 
 

@@ -16,14 +16,10 @@ from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
 from scenarios.provenance import scene_hash
 from scenarios.record import EVENTS, Integers, Recording
-from scenarios.scenario import Motion, Scenario
+from scenarios.scenario import Scenario
 
 REFUSAL = "refusal"
 """Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
-
-
-class EngineFailed(Exception):
-    """An engine raised; the text says where and what."""
 
 
 def accuracy(job: Job, folder: Path) -> Outcome:
@@ -56,8 +52,7 @@ def accuracy(job: Job, folder: Path) -> Outcome:
     except MissingPackage as error:
         return Outcome(job, "not-measured", str(error), about=about)
     except StartOverlaps as error:
-        state = "refused" if scenario.expects.get(REFUSAL) else "crashed"
-        return Outcome(job, "refused" if state == "refused" else "crashed", described(error), about=about)
+        return Outcome(job, "refused" if scenario.expects.get(REFUSAL) else "crashed", described(error), about=about)
     except Exception as error:
         note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
         if frames:
@@ -87,7 +82,8 @@ def _close(engine: Engine) -> None:
 
 
 def gathered(
-    job: Job, scenario: Scenario, scene: Scene, states: list[TrackerSample], frames: list[FrameRecord], about: Mapping[str, object],
+    job: Job, scenario: Scenario, scene: Scene, states: list[TrackerSample], frames: list[FrameRecord],
+    about: Mapping[str, object],
 ) -> Recording:
     """The frames that an engine showed, and the tracker's own posture beside each, as one recording."""
     shown = [frame.shown for frame in frames]
@@ -95,14 +91,15 @@ def gathered(
     raw = [link_poses(scene.avatars, sample) for sample in states[: len(frames)]]
     n, hinges = len(scene.names), sum(avatar.hinge_count for avatar in scene.avatars)
     # an engine that gives no angles, or a wrong number of them, has given none
-    angles = [frame.angles for frame in frames] if all(len(frame.angles) == hinges for frame in frames) else [np.zeros(0)] * len(frames)
+    given = all(len(frame.angles) == hinges for frame in frames)
+    angles = [frame.angles if given else np.zeros(0) for frame in frames]
     within = [snapshot for _, snapshot in inside]
     return Recording(
         meta={
             "scene": scenario.name, "engine": job.engine, "preset": job.preset, "seed": job.seed, "dt": scenario.dt,
             "scene_hash": scene_hash(scene), "full": job.full, "names": scene.names, **about,
         },
-        times=np.arange(len(frames)) * scenario.dt,
+        times=np.arange(len(frames), dtype=np.float64) * scenario.dt,
         positions=_stack(shown, "positions", n, 3), orientations=_stack(shown, "orientations", n, 4),
         velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
         angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),

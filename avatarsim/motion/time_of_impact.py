@@ -15,7 +15,7 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.motion.free_rotation import Series
-from avatarsim.motion.path import HELD, STILL, Paths, angular_acceleration, move_along
+from avatarsim.motion.path import FREE, HELD, STILL, Paths, angular_acceleration, move_along
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, row, sub
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.shapes import POINTS
@@ -151,12 +151,14 @@ def jerk_rate(paths: Paths, trial: Poses, b: int, horizon: float) -> float:
 
 
 @kernel
-def longest_horizon(paths: Paths, b: int) -> float:
-    """Longest time [s] over which the bounds of ``jerk_rate`` and of turning ellipsoids are worth anything."""
+def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
+    """Longest time [s] over which the bounds of ``jerk_rate`` and of turning ellipsoids hold for shape s."""
+    b = geometry.body[s]
     speed = norm(row(paths.w, b))
     if paths.kind[b] == STILL or speed == 0.0:
         return inf
-    return 0.2 / speed
+    smooth = geometry.shapes.kind[s] != POINTS
+    return 0.2 / speed if smooth or (paths.kind[b] == FREE and paths.round[b] == 0) else inf
 
 
 @kernel
@@ -204,7 +206,7 @@ def time_of_impact(
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
-        reach: (nb) largest distance of a body's points from its centre of mass [m].
+        reach: (nb) largest distance of a body's points from its centre of mass, rounding radii left out [m].
         trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 4) working memory.
 
     Returns:
@@ -240,7 +242,7 @@ def time_of_impact(
                 target = min(stand_off, gap)
             elif slowest > RESTING:
                 target, event = min(DIP, gap), DIPPED
-        horizon = min(left, longest_horizon(paths, a), longest_horizon(paths, b))
+        horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
         step = 0.0
         for _ in range(HORIZONS):
             found = safe_step(

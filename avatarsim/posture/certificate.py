@@ -56,7 +56,9 @@ def cached_axis_holds(geo: Geometry, poses: Poses, memory_out: Memory, i: int, a
 
 
 @kernel
-def nearest_direction(geo: Geometry, poses: Poses, seed: Vec3, a: int, b: int, reach: float, memory_out: Memory) -> tuple[float, Vec3, int]:
+def nearest_direction(
+    geo: Geometry, poses: Poses, seed: Vec3, a: int, b: int, reach: float, memory_out: Memory
+) -> tuple[float, Vec3, int]:
     """Gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap."""
     memory_out.counts[QUERIES] += 1
     rounding = geo.shapes.radius[a] + geo.shapes.radius[b]

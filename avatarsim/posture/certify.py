@@ -27,7 +27,7 @@ REACH = 0.5
 @kernel
 def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
     """Whether two axis-aligned boxes touch."""
-    return (
+    return bool(
         boxes[i, 0] <= boxes[j, 3] and boxes[j, 0] <= boxes[i, 3]
         and boxes[i, 1] <= boxes[j, 4] and boxes[j, 1] <= boxes[i, 4]
         and boxes[i, 2] <= boxes[j, 5] and boxes[j, 2] <= boxes[i, 5]
@@ -77,8 +77,8 @@ def list_near_bodies(skel: Skeleton, memory_out: Memory, always: bool) -> None:
 
 @kernel
 def certify_pair(
-    geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, settings: PostureSettings, add_rows: bool, soft: bool, count: int,
-    memory_out: Memory,
+    geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, settings: PostureSettings, add_rows: bool, soft: bool,
+    count: int, memory_out: Memory,
 ) -> tuple[bool, int]:
     """Whether pieces a and b hold their certificate, and the row count; a failing pair gets a row if asked for."""
     i = a - geo.first_shape[skel.first]
@@ -106,7 +106,8 @@ def certify_pair(
 
 @kernel
 def certify(
-    geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool, count: int, memory_out: Memory
+    geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool, count: int,
+    memory_out: Memory,
 ) -> tuple[int, int]:
     """Certify the trial; return the number of failed pairs (some of them named in pairs.failed) and the row count."""
     sweep_boxes(geo, skel, poses, settings.least_gap, memory_out)

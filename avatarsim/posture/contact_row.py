@@ -13,7 +13,9 @@ from avatarsim.world.skeleton import FREE, Skeleton
 
 
 @kernel
-def add_lever(skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Points, jacobian_out: Points, k: int) -> None:
+def add_lever(
+    skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Points, jacobian_out: Points, k: int
+) -> None:
     """Add to row k how a point of a link moves along n, times sign; nothing for a body that is not a link."""
     link = body - skel.first
     while link >= 0:

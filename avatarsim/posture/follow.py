@@ -48,7 +48,8 @@ def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memor
 
 @kernel
 def follow(
-    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses, memory_out: Memory
+    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
+    memory_out: Memory,
 ) -> None:
     """Bring the posture towards the tracker's by at most `settings.steps` certified steps."""
     memory_out.counts[:] = 0

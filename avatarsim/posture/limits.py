@@ -9,7 +9,7 @@ from math import atan2, cos, sin
 
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
-from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, row, scale, unit
+from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, scale, unit
 from avatarsim.world.skeleton import Skeleton
 
 UNLIMITED_COSINE = -2.0
@@ -22,7 +22,8 @@ INWARD = 1e-9
 @kernel
 def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
     """Swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
-    axis, centre = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    axis = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2])
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     limb = turned(turn, axis)
     back = cross(limb, centre)
     sine = norm(back)
@@ -51,7 +52,7 @@ def any_normal(v: Vec3) -> Vec3:
 @kernel
 def has_cone(skel: Skeleton, link: int) -> bool:
     """Whether the ball of a link has limits."""
-    return skel.cone[link, 6] > UNLIMITED_COSINE + 0.5
+    return bool(skel.cone[link, 6] > UNLIMITED_COSINE + 0.5)
 
 
 @kernel
@@ -59,7 +60,7 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
     """How far the rotation of a ball is beyond its limits [rad], the larger of swing and twist; negative inside."""
     swing, twist, _ = swing_and_twist(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
-    return max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9]))
+    return float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
 
 
 @kernel

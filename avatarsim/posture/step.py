@@ -48,7 +48,7 @@ IDLE_STEPS = 3
 def work_done(memory: Memory) -> int:
     """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
     c = memory.counts
-    return c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2
+    return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2)
 
 
 @kernel
@@ -60,8 +60,8 @@ def try_step(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory
 
 @kernel
 def check(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool, count: int,
-    memory_out: Memory,
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool,
+    count: int, memory_out: Memory,
 ) -> tuple[int, int]:
     """Certificates and ball limits of the trial: number of failures and row count; links at fault are touched."""
     memory_out.touched[:] = False
@@ -125,7 +125,8 @@ def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
 
 @kernel
 def attempt(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, soft: bool, budget: int, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, soft: bool, budget: int,
+    memory_out: Memory,
 ) -> tuple[int, int, bool]:
     """Solve and certify with growing rows; return failures, rows and whether the budget is spent."""
     r = memory_out.rows
@@ -145,7 +146,9 @@ def attempt(
 
 
 @kernel
-def back_off(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory) -> None:
+def back_off(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> None:
     """Shorten the step of failing joints until the trial certifies; at last stay where everything is known to be free."""
     memory_out.counts[BACKED] += 1
     for k in range(BACK_OFFS):

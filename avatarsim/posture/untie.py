@@ -25,7 +25,9 @@ FORGET_AT = 5
 
 
 @kernel
-def unstick(geo: Geometry, skel: Skeleton, settings: PostureSettings, posture_out: Posture, poses_out: Poses, memory_out: Memory) -> None:
+def unstick(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture_out: Posture, poses_out: Poses, memory_out: Memory
+) -> None:
     """Count the frames without progress and act on the count."""
     aim(skel, posture_out, settings, memory_out.goal)
     error = 0.0

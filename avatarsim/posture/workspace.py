@@ -16,6 +16,9 @@ Index = NDArray[np.int64]
 ROW_CAP = 96
 """Most contact and bound rows of one step. The slowest frames of hostile motion used a dozen; more are counted as dropped."""
 
+LISTED_CAP = 64
+"""Most pairs that get a row before anything fails; a pair that does not fit gets one when it fails."""
+
 FAILED_CAP = 64
 """Most failed pairs that are remembered by name; further ones are only counted."""
 
@@ -129,7 +132,9 @@ def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: P
         points = poses.vertices[rows]
         if not len(points):
             continue
-        for m in np.flatnonzero(skel.related[link]):
+        for m in range(len(skel.kind)):
+            if not skel.related[link, m]:
+                continue
             for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
                 if skel.kind[m] == FREE and j < skel.first_dof[m] + 3:
                     weight[j] += 1.0
@@ -137,12 +142,12 @@ def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: P
                     arm = np.cross(axes[j], points - poses.position[skel.first + m])
                     weight[j] += float((arm**2).sum(axis=1).mean()) + 1e-4
     roots = np.zeros(len(weight), dtype=bool)
-    for link in np.flatnonzero(skel.kind == FREE):
+    for link in np.flatnonzero(skel.kind == FREE).tolist():
         roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True
     typical = np.median(weight[~roots]) if (~roots).any() else np.median(weight[roots])
-    weight = np.maximum(weight / typical, settings.stiffness_floor)
-    weight[roots] *= settings.root_weight
-    return weight
+    floored: Array = np.maximum(weight / typical, settings.stiffness_floor)
+    floored[roots] *= settings.root_weight
+    return floored
 
 
 def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
@@ -159,8 +164,9 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     )
     none = np.full((driven, ns), -1, dtype=np.int64)
     pairs = PairMemory(
-        np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(), np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
-        np.zeros((driven, ns), dtype=np.bool_), np.zeros((64, 2), dtype=np.int64), np.zeros(64, dtype=np.int64),
+        np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
+        np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
+        np.zeros((driven, ns), dtype=np.bool_), np.zeros((LISTED_CAP, 2), dtype=np.int64), np.zeros(LISTED_CAP, dtype=np.int64),
         np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(4, dtype=np.int64),
     )
     trial = Poses(*(array.copy() for array in poses))

@@ -15,7 +15,7 @@ IDENTITY: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 def normalised(quaternion: ArrayLike) -> Array:
     """Unit quaternion along `quaternion`, shape (..., 4). The caller guarantees it is not zero."""
     q = np.asarray(quaternion, dtype=np.float64)
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
 
 
 def multiply(a: ArrayLike, b: ArrayLike) -> Array:
@@ -36,7 +36,7 @@ def multiply(a: ArrayLike, b: ArrayLike) -> Array:
 
 def conjugate(quaternion: ArrayLike) -> Array:
     """Inverse of a unit quaternion, shape (..., 4)."""
-    return np.asarray(quaternion, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+    return np.asarray(np.asarray(quaternion, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
 def rotate(quaternion: ArrayLike, vector: ArrayLike) -> Array:

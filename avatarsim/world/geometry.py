@@ -84,7 +84,8 @@ def geometry(scene: Scene) -> Geometry:
         first.append(len(kinds))
     start = np.cumsum([0] + [len(block) for block in blocks])
     shapes = Shapes(
-        np.array(kinds, dtype=np.int64), start.astype(np.int64), np.array(radii, dtype=np.float64), np.array(sizes, dtype=np.float64)
+        np.array(kinds, dtype=np.int64), start.astype(np.int64),
+        np.array(radii, dtype=np.float64), np.array(sizes, dtype=np.float64),
     )
     local = np.ascontiguousarray(np.vstack(blocks)) if blocks else np.zeros((0, 3))
     return Geometry(
@@ -96,7 +97,8 @@ def poses(geo: Geometry, position: Array, orientation: Array) -> Poses:
     """Fresh pose arrays with every body at the given position (nb, 3) and orientation (nb, 4)."""
     nb, ns = len(geo.first_shape) - 1, len(geo.body)
     fresh = Poses(
-        np.ascontiguousarray(position, dtype=np.float64).copy(), np.ascontiguousarray(rotation.to_matrix(orientation)).reshape(nb, 3, 3),
+        np.ascontiguousarray(position, dtype=np.float64).copy(),
+        np.ascontiguousarray(rotation.to_matrix(orientation)).reshape(nb, 3, 3),
         np.zeros_like(geo.local), np.zeros((ns, 6)), np.zeros((nb, 6)),
     )
     for b in range(nb):

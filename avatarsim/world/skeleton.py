@@ -88,9 +88,9 @@ def skeleton(scene: Scene) -> Skeleton:
                 untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T
         first_dof.append(len(axis))
     related = np.eye(nl, dtype=np.bool_)
-    for link in range(nl):
-        if parent[link] >= 0:
-            related[link] |= related[parent[link]]
+    for i in range(nl):
+        if parent[i] >= 0:
+            related[i] |= related[parent[i]]
     return Skeleton(
         len(scene.bodies), kind, parent, np.array(first_dof, dtype=np.int64),
         np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),

@@ -44,10 +44,9 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
     """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
-    wanted = ("C", "W")
     return (
-        np.require(sample.positions, np.float64, wanted), np.require(sample.rotations, np.float64, wanted),
-        np.require(sample.angles, np.float64, wanted),
+        np.require(sample.positions, np.float64, ["C", "W"]), np.require(sample.rotations, np.float64, ["C", "W"]),
+        np.require(sample.angles, np.float64, ["C", "W"]),
     )
 
 

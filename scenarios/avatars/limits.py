@@ -86,7 +86,8 @@ def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray
     angle = float(np.linalg.norm(towards))
     if angle == 0.0:
         return np.array(found.axis)
-    return np.cos(np.radians(angle)) * np.array(found.axis) + np.sin(np.radians(angle)) * towards / angle
+    tilt = np.radians(angle)
+    return np.asarray(np.cos(tilt) * np.array(found.axis) + np.sin(tilt) * towards / angle)
 
 
 def ends(found: Range, side: float) -> tuple[NDArray[np.float64], ...]:

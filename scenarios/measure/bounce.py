@@ -95,7 +95,7 @@ def _between_steps(way: Flight) -> Iterator[Impact]:
 
 
 def apex(way: Flight, start: float, end: float) -> float:
-    """Largest gap [m] reached after `start` and before `end` [s]; between two samples by the parabola through the last rising one."""
+    """Largest gap [m] reached between `start` and `end` [s]; between two samples by the parabola of the last rising one."""
     chosen = (way.time > start) & (way.time < end)
     if not chosen.any():
         return 0.0
@@ -122,7 +122,7 @@ def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
 
 def bounces(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """restitution_error_max and apex_error_max [m] over all drops that the scenario expects. Empty when it expects none."""
-    drops = [drop for drop in _drops(scenario)]
+    drops = list(_drops(scenario))
     if not drops:
         return {}
     ratios: list[float] = []

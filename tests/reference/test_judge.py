@@ -200,7 +200,8 @@ def test_what_the_fast_answer_gets_wrong_goes_to_brute_force():
 def test_ellipsoids_agree_with_brute_force_over_directions():
     rng = np.random.default_rng(13)
     for k in range(60):
-        shapes = [Ellipsoid(tuple(rng.uniform(0.03, 0.2, 3))), (Ellipsoid(tuple(rng.uniform(0.03, 0.2, 3))), box(rng))[k % 2]]
+        first, second = (Ellipsoid(tuple(rng.uniform(0.03, 0.2, 3))) for _ in range(2))
+        shapes = [first, (second, box(rng), capsule(rng))[k % 3]]
         judge = Judge(Scene("smooth", (fixed("a", (Piece(shapes[0]),), "wood"),
                                        simulated("b", (Piece(shapes[1]),), "wood", Mass(1.0)))))
         turns = rotation.normalised(rng.normal(size=(2, 4)))

@@ -29,7 +29,8 @@ def whole_run() -> Json:
         for run, size in sizes.items():
             gate: Json = {}
             if run == "avatarsim/default":
-                gate = {"bound": 1e-6, "ceiling": 1e-3 if scene == "hand_over_table" else 1e-6, "status": "pass"}
+                young = scene == "hand_over_table"
+                gate = {"bound": 1e-6, "ceiling": 1e-3 if young else None, "status": "info" if young else "pass"}
             rows.append(row(scene, run, "residual_overlap_max", size * scale, "m", **gate))
             rows.append(row(scene, run, "overlap_frames", min(100.0, 1e4 * size), "%"))
             rows.append(row(scene, run, "tracker_offset_rms_free", 0.0 if run[0] == "t" else 2e-3 + size, "m"))
@@ -43,7 +44,7 @@ def whole_run() -> Json:
     broken: Json = {"bound": 0.01, "status": "fail", "note": "pair wood-metal"}
     rows.append(row("ball_drop", "avatarsim/default", "restitution_error_max", 0.3, "", **broken))
     rows.append(row("ball_drop", "pybullet/default", "restitution_error_max", 0.02))
-    rows.append(row("ball_drop", "mujoco/default", "", None, status="crashed", note="ValueError: <mesh> & volume"))
+    rows.append(row("ball_drop", "mujoco/default", "run", None, status="crashed", note="ValueError: <mesh> & volume"))
     rows.append(row("ball_drop", "mujoco/tuned", "residual_overlap_max", None, "m", status="not-measured", note="not installed"))
     engines = [
         {"name": "mujoco", "version": "3.17.0", "preset": "default", "scenario": scene,

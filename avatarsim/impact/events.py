@@ -1,0 +1,53 @@
+"""What happened inside a frame: the whole state right before and right after each impact."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+APPROACH, IMPACT = 0, 1
+"""Kind of an event: right before, and right after, at the same time."""
+
+
+class Events(NamedTuple):
+    """Events k < min(count[0], cap) in order: time (cap) [s] since the frame began, kind, the pair whose impact it is (cap, 2);
+    position (cap, nb, 3), rotation (cap, nb, 3, 3), linear and angular velocity (cap, nb, 3) of all bodies."""
+
+    count: Index
+    time: Array
+    kind: Index
+    pair: Index
+    position: Array
+    rotation: Array
+    linear: Array
+    angular: Array
+
+
+def make_events(bodies: int, cap: int = 64) -> Events:
+    """Allocate room for ``cap`` events (two per impact) of so many bodies; cap 0 if nothing is recorded."""
+    return Events(
+        np.zeros(1, np.int64), np.zeros(cap), np.zeros(cap, np.int64), np.zeros((cap, 2), np.int64), np.zeros((cap, bodies, 3)),
+        np.zeros((cap, bodies, 3, 3)), np.zeros((cap, bodies, 3)), np.zeros((cap, bodies, 3)),
+    )
+
+
+@kernel
+def record(
+    events: Events, kind: int, time: float, a: int, b: int, position: Array, rotation: Array, linear: Array, angular: Array
+) -> None:
+    """Append one event; the count goes on when there is no room, so that the loss shows."""
+    k = events.count[0]
+    events.count[0] = k + 1
+    if k >= events.time.shape[0]:
+        return
+    events.time[k], events.kind[k] = time, kind
+    events.pair[k, 0], events.pair[k, 1] = a, b
+    events.position[k, :, :] = position
+    events.rotation[k, :, :, :] = rotation
+    events.linear[k, :, :] = linear
+    events.angular[k, :, :] = angular

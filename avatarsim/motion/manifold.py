@@ -1,0 +1,186 @@
+"""Contact manifolds: where the touching features of two convex shapes face each other, at most eight points."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
+from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, perpendicular, put_row, row, scale, sub, unit
+from avatarsim.world.shapes import POINTS, Shapes
+
+Array = NDArray[np.float64]
+
+MANIFOLD_POINTS = 8
+"""Most contact points of two convex shapes; an octagon of support stands like the whole face."""
+
+FEATURE_ROOM = 64
+"""Vertices of one touching feature; the face of a hull rarely has ten."""
+
+PARALLEL = 1e-6
+"""Sine of the angle below which two edges touch along a stretch and not in a point."""
+
+EQUAL = 1e-12
+"""Relative to the shapes' size: points closer than this are the same point."""
+
+
+class Manifold(NamedTuple):
+    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m]; the rest are polygons (u, v, height)."""
+
+    on_a: Array
+    on_b: Array
+    gap: Array
+    loose: Array
+    face_a: Array
+    face_b: Array
+    cut: Array
+    other: Array
+
+
+def make_manifold() -> Manifold:
+    """Allocate; one per thread."""
+    room, both = (FEATURE_ROOM, 3), (2 * FEATURE_ROOM + 8, 3)
+    return Manifold(
+        np.zeros((MANIFOLD_POINTS, 3)), np.zeros((MANIFOLD_POINTS, 3)), np.zeros(MANIFOLD_POINTS), np.zeros(room), np.zeros(room),
+        np.zeros(room), np.zeros(both), np.zeros(both),
+    )
+
+
+@kernel
+def feature(
+    vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, band: float, loose: Array, out: Array
+) -> int:
+    """Hull, in the plane (u, v), of the vertices of shape s within ``band`` of its farthest along side n; returns its corners."""
+    first, last = shapes.start[s], shapes.start[s + 1]
+    top = side * dot(n, sub(row(vertices, first), origin))
+    for i in range(first + 1, last):
+        top = max(top, side * dot(n, sub(row(vertices, i), origin)))
+    count = 0
+    for i in range(first, last):
+        d = sub(row(vertices, i), origin)
+        height = dot(n, d)
+        if side * height >= top - band and count < loose.shape[0]:
+            loose[count, 0], loose[count, 1], loose[count, 2] = dot(u, d), dot(v, d), height
+            count += 1
+    corners = wrap(loose, count, EQUAL * shapes.size[s], out)
+    return to_segment(out, corners) if flat(out, corners) else corners
+
+
+@kernel
+def only_witness(found: Manifold, on_a: Vec3, on_b: Vec3, gap: float) -> int:
+    """The closest points alone."""
+    put_row(found.on_a, 0, on_a)
+    put_row(found.on_b, 0, on_b)
+    found.gap[0] = gap
+    return 1
+
+
+@kernel
+def manifold(
+    vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, gap: float, band: float, found: Manifold
+) -> tuple[int, Vec3]:
+    """Contact points of shapes a and b whose gap is below ``band`` [m].
+
+    Args:
+        n, on_a, on_b, gap: from `signed_distance`.
+
+    Returns:
+        (count, n): points in the first rows of ``found``, at least the closest pair, and the normal, taken from a face where one
+        takes part (exact, while that of two points a stand-off apart has eight digits).
+    """
+    lone_a = shapes.kind[a] != POINTS or shapes.start[a + 1] - shapes.start[a] == 1
+    lone_b = shapes.kind[b] != POINTS or shapes.start[b + 1] - shapes.start[b] == 1
+    if lone_a or lone_b:
+        return only_witness(found, on_a, on_b, gap), n
+    size = max(shapes.size[a], shapes.size[b])
+    tolerance = band + 1e-9 * size
+    u = perpendicular(n)
+    v = cross(n, u)
+    origin = scale(add(on_a, on_b), 0.5)
+    corners_a = feature(vertices, shapes, a, -1.0, n, u, v, origin, tolerance, found.loose, found.face_a)
+    corners_b = feature(vertices, shapes, b, 1.0, n, u, v, origin, tolerance, found.loose, found.face_b)
+    if corners_a < 2 or corners_b < 2:
+        if corners_a >= 3 or corners_b >= 3:
+            n = tilted(n, u, v, found.face_b, corners_b) if corners_b >= 3 else tilted(n, u, v, found.face_a, corners_a)
+            along_n = dot(n, sub(on_a, on_b))
+            # the closest point of the lone corner stays; its partner is straight across
+            if corners_a < 2:
+                return only_witness(found, on_a, along(on_a, -along_n, n), along_n), n
+            return only_witness(found, along(on_b, along_n, n), on_b, along_n), n
+        return only_witness(found, on_a, on_b, gap), n
+    subject, window = found.face_a, found.face_b
+    corners, sides = corners_a, corners_b
+    if corners_b == 2 and corners_a > 2:
+        subject, window = found.face_b, found.face_a
+        corners, sides = corners_b, corners_a
+    if corners == 2 and sides == 2:
+        eu, ev = subject[1, 0] - subject[0, 0], subject[1, 1] - subject[0, 1]
+        fu, fv = window[1, 0] - window[0, 0], window[1, 1] - window[0, 1]
+        if abs(eu * fv - ev * fu) > PARALLEL * ((eu * eu + ev * ev) * (fu * fu + fv * fv)) ** 0.5:
+            return only_witness(found, on_a, on_b, gap), n
+    for i in range(corners):
+        copy_row(subject, i, found.cut, i)
+    count = clip(found.cut, corners, window, sides, found.other)
+    kept = spread_points(found, count, corners_a, corners_b, shapes.radius[a] + shapes.radius[b], band, EQUAL * size)
+    if kept == 0:
+        return only_witness(found, on_a, on_b, gap), n
+    better = n
+    if corners_b >= 3:
+        better = tilted(n, u, v, found.face_b, corners_b)
+    elif corners_a >= 3:
+        better = tilted(n, u, v, found.face_a, corners_a)
+    for i in range(kept):
+        p = along(along(origin, found.other[i, 0], u), found.other[i, 1], v)
+        put_row(found.on_a, i, along(p, found.on_a[i, 2] - shapes.radius[a], n))
+        put_row(found.on_b, i, along(p, found.on_b[i, 2] + shapes.radius[b], n))
+    return kept, better
+
+
+@kernel
+def tilted(n: Vec3, u: Vec3, v: Vec3, face: Array, corners: int) -> Vec3:
+    """Normal of a face given as heights over (u, v), on the side of n."""
+    _, p, q = slope(face, corners)
+    return unit(sub(n, add(scale(u, p), scale(v, q))))
+
+
+@kernel
+def spread_points(
+    found: Manifold, count: int, corners_a: int, corners_b: int, radii: float, band: float, equal: float
+) -> int:
+    """Keep the clipped points whose gap is below ``band``, at most eight: those that reach farthest in eight directions.
+
+    Leaves (u, v) in ``found.other``, the heights of A and B in the third column of on_a and on_b, and the gaps.
+    """
+    ca, pa, qa = slope(found.face_a, corners_a)
+    cb, pb, qb = slope(found.face_b, corners_b)
+    near = 0
+    for i in range(count):
+        x, y = found.cut[i, 0], found.cut[i, 1]
+        gap = ca + pa * x + qa * y - (cb + pb * x + qb * y) - radii
+        fresh = gap < band
+        for k in range(near):
+            if abs(found.cut[k, 0] - x) <= equal and abs(found.cut[k, 1] - y) <= equal:
+                fresh = False
+        if fresh:
+            found.cut[near, 0], found.cut[near, 1], found.cut[near, 2] = x, y, 0.0
+            near += 1
+    if near > MANIFOLD_POINTS:
+        for turn in range(MANIFOLD_POINTS):
+            # eight directions, none along an edge of an axis-aligned face
+            c, s = np.cos(0.3 + 0.25 * np.pi * turn), np.sin(0.3 + 0.25 * np.pi * turn)
+            best = 0
+            for i in range(1, near):
+                if c * found.cut[i, 0] + s * found.cut[i, 1] > c * found.cut[best, 0] + s * found.cut[best, 1]:
+                    best = i
+            found.cut[best, 2] = 1.0
+    kept = 0
+    for i in range(near):
+        if near > MANIFOLD_POINTS and found.cut[i, 2] == 0.0:
+            continue
+        x, y = found.cut[i, 0], found.cut[i, 1]
+        found.other[kept, 0], found.other[kept, 1] = x, y
+        found.on_a[kept, 2], found.on_b[kept, 2] = ca + pa * x + qa * y, cb + pb * x + qb * y
+        found.gap[kept] = found.on_a[kept, 2] - found.on_b[kept, 2] - radii
+        kept += 1
+    return kept

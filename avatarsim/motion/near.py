@@ -1,0 +1,118 @@
+"""Which bodies could meet in the time that is left: boxes grown by the motion, swept and pruned; and who must wake up."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.sweep import sweep_and_prune
+from avatarsim.kernel import kernel
+from avatarsim.motion.path import FREE, STILL, Paths
+from avatarsim.spatial.vec3 import dot, norm, row
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+MARGIN = 1e-4
+"""Added to every box [m]. Above the touching band (1e-6); smaller: more sweeps for bodies that tremble; larger: more pairs."""
+
+SMALL_TURN = 0.3
+"""Turns below this [rad] grow the box by the way of the farthest point; larger ones by the whole ball around the body."""
+
+
+@kernel
+def grow(hulls: Array, position: Array, span: Array, b: int, v: Array, a: Array, turn: float, t: float, boxes_out: Array) -> None:
+    """Box around body b for t seconds with velocity v[b] and constant acceleration a (3), turning by at most ``turn`` [rad].
+
+    ``span`` (nb): largest distance of a point of the body from its centre of mass, radii included [m].
+    """
+    for k in range(3):
+        way = t * (abs(v[b, k]) + 0.5 * t * abs(a[k])) + MARGIN
+        low, high = position[b, k] - span[b], position[b, k] + span[b]
+        if turn < SMALL_TURN:
+            low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
+        boxes_out[b, k], boxes_out[b, 3 + k] = low - way, high + way
+
+
+@kernel
+def turn_within(w: float, t: float) -> float:
+    """Bound of the angle [rad] in t seconds of a free body that spins at w [rad/s] now."""
+    return w * t / max(0.5, 1.0 - w * t)
+
+
+@kernel
+def promise(
+    hulls: Array, position: Array, span: Array, moving: Index, linear: Array, angular: Array, gravity: Array, left: float,
+    boxes_out: Array,
+) -> None:
+    """Boxes that every body promises to stay in for ``left`` seconds, if nothing hits it."""
+    for b in range(moving.shape[0]):
+        if moving[b] == 1:
+            turn = turn_within(norm(row(angular, b)), left)
+            grow(hulls, position, span, b, linear, gravity, turn, left, boxes_out)
+        else:
+            for k in range(3):
+                boxes_out[b, k], boxes_out[b, 3 + k] = hulls[b, k] - MARGIN, hulls[b, 3 + k] + MARGIN
+
+
+@kernel
+def keeps_promise(
+    hulls: Array, position: Array, span: Array, b: int, linear: Array, angular: Array, paths: Paths, t: float, boxes: Array
+) -> bool:
+    """Whether the path of body b stays in its promised box for t seconds."""
+    if paths.kind[b] == STILL:
+        return True
+    w = norm(row(angular, b))
+    turn = turn_within(w, t) if paths.kind[b] == FREE else t * (w + 0.5 * t * norm(row(paths.angular, b)))
+    for k in range(3):
+        way = t * (abs(linear[b, k]) + 0.5 * t * abs(paths.linear[b, k])) + 0.5 * MARGIN
+        low, high = position[b, k] - span[b], position[b, k] + span[b]
+        if turn < SMALL_TURN:
+            low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
+        # a path less half the margin must fit: the other half is what `touch` may look for
+        if not (low - way >= boxes[b, k] and high + way <= boxes[b, 3 + k]):
+            return False
+    return True
+
+
+@kernel
+def near_pairs(
+    hulls: Array, position: Array, span: Array, moving: Index, asleep: Index, linear: Array, angular: Array, gravity: Array,
+    left: float, allowed: NDArray[np.bool_], boxes: Array, order: Index, pairs: Index,
+) -> tuple[int, int]:
+    """Sweep the promised boxes; whoever sleeps near a moving body wakes. Returns (status of the sweep, number of pairs)."""
+    promise(hulls, position, span, moving, linear, angular, gravity, left, boxes)
+    while True:
+        status, count = sweep_and_prune(boxes, allowed, order, pairs)
+        woken = 0
+        for p in range(min(count, pairs.shape[0])):
+            i, k = pairs[p, 0], pairs[p, 1]
+            for sleeper, other in ((i, k), (k, i)):
+                if asleep[sleeper] == 1 and moving[other] == 1:
+                    asleep[sleeper], moving[sleeper] = 0, 1
+                    grow(hulls, position, span, sleeper, linear, gravity, 0.0, left, boxes)
+                    woken += 1
+        if woken == 0:
+            return status, count
+
+
+@kernel
+def boxes_near(a: Array, b: Array, i: int, k: int) -> bool:
+    """Whether box a[i] comes within the margin of box b[k]."""
+    for x in range(3):
+        if a[i, x] - MARGIN > b[k, 3 + x] or b[k, x] - MARGIN > a[i, 3 + x]:
+            return False
+    return True
+
+
+@kernel
+def wake_beside(old: Array, new: Array, b: int, allowed: NDArray[np.bool_], asleep: Index, moving: Index) -> None:
+    """Wake who sleeps near body b, which somebody moved: where it was (hulls ``old``) or where it is (``new``)."""
+    for s in range(asleep.shape[0]):
+        if asleep[s] == 1 and allowed[s, b] and (boxes_near(old, new, b, s) or boxes_near(new, new, b, s)):
+            asleep[s], moving[s] = 0, 1
+
+
+@kernel
+def stands(linear: Array, angular: Array, b: int) -> bool:
+    """Whether both velocities of body b are exactly zero."""
+    v, w = row(linear, b), row(angular, b)
+    return dot(v, v) + dot(w, w) == 0.0

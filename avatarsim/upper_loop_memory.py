@@ -1,0 +1,119 @@
+"""Everything the upper loop of Figure 3 keeps: allocated once per world, nothing while frames run."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.impact.contacts import ROOM, Contacts, make_contacts
+from avatarsim.impact.masses import Masses
+from avatarsim.motion.free_rotation import Series, make_series
+from avatarsim.motion.manifold import Manifold, make_manifold
+from avatarsim.motion.path import Paths, make_paths
+from avatarsim.scene.body import Role
+from avatarsim.world.dynamics import Dynamics
+from avatarsim.world.geometry import Geometry, Poses
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+PAIRS_ROOM = 65536
+"""Most near pairs held; a heap of a thousand bodies has about ten thousand."""
+
+ROUND = 1e-12
+"""Principal moments closer than this part of the largest are equal: spinning about any axis is then free of torque."""
+
+SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS = range(10)
+"""Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain was
+taken back, time-of-impact searches, resting solves, those that missed their accuracy, position corrections, sweeps, most contacts."""
+
+
+class Switches(NamedTuple):
+    """Effects that can be off. paper: eq. 10 unlimited and point by point, as printed; record: write impacts into the events."""
+
+    gyroscopic: bool = True
+    continuous: bool = True
+    sleeping: bool = True
+    paper: bool = False
+    record: bool = False
+
+
+class Memory(NamedTuple):
+    """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
+
+    strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from the
+    centre of mass. trial: poses used while looking for impacts; between frames they are those last seen.
+    """
+
+    received: Array
+    moving: Index
+    asleep: Index
+    ball: Index
+    round: Index
+    held: Index
+    strike: Masses
+    hold: Masses
+    inertia: Array
+    reach: Array
+    span: Array
+    trial: Poses
+    paths: Paths
+    series: Series
+    contacts: Contacts
+    manifold: Manifold
+    scratch: Scratch
+    linear_end: Array
+    angular_end: Array
+    before: Array
+    direction: Array
+    boxes: Array
+    allowed: NDArray[np.bool_]
+    order: Index
+    pairs: Index
+    a_rows: Array
+    b_rows: Array
+    last_key: Index
+    last_force: Array
+    last_count: Index
+    counts: Index
+
+
+def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
+    """Allocate for a world whose bodies stand at ``poses``."""
+    n = len(dynamics.role)
+    simulated = dynamics.role == Role.SIMULATED.value
+    moments = np.linalg.eigvalsh(dynamics.inertia)
+    round_ = np.array([not gyroscopic or np.ptp(m) <= ROUND * m.max() for m in moments], np.int64)
+    reach, span, ball = np.zeros(n), np.zeros(n), np.zeros(n, np.int64)
+    shapes = geometry.shapes
+    for b in range(n):
+        pieces = range(geometry.first_shape[b], geometry.first_shape[b + 1])
+        for s in pieces:
+            points = geometry.local[shapes.start[s] : shapes.start[s + 1]]
+            if shapes.kind[s] == 1:
+                far = float(np.linalg.norm(points[0]) + np.linalg.norm(points[1:], axis=1).max())
+            else:
+                far = float(np.linalg.norm(points, axis=1).max())
+            reach[b], span[b] = max(reach[b], far), max(span[b], far + shapes.radius[s])
+        only = pieces[0] if len(pieces) == 1 else -1
+        if only >= 0 and shapes.kind[only] == 0 and shapes.start[only + 1] - shapes.start[only] == 1:
+            ball[b] = int(reach[b] <= 1e-12 * span[b])
+    inverse_inertia = np.zeros((n, 3, 3))
+    inverse_mass = dynamics.inverse_mass
+    # without the gyroscopic effect a tumbling body just keeps its angular velocity
+    most = int(np.diff(shapes.start).max()) if len(geometry.body) else 1
+    room = min(PAIRS_ROOM, max(1, n * (n - 1) // 2))
+    return Memory(
+        received=np.zeros((n, 3)), moving=np.zeros(n, np.int64), asleep=np.zeros(n, np.int64), ball=ball, round=round_,
+        held=np.zeros(n, np.int64), strike=Masses(inverse_mass.copy(), inverse_inertia),
+        hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
+        trial=Poses(*(field.copy() for field in poses)),
+        paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
+        contacts=make_contacts(), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
+        angular_end=np.zeros((n, 3)), before=np.zeros((ROOM, 3)), direction=np.zeros((ROOM, 3)), boxes=np.zeros((n, 6)),
+        allowed=geometry.wanted & (simulated[:, None] | simulated[None, :]), order=np.arange(n, dtype=np.int64),
+        pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 4)), b_rows=np.zeros((most, 4)),
+        last_key=np.zeros(ROOM, np.int64), last_force=np.zeros((ROOM, 3)), last_count=np.zeros(1, np.int64),
+        counts=np.zeros(10, np.int64),
+    )

@@ -1,0 +1,61 @@
+"""`python -m scenarios`: list, metrics, run, compare, check, bench."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError, MissingPackage
+from scenarios import commands
+from scenarios.files import OUT
+from scenarios.gate import INCOMPLETE, USAGE
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands and their options."""
+    about = "Runs scenes through physics engines and measures what they show."
+    top = argparse.ArgumentParser(prog="python -m scenarios", description=about)
+    chosen = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    shared = argparse.ArgumentParser(add_help=False)
+    shared.add_argument("--engine", nargs="+", action="extend", default=[], metavar="NAME", help="engines; all by default")
+    shared.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches")
+    shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
+    shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
+    shared.add_argument("--settings", type=Path, metavar="FILE.toml", help="your own: each table [engine.name] adds a row")
+    cpus = os.cpu_count() or 1
+    shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
+    shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")
+    shared.add_argument("--out", type=Path, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
+    shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")
+    # for tests: a scene cut short proves nothing about the scene
+    shared.add_argument("--frames", type=int, default=None, help=argparse.SUPPRESS)
+    listing = chosen.add_parser("list", help="the scenes", parents=[shared])
+    listing.add_argument("--effects", action="store_true", help="what each scene calls for")
+    chosen.add_parser("metrics", help="what each figure means", parents=[shared])
+    run = chosen.add_parser("run", help="one scene, quickly, and its table", parents=[shared])
+    run.add_argument("scene", nargs="?", help="name of the scene")
+    chosen.add_parser("compare", help="every scene in every engine, accuracy and time, with a report", parents=[shared])
+    chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
+    chosen.add_parser("bench", help="frame times only", parents=[shared])
+    return top
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; whatever was wrong with the input is said in one line."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        asked = parser().parse_args(words)
+    except SystemExit as end:
+        return int(end.code or 0)
+    try:
+        return commands.COMMANDS[asked.command](asked, words)
+    except AvatarsimError as error:
+        code = INCOMPLETE if isinstance(error, MissingPackage) else USAGE
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        print(commands.last_line(code, None))
+        return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

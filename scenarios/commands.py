@@ -1,0 +1,201 @@
+"""What each command of `python -m scenarios` does."""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, fields
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from scenarios import catalog
+from scenarios.engines import GATED, known
+from scenarios.files import plain, point_latest, run_folder
+from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, bounds_of, ceilings
+from scenarios.harness import Run, offers
+from scenarios.job import Job, Outcome
+from scenarios.metrics import FAMILIES, METRICS
+from scenarios.own_settings import OwnSettings, read
+from scenarios.provenance import provenance
+from scenarios.results import Row, is_time
+from scenarios.scenario import Scenario
+from scenarios.table import table
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a command will run, and outcomes that are known before anything has run (engines that cannot be opened)."""
+
+    scenarios: dict[str, Scenario]
+    jobs: list[Job]
+    ready: list[Outcome]
+    gated: frozenset[tuple[str, str]]
+
+
+def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
+    """Scenes that the filter lets through, or the one that is named. Raises UnknownName; their bounds are known metrics."""
+    name = getattr(asked, "scene", None)
+    found = {name: catalog.get(name)} if name else catalog.scenarios()
+    found = {key: scenario for key, scenario in found.items() if fnmatchcase(key, asked.filter)}
+    for scenario in found.values():
+        bounds_of(scenario)
+    return found
+
+
+def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: bool) -> Plan:
+    """Every scene with every engine, preset and seed. Raises UnknownName for an engine or preset that nobody has."""
+    for name in names:
+        if name not in known():
+            raise UnknownName("engine", name, known())
+    if asked.frames is not None and asked.frames < 1 or asked.jobs < 0:
+        raise InvalidInput("--jobs, --frames", (asked.jobs, asked.frames), "0 and 1 at least")
+    own = read(asked.settings, known()) if asked.settings else ()
+    found = scenes(asked)
+    offered = offers(names, asked.jobs) if found else {}
+    missing = [name for name in names if name in offered and offered[name].trouble]
+    presets: dict[str, list[tuple[str, OwnSettings | None]]] = {}
+    for name, offer in offered.items():
+        listed = [preset for preset in offer.presets if preset in (asked.preset or offer.presets)]
+        listed = listed[:1] if first_preset_only and not asked.preset else listed
+        rows = [row for row in own if row.engine == name]
+        for row in rows:
+            if row.name in offer.presets:
+                raise InvalidInput(f"name of a row in {asked.settings}", row.name, f"none of {name}'s own presets")
+        presets[name] = [(preset, None) for preset in listed] + [(row.name, row) for row in rows]
+    if asked.preset and found and not missing and not any(presets.values()):
+        raise UnknownName("preset", ", ".join(asked.preset), {p for offer in offered.values() for p in offer.presets})
+    jobs, ready = [], []
+    for scene in found:
+        for seed in asked.seed:
+            for name in names:
+                common = {"scenario": scene, "engine": name, "seed": seed, "full": asked.full, "frames": asked.frames}
+                for preset, row in presets.get(name, []):
+                    base, options = (row.base, row.options) if row else ("", {})
+                    jobs.append(Job(**common, preset=preset, base=base, options=options))
+                if name in missing:
+                    jobs.append(Job(**common, preset="default"))
+                    state = "crashed" if offered[name].crashed else "not-measured"
+                    ready.append(Outcome(jobs[-1], "crashed" if state == "crashed" else "not-measured", offered[name].trouble))
+    firsts = {name: offer.presets[0] if offer.presets else "default" for name, offer in offered.items()}
+    return Plan(found, jobs, ready, frozenset(firsts.items()))
+
+
+def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Both passes over everything, the report, the table, the exit code."""
+    made = plan(asked, asked.engine or list(known()), False)
+    return carried_out(asked, words, Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED})), timed=True, report=True)
+
+
+def check(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """The gate: accuracy pass of the gated engine only, its first preset unless `--preset` names others."""
+    made = plan(asked, asked.engine or [GATED[0]], True)
+    gated = frozenset((job.engine, job.preset) for job in made.jobs)
+    return carried_out(asked, words, Plan(made.scenarios, made.jobs, made.ready, gated), timed=False, report=True)
+
+
+def run(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """One scene (or a filter's worth) in one engine, ours unless told otherwise, with a table and no report."""
+    made = plan(asked, asked.engine or [GATED[0]], True)
+    return carried_out(asked, words, Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED})), timed=True, report=False)
+
+
+def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, timed: bool, report: bool) -> int:
+    """Run a plan; results and report are written before anything is returned."""
+    if not made.scenarios:
+        print(f"no scene matches {asked.filter!r}; there are: {', '.join(catalog.scenarios())}", file=sys.stderr)
+        print(last_line(NOTHING, None))
+        return NOTHING
+    limits = ceilings()
+    folder = run_folder(asked.out, asked.command)
+    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)))
+    ran.measure(made.ready, asked.jobs)
+    if timed:
+        ran.clock(asked.full)
+    code = ran.code()
+    ran.write(code)
+    if report and (trouble := reported(folder)):
+        ran.note, code = trouble, code or INCOMPLETE
+        ran.write(code)
+        print(trouble, file=sys.stderr)
+    point_latest(folder)
+    show(asked, ran.rows(), made.gated)
+    print(last_line(code, folder))
+    return code
+
+
+def reported(folder: Path) -> str:
+    """Write the report of a run; empty, or one sentence about why there is none. The figures are safe in their files before."""
+    try:
+        from reports import write_report
+
+        write_report(folder)
+    except (ImportError, AvatarsimError) as error:
+        return f"the report was not written: {error}"
+    except Exception as error:
+        # a fault in a chart must not cost the verdict
+        return f"the report was not written: {type(error).__name__}: {error}"
+    return ""
+
+
+def show(asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> None:
+    """The table, or all rows as JSON."""
+    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows, gated))
+
+
+def last_line(code: int, folder: Path | None) -> str:
+    """How every command ends. Make turns each code above 0 into its own 2; here the real one can be read."""
+    page = "none" if folder is None else str(folder / "index.html" if (folder / "index.html").exists() else folder)
+    return f"avatarsim: exit code {code} ({MEANINGS[code]}), report: {page}"
+
+
+def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Frame times: both passes (only what ran through is timed), printed as microseconds per rendered frame."""
+    made = plan(asked, asked.engine or list(known()), False)
+    if not made.scenarios:
+        return carried_out(asked, words, made, timed=True, report=False)
+    folder = run_folder(asked.out, asked.command)
+    ran = Run(folder, made.scenarios, made.jobs, frozenset(), {}, provenance(list(words)))
+    ran.measure(made.ready, asked.jobs)
+    ran.clock(asked.full)
+    code = ran.code()
+    ran.write(code)
+    rows = [row for row in ran.rows() if is_time(row.metric) or row.status in ("crashed", "not-measured")]
+    if asked.json:
+        show(asked, rows, frozenset())
+    else:
+        for row in rows:
+            value = row.note if row.value is None else f"{row.value:12.4g} {row.unit}"
+            print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
+    print(last_line(code, folder))
+    return code
+
+
+def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Names, lengths and titles; with `--effects` what each scene calls for, and what its author took away."""
+    found = scenes(asked)
+    if not found:
+        print(last_line(NOTHING, None))
+        return NOTHING
+    for name, scenario in found.items():
+        length = f"{scenario.frames}" if scenario.short is None else f"{scenario.frames}/{scenario.short}"
+        print(f"{name:24} {length:>10} frames  {scenario.title}")
+        if asked.effects:
+            scene = scenario.build()
+            derived, kept = scene.derived_effects, scene.effects
+            print(f"{'':24} calls for: {', '.join(f.name for f in fields(kept) if getattr(kept, f.name)) or 'nothing'}")
+            if taken := kept.missing_from(derived):
+                print(f"{'':24} switched off by its author: {', '.join(taken)}")
+    return 0
+
+
+def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """The definitions."""
+    for name, (unit, meaning) in {**METRICS, **FAMILIES}.items():
+        print(f"{name:26} {f'[{unit}]' if unit else '':9} {meaning}")
+    return 0
+
+
+COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
+    "list": listing, "metrics": metrics, "run": run, "compare": compare, "check": check, "bench": bench,
+}

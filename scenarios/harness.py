@@ -1,0 +1,147 @@
+"""One run of the harness: plan the jobs, run both passes, and after every job write down all that is known so far."""
+
+import sys
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError
+from scenarios import results
+from scenarios.engines import opened
+from scenarios.gate import Ceilings, exit_code, rows_of
+from scenarios.job import Job, Outcome
+from scenarios.measure.timing import frame_times
+from scenarios.processes import Died, Pool
+from scenarios.progress import Progress
+from scenarios.results import Results, Row
+from scenarios.run import accuracy, described
+from scenarios.scenario import Scenario
+from scenarios.timing import Clocked, timed_pass
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What one engine offers: its presets, the default first; or why it cannot be opened."""
+
+    presets: tuple[str, ...] = ()
+    trouble: str = ""
+    crashed: bool = False
+
+
+def offer(name: str) -> Offer:
+    """Open engine `name` only to ask for its presets."""
+    try:
+        return Offer(tuple(opened(name).presets))
+    except AvatarsimError as error:
+        return Offer(trouble=str(error))
+    except Exception as error:
+        return Offer(trouble=described(error), crashed=True)
+
+
+def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
+    """What each engine offers, asked in processes of their own: importing an engine may print, leak or crash."""
+    if workers == 0:
+        return {name: offer(name) for name in names}
+    found = {}
+    for name, answer in Pool(offer, workers).results(names):
+        found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
+    return {name: found[name] for name in names}
+
+
+def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcome]:
+    """The accuracy pass over `jobs`, each in a process of its own; with 0 workers here, one after the other."""
+    if workers == 0:
+        for job in jobs:
+            yield accuracy(job, folder)
+        return
+    for job, answer in Pool(partial(accuracy, folder=folder), workers).results(jobs):
+        yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
+
+
+class Run:
+    """Collects outcomes and times, turns them into rows, and keeps the run folder's files up to date."""
+
+    def __init__(
+        self, folder: Path, scenarios: Mapping[str, Scenario], jobs: Iterable[Job], gated: frozenset[tuple[str, str]],
+        limits: Ceilings, provenance: Mapping[str, object],
+    ) -> None:
+        self.folder, self.scenarios, self.jobs, self.gated = folder, scenarios, list(jobs), gated
+        self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
+        self.outcomes: dict[str, Outcome] = {}
+        self.clocked: dict[str, Clocked] = {}
+        self.note = ""
+
+    def measure(self, ready: Sequence[Outcome], workers: int) -> None:
+        """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
+        for outcome in ready:
+            self.outcomes[outcome.job.stem] = outcome
+        runnable = [job for job in self.jobs if job.stem not in self.outcomes]
+        with Progress("accuracy", len(runnable), sys.stderr) as progress:
+            for outcome in outcomes(runnable, self.folder, workers):
+                self.outcomes[outcome.job.stem] = outcome
+                progress.step(f"{outcome.job.scenario} {outcome.job.run} {outcome.state}")
+                self.write(None)
+
+    def clock(self, full: bool) -> None:
+        """The timing pass over everything that ran through, scene by scene."""
+        sound = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
+        seeds = {job.seed for job in sound}
+        with Progress("timing", len(sound), sys.stderr) as progress:
+            for scene in dict.fromkeys(job.scenario for job in sound):
+                for seed in sorted(seeds):
+                    chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
+                    for clocked in timed_pass(chosen, full):
+                        self.clocked[clocked.job.stem] = clocked
+                        progress.step(f"{scene} {clocked.job.run}")
+                    self.write(None)
+
+    def rows(self) -> list[Row]:
+        """All rows known so far, in the order of the plan."""
+        found: list[Row] = []
+        for job in self.jobs:
+            if job.stem not in self.outcomes:
+                continue
+            outcome = self.outcomes[job.stem]
+            clocked = self.clocked.get(job.stem)
+            if clocked and clocked.timed:
+                times = frame_times(clocked.timed)
+                notes = {**outcome.notes, "frame_time_p50": clocked.note}
+                outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
+            limits = self.limits.get(job.scenario, {})
+            gated = (job.engine, job.preset) in self.gated
+            rows = rows_of(outcome, self.scenarios[job.scenario], limits, gated)
+            if clocked and not clocked.timed:
+                rows.append(replace(rows[0], metric="frame_time_p50", value=None, unit="us", bound=None, ceiling=None,
+                                    status="crashed", note=clocked.note))
+            found += rows
+        return found
+
+    def series(self) -> dict[str, dict[str, dict[str, Sequence[float]]]]:
+        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame timed."""
+        found: dict[str, dict[str, dict[str, Sequence[float]]]] = {}
+        for job in self.jobs:
+            outcome, clocked = self.outcomes.get(job.stem), self.clocked.get(job.stem)
+            if outcome is None or outcome.state != "measured" or job.run in found.get(job.scenario, {}):
+                # with several seeds the pages show the first
+                continue
+            times = clocked.timed.best_us.tolist() if clocked and clocked.timed else []
+            found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
+        return found
+
+    def write(self, code: int | None) -> Results:
+        """Write what is known; `code` is None while the run goes on, so that a killed run says that it was not finished."""
+        known = Results(
+            rows=self.rows(), series=self.series(),
+            outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
+            scenes={name: {"title": s.title, "judged": s.judged} for name, s in self.scenarios.items()},
+            provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
+            notes=[self.note] if self.note else [],
+        )
+        results.write(known, self.folder)
+        return known
+
+    def code(self) -> int:
+        """The exit code that all rows so far call for."""
+        return exit_code(self.rows())

@@ -1,0 +1,41 @@
+"""Settings that a user brings for an engine: each adds a row of its own beside the engine's presets."""
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from avatarsim.errors import InvalidFile, UnknownName
+
+
+@dataclass(frozen=True)
+class OwnSettings:
+    """`name` of the row, the engine's preset `base` to begin from, and the `options` that override it."""
+
+    engine: str
+    name: str
+    base: str
+    options: Mapping[str, object]
+
+
+def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
+    """Read a TOML file with a table [engine.name] per row: `preset` is the base ("default"), all else are options.
+
+    Raises InvalidFile, or UnknownName for an engine that nobody registered."""
+    known = list(engines)
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "a readable TOML file") from error
+    rows = []
+    for engine, tables in content.items():
+        if engine not in known:
+            raise UnknownName(f"engine in {path}", engine, known)
+        if not isinstance(tables, dict) or not all(isinstance(entry, dict) for entry in tables.values()):
+            raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
+        for name, entry in tables.items():
+            if "." in name or "/" in name:
+                raise InvalidFile(f"name of a row in {path}", name, "letters, digits, - and _: it becomes part of file names")
+            options = {key: value for key, value in entry.items() if key != "preset"}
+            rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))
+    return tuple(rows)

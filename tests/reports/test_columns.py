@@ -1,0 +1,47 @@
+"""Several seeds show their worst; ratios never divide by zero and never rank what is not a number."""
+
+import math
+
+import pytest
+
+from reports.columns import COLUMNS, ratio_to_best, truth_metric, worst
+from reports.load import Row
+
+
+def row(value: float | None, metric: str = "m", bound: float | None = None) -> Row:
+    return Row("s", "e", "p", 0, 1, metric, value, "m", bound, None, "info", "")
+
+
+@pytest.mark.parametrize(("values", "shown"), [([1.0, 3.0, 2.0], 3.0), ([None, 1.0], 1.0), ([None], None)])
+def test_the_worst_seed_is_shown(values: list[float | None], shown: float | None) -> None:
+    found = worst([row(value) for value in values])
+    assert found is not None and found.value == shown
+
+
+@pytest.mark.parametrize("broken", [math.nan, math.inf])
+def test_a_broken_seed_outweighs_every_number(broken: float) -> None:
+    for rows in ([row(broken), row(9.0)], [row(9.0), row(broken)]):
+        found = worst(rows)
+        assert found is not None and found.value is broken
+    assert worst([]) is None
+
+
+@pytest.mark.parametrize(("value", "best", "floor", "expected"), [
+    (2.0, 1.0, 0.0, 2.0), (0.0, 0.0, 1e-8, 1.0), (5e-9, 0.0, 1e-8, 1.0), (1e-6, 0.0, 1e-8, 100.0), (0.0, 0.0, 0.0, None),
+    (None, 1.0, 0.0, None), (1.0, None, 0.0, None), (math.nan, 1.0, 0.0, None),
+])
+def test_ratio(value: float | None, best: float | None, floor: float, expected: float | None) -> None:
+    found = ratio_to_best(value, best, floor)
+    assert found == (None if expected is None else pytest.approx(expected))
+
+
+def test_a_bounded_truth_ranks_the_scene() -> None:
+    rows = [row(1.0, "apex_error_max"), row(2.0, "restitution_error_max", 0.1), row(3.0, "residual_overlap_max", 1e-6)]
+    assert truth_metric(rows) == "restitution_error_max"
+    assert truth_metric(rows[2:]) is None
+
+
+def test_no_metric_belongs_to_two_columns() -> None:
+    names = ("residual_overlap_max", "overlap_frames", "wrong_side_frames", "restitution_error_max", "tracker_offset_rms_free",
+             "joint_limit_excess_max", "reach_cone_excess_max", "frame_time_p50", "frame_time_p95")
+    assert [sum(column.takes(name) for column in COLUMNS) for name in names] == [1] * len(names)

@@ -1,0 +1,87 @@
+"""The verdict counts right, believes no pass that its own numbers contradict, and takes no gap for a pass."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from reports.load import load
+from reports.verdict import losing_scenes, verdict
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def only(results: Json, *scenes: str, engine: str = "") -> Json:
+    """The run reduced to some scenes, and to one engine where one is named."""
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    kept = [r for r in rows if r["scenario"] in scenes and (not engine or r["engine"] == engine)]
+    return results | {"rows": kept, "exit_code": 0}
+
+
+def changed(results: Json, **change: object) -> Json:
+    """The run with its first row (a pass of ours) changed."""
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    return results | {"rows": [rows[0] | change, *rows[1:]]}
+
+
+def test_everything_is_counted_once(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(results)))
+    assert [len(rows) for rows in (found.held, found.ceiling, found.failed, found.crashed, found.unmeasured)] == [1] * 5
+    assert found.word == "failed" and found.exit_code == 1
+    assert found.sentence.startswith("1 of 3 gated bounds of avatarsim/default failed; 1 run crashed; 1 not measured")
+
+
+def test_all_held(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(only(results, "arm_wall"))))
+    assert (found.word, found.exit_code, found.losses) == ("held", 0, ())
+    assert found.sentence == "The one gated bound held."
+
+
+def test_a_ceiling_is_said_and_comes_before_any_comparison(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(only(results, "hand_over_table"))))
+    assert (found.word, found.exit_code) == ("held", 0)
+    assert "1 above the bound but within a ceiling" in found.sentence
+    assert [loss.kind for loss in found.losses] == ["above bound"]
+    full = verdict(load(run_dir(results)))
+    assert [loss.kind for loss in full.losses] == ["failed", "above bound", "behind"]
+    assert losing_scenes(full) == ("ball_drop", "hand_over_table")
+
+
+@pytest.mark.parametrize("value", ["NaN", "Infinity", 2e-6])
+def test_a_pass_that_is_none_is_not_believed(run_dir: Write, results: Json, value: object) -> None:
+    found = verdict(load(run_dir(changed(only(results, "arm_wall"), value=value))))
+    assert (found.word, found.exit_code) == ("failed", 1)
+
+
+def test_a_pass_without_a_number_is_not_measured(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(changed(only(results, "arm_wall"), value=None))))
+    assert (found.word, found.exit_code) == ("incomplete", 3)
+
+
+def test_a_scene_that_we_are_missing_from_is_a_gap(run_dir: Write, results: Json) -> None:
+    rows = only(results, "arm_wall")["rows"]
+    assert isinstance(rows, list)
+    foreign = {"scenario": "new", "engine": "mujoco", "bound": None, "status": "info"}
+    found = verdict(load(run_dir(results | {"rows": [*rows, rows[0] | foreign]})))
+    assert found.word == "incomplete" and [row.scenario for row in found.unmeasured] == ["new"]
+
+
+def test_a_run_that_never_ended_is_incomplete(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(only(results, "arm_wall") | {"exit_code": None})))
+    assert found.word == "incomplete" and "did not end" in found.sentence
+
+
+def test_nothing_measured_is_no_verdict(run_dir: Write, results: Json) -> None:
+    found = verdict(load(run_dir(results | {"rows": [], "exit_code": 5})))
+    assert (found.word, found.exit_code) == ("empty", 5)
+    assert verdict(load(run_dir(only(results, "arm_wall", engine="mujoco")))).word == "empty"
+
+
+def test_where_others_do_better_we_say_so(run_dir: Write, results: Json) -> None:
+    slow = changed(only(results, "arm_wall"), metric="frame_time_p95", value=400.0, unit="us", bound=None, status="info")
+    losses = verdict(load(run_dir(slow))).losses
+    assert [(loss.what, loss.kind) for loss in losses] == [("frame_time_p95", "behind")]
+    assert losses[0].theirs == "mujoco/default 304 µs" and losses[0].factor == pytest.approx(400.0 / 304.0)
