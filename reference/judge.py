@@ -31,6 +31,10 @@ one centre came out 1 mm too shallow."""
 LENGTH_OF_A_ROTATION = 1e-6
 """How far from 1 the length of a quaternion may be. Beyond, the pose is no rotation and its verdict is not a number."""
 
+FARTHEST = 1e7
+"""Largest coordinate [m] that is judged. Beyond, neighbouring numbers are further apart than the promised accuracy, and a
+body that got there was thrown out of the world."""
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -40,7 +44,7 @@ class Verdict:
     pair     names of that pair, or None
     pairs    (name, name, depth [m]) of every overlapping pair of bodies, deepest first
     gap      [m] smallest distance over the pairs measured, negative when they overlap; inf when none was near
-    faults   why `deepest` is nan: one sentence per body whose pose is not finite or not a rotation
+    faults   why `deepest` is nan: one sentence per body whose pose is not finite, absurdly far, or not a rotation
     decided  number of pairs of pieces whose fast answer did not hold and that brute force decided
     """
 
@@ -84,9 +88,13 @@ class Judge:
             return Verdict(np.nan, None, faults=faults, gap=np.nan)
         first, second, distances = self.distances(positions, orientations, reach)
         names = self.scene.names
+        if np.isnan(distances).any():
+            k = int(np.flatnonzero(np.isnan(distances))[0])
+            a, b = names[self.pieces.owner[first[k]]], names[self.pieces.owner[second[k]]]
+            return Verdict(np.nan, None, gap=np.nan, faults=(f"no distance was found for {a} and {b}",), decided=self._decided)
         depths: dict[tuple[int, int], float] = {}
         for a, b, distance in zip(self.pieces.owner[first], self.pieces.owner[second], distances, strict=True):
-            if not distance >= 0.0:
+            if distance < 0.0:
                 pair = (int(min(a, b)), int(max(a, b)))
                 depths[pair] = max(depths.get(pair, 0.0), -float(distance))
         pairs = sorted(((names[a], names[b], depth) for (a, b), depth in depths.items()), key=lambda found: -found[2])
@@ -149,7 +157,7 @@ class Judge:
             if np.shape(value) != (n, width):
                 raise InvalidInput(f"shape of {thing}", np.shape(value), f"{(n, width)}, one row per body of the scene")
         lengths = np.linalg.norm(orientations, axis=1)
-        sound = np.isfinite(positions).all(axis=1) & (np.abs(lengths - 1.0) <= LENGTH_OF_A_ROTATION)
+        sound = (np.abs(positions) <= FARTHEST).all(axis=1) & (np.abs(lengths - 1.0) <= LENGTH_OF_A_ROTATION)
         if sound.all():
             return ()
         return tuple(

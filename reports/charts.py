@@ -24,7 +24,7 @@ from reports.load import Array, Results, Series
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, over_time, overlap_axis, spans, time_axis
 from reports.palette import Stroke
 from reports.picture import picture
-from reports.wording import quantity
+from reports.wording import listed, quantity
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
 # so that no spike is lost.
@@ -123,7 +123,8 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             spec = copy.deepcopy(spread) | {"datasets": _datasets(spread) | {"spans": rows}, "height": 20 * len(rows)}
             said = "; ".join(f"{run}: {', '.join(quantity(v, 'us') for v in three)}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
-            spreads.append(Panel(scene, picture(spec, text, f"s{len(spreads)}"), time_sentence(runs)))
+            said = time_sentence(runs) + _raw(results, scene, runs)
+            spreads.append(Panel(scene, picture(spec, text, f"s{len(spreads)}"), said))
         series = {run: s.frame_time for run, s in results.series.get(scene, {}).items() if s.frame_time.size}
         if series:
             lines, gaps = _points(series, low, high)
@@ -131,6 +132,14 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             text, said = _course_words(scene, series)
             courses.append(Panel(scene, picture(spec, text, f"c{len(courses)}"), said))
     return spreads, courses
+
+
+def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
+    """A sentence with p99 over all frames of all repeats, where it was measured; "" otherwise."""
+    rows = {run: worst([r for r in results.rows if r.metric == "frame_time_raw_p99" and (r.scenario, r.run) == (scene, run)])
+            for run in runs}
+    said = tuple(f"{run} {quantity(row.value, 'us')}" for run, row in rows.items() if row and row.value is not None)
+    return f" With every disturbance of the host left in, p99 is: {listed(said)}." if said else ""
 
 
 def _span(run: str, three: Percentiles, low: float) -> dict[str, object]:

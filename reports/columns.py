@@ -45,7 +45,8 @@ COLUMNS = (
            _named("tracker_offset_rms_free"), stays_inside=True),
     Column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
            _named("joint_limit_excess_max", "reach_cone_excess_max"), stays_inside=True),
-    Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only",
+    Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
+           "each frame's least over the repeats",
            _named("frame_time_p50")),
     Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95")),
 )

@@ -66,11 +66,14 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
         return "No frame time was measured here, so nothing follows."
     order = sorted(finite, key=lambda run: finite[run][1])
     first, late = order[0], tuple(run for run in order if not finite[run][2] <= FRAME_60_HZ)
-    text = f"{first} has the lowest p95, {quantity(finite[first][1], 'us')}"
+    text = f"The p95 of {first} is {quantity(finite[first][1], 'us')}"
     if len(order) > 1:
+        text = f"{first} has the lowest p95, {quantity(finite[first][1], 'us')}"
         last = order[-1]
         text += f"; {last} takes {finite[last][1] / finite[first][1]:.3g} times as long"
-    return text + (f"; {listed(late)} misses 60 Hz in more than 1 % of the frames." if late else "; all keep 60 Hz at p99.")
+    if late:
+        return text + f"; {listed(late)} {'misses' if len(late) == 1 else 'miss'} 60 Hz in more than 1 % of the frames."
+    return f"{text}; {'all keep' if len(order) > 1 else 'it keeps'} 60 Hz at p99."
 
 
 def time_summary(panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str) -> str:

@@ -106,7 +106,7 @@ def load(run_dir: Path) -> Results:
             engines=tuple(_engine_note(raw) for raw in data.get("engines") or ()),
             provenance=dict(data.get("provenance") or {}),
             exit_code=data.get("exit_code"),
-            notes=tuple(str(note) for note in data.get("notes") or ()),
+            notes=tuple(_text(note) for note in data.get("notes") or ()),
             titles={name: _title(raw) for name, raw in (data.get("scenes") or {}).items()},
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -122,23 +122,28 @@ def _number(raw: object) -> float | None:
     return float(raw)
 
 
+def _text(raw: object) -> str:
+    """Text without what XML forbids and terminals act upon: messages of crashed engines hold anything."""
+    return "".join(sign for sign in str(raw) if sign in "\n\t" or (sign.isprintable() and not "\ud800" <= sign <= "\udfff"))
+
+
 def _row(raw: Mapping[str, object]) -> Row:
     status = str(raw["status"])
     if status not in STATUSES:
         raise ValueError(f"status {status!r} is none of {', '.join(STATUSES)}")
     return Row(
-        scenario=str(raw["scenario"]),
-        engine=str(raw["engine"]),
-        preset=str(raw.get("preset") or "default"),
+        scenario=_text(raw["scenario"]),
+        engine=_text(raw["engine"]),
+        preset=_text(raw.get("preset") or "default"),
         seed=int(_number(raw.get("seed")) or 0),
         frames=int(_number(raw.get("frames")) or 0),
-        metric=str(raw.get("metric") or ""),
+        metric=_text(raw.get("metric") or ""),
         value=_number(raw.get("value")),
-        unit=str(raw.get("unit") or ""),
+        unit=_text(raw.get("unit") or ""),
         bound=_number(raw.get("bound")),
         ceiling=_number(raw.get("ceiling")),
         status=status,
-        note=str(raw.get("note") or ""),
+        note=_text(raw.get("note") or ""),
     )
 
 
@@ -158,21 +163,21 @@ def _engine_note(raw: Mapping[str, object]) -> EngineNote:
         run=f"{raw['name']}/{raw.get('preset') or 'default'}",
         scenario=str(raw.get("scenario") or ""),
         version=str(raw.get("version") or ""),
-        cannot_say={str(key): str(text) for key, text in cannot.items()},
-        settings={str(key): _setting(value) for key, value in settings.items()},
+        cannot_say={_text(key): _text(text) for key, text in cannot.items()},
+        settings={_text(key): _setting(value) for key, value in settings.items()},
     )
 
 
 def _setting(raw: object) -> tuple[str, str]:
     """A setting is its value, or a pair [value, reason] whose second part is a text with a blank in it."""
     if isinstance(raw, list) and len(raw) == 2 and isinstance(raw[1], str) and " " in raw[1]:
-        return _plain(raw[0]), raw[1]
+        return _plain(raw[0]), _text(raw[1])
     return _plain(raw), ""
 
 
 def _plain(raw: object) -> str:
-    return raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False)
+    return _text(raw if isinstance(raw, str) else json.dumps(raw, ensure_ascii=False))
 
 
 def _title(raw: object) -> str:
-    return str(raw.get("title") or "") if isinstance(raw, Mapping) else str(raw)
+    return _text(raw.get("title") or "") if isinstance(raw, Mapping) else _text(raw)

@@ -29,7 +29,8 @@ FAIRNESS = (
     "is used.",
     "Accuracy and time are measured in separate passes. The timing pass is serial, on one thread, warm, with nothing recorded; "
     "sub-steps count, because time is per rendered frame. First-frame compilation is reported beside it, never inside.",
-    "Each engine runs at its documented defaults and at the best settings known to us; settings and reasons are listed above.",
+    "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
+    "settings and reasons are listed above. A preset that is not in the table was not run.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 
@@ -152,7 +153,8 @@ def _flat(raw: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
         if isinstance(value, Mapping):
             lines += _flat(value, f"{name}.")
         else:
-            lines.append((name, ", ".join(map(str, value)) if isinstance(value, list) else str(value)))
+            text = "unknown" if value is None else ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+            lines.append((name, text))
     return lines
 
 

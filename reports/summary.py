@@ -45,7 +45,8 @@ def _troubles(verdict: Verdict) -> list[str]:
 
 def _losses(verdict: Verdict) -> list[str]:
     if not verdict.losses:
-        return ["### What we lose", "Nothing in this run: no gated bound failed and no other engine did better anywhere."]
+        rivals = "no other engine did better in any column" if verdict.rivals else "no other engine took part"
+        return ["### What we lose", f"Nothing that this run can show: no gated bound failed, and {rivals}."]
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:
         factor = f" ({ratio(loss.factor)})" if loss.kind == "behind" else ""

@@ -110,7 +110,9 @@ def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> flo
         if column.stays_inside and _left_room(rows):
             continue
         candidates.append(row.value)
-    return min(candidates, default=None)
+    # alone, nobody is best
+    ranked = sum(rows[index] is not None for run, rows in found.items() if run.split("/")[0] != RAW_TRACKER)
+    return min(candidates, default=None) if ranked > 1 else None
 
 
 def _left_room(rows: list[Row | None]) -> bool:

@@ -36,7 +36,8 @@ class Loss:
 @dataclass(frozen=True)
 class Verdict:
     """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
-    and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended."""
+    and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended,
+    `rivals` False when no other engine brought a number."""
 
     gated: str
     held: tuple[Row, ...]
@@ -48,6 +49,7 @@ class Verdict:
     losses: tuple[Loss, ...]
     exit_code: int
     finished: bool
+    rivals: bool
 
     @property
     def word(self) -> str:
@@ -116,6 +118,7 @@ def verdict(results: Results) -> Verdict:
         ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
         tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
         _losses(results, failed, tuple(by_word["ceiling"]), ours), code, results.exit_code is not None,
+        any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
     )
 
 

@@ -5,8 +5,10 @@ import math
 MISSING = "—"
 # Prefixes for lengths and times, largest first: (factor to the base unit, name). The base units are metre and microsecond.
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
+# Below this [m] a length is rounding error of float64 at the size of a room, and its digits say nothing.
+LEAST_LENGTH = 1e-12
 TIMES = ((1e6, "s"), (1e3, "ms"), (1.0, "µs"))
-UNITS = {"deg": "°", "us": "µs", "frames": "", "": ""}
+UNITS = {"deg": "°", "us": "µs"}
 
 
 def quantity(value: float | None, unit: str) -> str:
@@ -17,8 +19,12 @@ def quantity(value: float | None, unit: str) -> str:
         return "NaN"
     if math.isinf(value):
         return "infinite"
+    if unit == "frames":
+        return f"{value:,.0f}"
     if value == 0.0:
-        return f"0 {UNITS.get(unit, unit)}".strip() if unit not in ("m", "us") else "0"
+        return f"0 {unit}" if unit not in ("m", "us", "deg", "") else "0"
+    if unit == "m" and abs(value) < LEAST_LENGTH:
+        return "< 1 pm"
     if unit == "m" and abs(value) < 1e3:
         return _prefixed(value, LENGTHS)
     if unit == "us":

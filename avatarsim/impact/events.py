@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import put_row, row
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -47,7 +49,8 @@ def record(
         return
     events.time[k], events.kind[k] = time, kind
     events.pair[k, 0], events.pair[k, 1] = a, b
-    events.position[k, :, :] = position
-    events.rotation[k, :, :, :] = rotation
-    events.linear[k, :, :] = linear
-    events.angular[k, :, :] = angular
+    for body in range(position.shape[0]):
+        put_row(events.position[k], body, row(position, body))
+        put_columns(events.rotation[k], body, columns(rotation, body))
+        put_row(events.linear[k], body, row(linear, body))
+        put_row(events.angular[k], body, row(angular, body))

@@ -140,8 +140,9 @@ def resolve_impact(
         if points == 1 and (contacts.friction[first] == 0.0 or central(contacts, first)):
             lone_impact(contacts, masses, first, False, linear, angular)
         else:
-            linear_before[:, :] = linear
-            angular_before[:, :] = angular
+            for b in range(linear.shape[0]):
+                put_row(linear_before, b, row(linear, b))
+                put_row(angular_before, b, row(angular, b))
             tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest)
             solve_contacts(contacts, masses, first, last, linear, angular, tolerance, BLOCK_SWEEPS, before, direction)
             guarded = guard_energy(contacts, first, last, linear, angular, linear_before, angular_before)

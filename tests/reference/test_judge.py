@@ -1,4 +1,4 @@
-"""The judge against exact answers, 2,000 random pairs and more of each kind in each regime, and inside real scenes."""
+"""The judge inside scenes: what it finds, names, leaves out, and how it answers to poses that are none."""
 
 import numpy as np
 import pytest
@@ -9,221 +9,11 @@ from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Ball, Free
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
+from avatarsim.scene.shape import Box, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
-from reference.exact_depth import Polytope, box_signed_distance, polytope_signed_distance
 from reference.judge import Judge
-from reference.judge_geometry import Outline, rounded_points
-from reference.judge_proof import by_directions
-from reference.minkowski import separated_distance, signed_distance
-from reference.segments import segment_distance
 
 PROMISE = 1e-8
-PAIRS, ROUNDS, SPACING, REACH = 100, 20, 20.0, 3.0
-REGIMES = ("shallow", "deep", "apart")
-
-
-def sphere(rng):
-    return Sphere(rng.uniform(0.01, 0.3))
-
-
-def box(rng):
-    return Box(tuple(rng.uniform(0.02, 0.5, 3)))
-
-
-def capsule(rng):
-    return Capsule(rng.uniform(0.01, 0.1), rng.uniform(0.02, 0.5))
-
-
-def hull(rng):
-    return ellipsoid_hull(tuple(rng.uniform(0.02, 0.2, 3)))
-
-
-def plate(rng):
-    length = rng.uniform(0.1, 2.0)
-    return Box((length, length * rng.uniform(0.2, 1.0), length * 10.0 ** rng.uniform(-3.0, -1.0)))
-
-
-KINDS = {"spheres": sphere, "boxes": box, "capsules": capsule, "ellipsoid hulls": hull, "thin plates": plate}
-
-
-def gallery(make, seed):
-    """A scene of PAIRS pairs of shapes and its judge; the poses come later."""
-    rng = np.random.default_rng(seed)
-    shapes = [(make(rng), make(rng)) for _ in range(PAIRS)]
-    bodies = [fixed(f"a{k}", (Piece(a),), "wood") for k, (a, _) in enumerate(shapes)]
-    bodies += [simulated(f"b{k}", (Piece(b),), "wood", Mass(1.0)) for k, (_, b) in enumerate(shapes)]
-    return shapes, Judge(Scene("gallery", tuple(bodies)))
-
-
-def offset_of(regime, a, radius_a, b, radius_b, rng):
-    """Where to put the centre of a relative to b; a and b are points (n, 3) in world axes."""
-    toward = rng.normal(size=3)
-    toward /= np.linalg.norm(toward)
-    if regime == "deep":
-        # both kinds of shape are symmetric, so that every part of a difference of points is inside the difference
-        rounding = (radius_a + radius_b) * toward
-        return rng.uniform(0.0, 0.9) * (b[rng.integers(len(b))] - a[rng.integers(len(a))] + rounding)
-    touching = b[np.argmax(b @ toward)] - a[np.argmin(a @ toward)] + (radius_a + radius_b) * toward
-    if regime == "shallow":
-        return touching - 10.0 ** rng.uniform(-7.0, -2.0) * toward
-    aside = rng.normal(size=3) * rng.choice([0.0, 0.1, 0.3])
-    return touching + 10.0 ** rng.uniform(-7.0, 0.0) * toward + aside - (aside @ toward) * toward
-
-
-def exact_signed(shapes, turns_a, turns_b, offsets):
-    """Exact signed distances of PAIRS pairs by whatever closed form or complete enumeration their kind has."""
-    first, second = [a for a, _ in shapes], [b for _, b in shapes]
-    if isinstance(first[0], Sphere):
-        return np.linalg.norm(offsets, axis=1) - [a.radius + b.radius for a, b in shapes]
-    if isinstance(first[0], Capsule):
-        axis_a = 0.5 * np.array([a.length for a in first])[:, None] * turns_a[:, :, 2]
-        axis_b = 0.5 * np.array([b.length for b in second])[:, None] * turns_b[:, :, 2]
-        cores = segment_distance(offsets - axis_a, offsets + axis_a, -axis_b, axis_b)
-        return cores - [a.radius + b.radius for a, b in shapes]
-    if isinstance(first[0], Box):
-        halves_a, halves_b = 0.5 * np.array([a.size for a in first]), 0.5 * np.array([b.size for b in second])
-        signed = box_signed_distance(halves_a, turns_a, offsets, halves_b, turns_b, np.zeros(3))
-    else:
-        signed = np.array([
-            polytope_signed_distance(OUTLINES[id(a)].moved(ta, at), OUTLINES[id(b)].moved(tb, np.zeros(3)))
-            for (a, b), ta, tb, at in zip(shapes, turns_a, turns_b, offsets, strict=True)
-        ])
-    for k in np.flatnonzero(signed > 0.0):
-        a, b = rounded_points(first[k])[0] @ turns_a[k].T + offsets[k], rounded_points(second[k])[0] @ turns_b[k].T
-        lower, upper = separated_distance(a, b)
-        assert upper - lower <= 1e-10
-        signed[k] = upper
-    return signed
-
-
-OUTLINES: dict[int, Polytope] = {}
-
-
-@pytest.mark.parametrize("regime", REGIMES)
-@pytest.mark.parametrize("kind", KINDS)
-def test_judge_agrees_with_exact_answers_on_two_thousand_pairs(kind, regime, record_property):
-    shapes, judge = gallery(KINDS[kind], seed=sum(map(ord, kind)))
-    OUTLINES.clear()
-    if kind == "ellipsoid hulls":
-        OUTLINES.update({id(s): Polytope(s.vertices) for pair in shapes for s in pair})
-    rng = np.random.default_rng(sum(map(ord, kind + regime)))
-    at_b = np.arange(PAIRS)[:, None] * np.array([SPACING, 0.0, 0.0])
-    worst, right_side, asked = 0.0, 0, 0
-    # among the shallow ones some miss each other by a hair: draw more, so that 2,000 do overlap
-    for _ in range(ROUNDS + 2 if regime == "shallow" else ROUNDS):
-        turns = rotation.normalised(rng.normal(size=(2 * PAIRS, 4)))
-        matrices = rotation.to_matrix(turns)
-        offsets = np.array([
-            offset_of(regime, points_a @ matrices[k].T, radius_a, points_b @ matrices[PAIRS + k].T, radius_b, rng)
-            for k, ((points_a, radius_a), (points_b, radius_b)) in enumerate(
-                (rounded_points(a), rounded_points(b)) for a, b in shapes)
-        ])
-        # what the judge is given carries the rounding of the place: measure that
-        at_a = at_b + offsets
-        exact = exact_signed(shapes, matrices[:PAIRS], matrices[PAIRS:], at_a - at_b)
-        first, second, found = judge.distances(np.concatenate([at_a, at_b]), turns, REACH)
-        judged = np.full(PAIRS, np.nan)
-        judged[np.minimum(first, second)] = found
-        assert (np.abs(first - second) == PAIRS).all()
-        worst = max(worst, float(np.abs(judged - exact).max()))
-        assert worst <= PROMISE
-        right_side += int(((exact > 0.0) == (regime == "apart")).sum())
-        asked += PAIRS
-    record_property("worst_error_m", worst)
-    print(f"{kind}, {regime}: {asked} pairs, {right_side} of them {regime}, largest error {worst:.2g} m")
-    assert right_side >= 2000
-
-
-@pytest.mark.parametrize("pair", [(sphere, box), (sphere, hull), (capsule, box), (capsule, hull), (box, hull), (plate, hull),
-                                  (plate, capsule), (hull, hull), (box, box)])
-def test_judge_agrees_with_the_minkowski_difference_on_mixed_kinds(pair):
-    rng = np.random.default_rng(7)
-    shapes = [(pair[0](rng), pair[1](rng)) for _ in range(30)]
-    bodies = [fixed(f"a{k}", (Piece(a),), "wood") for k, (a, _) in enumerate(shapes)]
-    bodies += [simulated(f"b{k}", (Piece(b),), "wood", Mass(1.0)) for k, (_, b) in enumerate(shapes)]
-    judge = Judge(Scene("mixed", tuple(bodies)))
-    turns = rotation.normalised(rng.normal(size=(60, 4)))
-    matrices = rotation.to_matrix(turns)
-    at_b = np.arange(30)[:, None] * np.array([0.0, SPACING, 0.0])
-    at_a, exact = at_b.copy(), np.zeros(30)
-    for k, (a, b) in enumerate(shapes):
-        (a, radius_a), (b, radius_b) = rounded_points(a), rounded_points(b)
-        a, b = a @ matrices[k].T, b @ matrices[30 + k].T
-        at_a[k] += offset_of(REGIMES[k % 3], a, radius_a, b, radius_b, rng)
-        exact[k] = signed_distance(a + (at_a[k] - at_b[k]), radius_a, b, radius_b)
-    first, second, found = judge.distances(np.concatenate([at_a, at_b]), turns, REACH)
-    judged = np.full(30, np.nan)
-    judged[np.minimum(first, second)] = found
-    assert judged == pytest.approx(exact, abs=PROMISE)
-
-
-@pytest.mark.parametrize("tilt", [0.0, 1e-14, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3])
-def test_nearly_aligned_boxes_are_judged_right(tilt):
-    rng = np.random.default_rng(11)
-    n = 400
-    sizes = rng.integers(1, 6, (2 * n, 3)) * 0.05
-    bodies = [fixed(f"a{k}", (Piece(Box(tuple(size))),), "wood") for k, size in enumerate(sizes[:n])]
-    bodies += [simulated(f"b{k}", (Piece(Box(tuple(size))),), "wood", Mass(1.0)) for k, size in enumerate(sizes[n:])]
-    judge = Judge(Scene("aligned", tuple(bodies)))
-    turns = np.tile(rotation.IDENTITY, (2 * n, 1))
-    turns[n:] = rotation.from_rotation_vector(tilt * rng.normal(size=(n, 3)))
-    matrices = rotation.to_matrix(turns)
-    at_b = np.arange(n)[:, None] * np.array([4.0, 0.0, 0.0])
-    at_a = at_b + rng.integers(-4, 5, (n, 3)) * 0.05
-    exact = box_signed_distance(0.5 * sizes[:n], matrices[:n], at_a - at_b, 0.5 * sizes[n:], matrices[n:], np.zeros(3))
-    first, second, found = judge.distances(np.concatenate([at_a, at_b]), turns)
-    overlapping = found < -PROMISE
-    assert set(np.minimum(first, second)[overlapping]) >= set(np.flatnonzero(exact < -2.0 * PROMISE))
-    assert found[overlapping] == pytest.approx(exact[np.minimum(first, second)[overlapping]], abs=PROMISE)
-
-
-def test_what_the_fast_answer_gets_wrong_goes_to_brute_force():
-    # 400 aligned pairs tilted by 1e-10 hold several touching ones, whose normal proves nothing
-    rng = np.random.default_rng(5)
-    stack = Scene("touching", (
-        fixed("table", (Piece(Box((1.0, 1.0, 0.1))),), "wood"),
-        *(simulated(f"cube{k}", (Piece(Box((0.1, 0.1, 0.1))),), "wood", Mass(1.0)) for k in range(9)),
-    ))
-    judge, decided = Judge(stack), 0
-    for _ in range(200):
-        at = np.zeros((10, 3))
-        at[1:] = [(-0.4 + 0.1 * k, rng.uniform(-0.2, 0.2), 0.1) for k in range(9)]
-        turns = np.tile(rotation.IDENTITY, (10, 1))
-        turns[1:] = rotation.from_rotation_vector(1e-10 * rng.normal(size=(9, 3)))
-        verdict = judge.overlaps(at, turns)
-        assert verdict.deepest <= PROMISE
-        decided += verdict.decided
-    assert decided > 0
-
-
-def test_ellipsoids_agree_with_brute_force_over_directions():
-    rng = np.random.default_rng(13)
-    for k in range(60):
-        first, second = (Ellipsoid(tuple(rng.uniform(0.03, 0.2, 3))) for _ in range(2))
-        shapes = [first, (second, box(rng), capsule(rng))[k % 3]]
-        judge = Judge(Scene("smooth", (fixed("a", (Piece(shapes[0]),), "wood"),
-                                       simulated("b", (Piece(shapes[1]),), "wood", Mass(1.0)))))
-        turns = rotation.normalised(rng.normal(size=(2, 4)))
-        at = np.array([rng.normal(size=3) * 0.1, np.zeros(3)])
-        _, _, found = judge.distances(at, turns, REACH)
-        matrices = rotation.to_matrix(turns)
-        brute = by_directions(Outline(shapes[0]), matrices[0], Outline(shapes[1]), matrices[1], at[0])
-        assert found[0] == pytest.approx(brute, abs=PROMISE)
-
-
-def test_an_ellipsoid_in_a_floor_is_as_deep_as_its_support_function_says():
-    rng = np.random.default_rng(17)
-    floor = Piece(Box((20.0, 20.0, 4.0)), (0.0, 0.0, -2.0))
-    for _ in range(50):
-        radii = rng.uniform(0.03, 0.3, 3)
-        judge = Judge(Scene("floor", (fixed("floor", (floor,), "wood"),
-                                      simulated("egg", (Piece(Ellipsoid(tuple(radii))),), "wood", Mass(1.0)))))
-        turns = np.array([rotation.IDENTITY, rotation.normalised(rng.normal(size=4))])
-        height = rng.uniform(-0.1, 0.3)
-        lowest = float(np.linalg.norm(radii * rotation.to_matrix(turns[1])[2]))
-        verdict = judge.overlaps(np.array([[0, 0, 0], [0, 0, height]]), turns)
-        assert verdict.deepest == pytest.approx(max(0.0, lowest - height), abs=PROMISE)
 
 
 def limb(name, parent, anchor, joint):
@@ -319,7 +109,8 @@ def test_a_moved_and_rotated_world_gives_the_same_verdict():
             == {frozenset(pair[:2]) for pair in here.pairs if pair[2] > PROMISE}
 
 
-@pytest.mark.parametrize(("row", "column", "value"), [(2, 0, np.nan), (6, 2, np.inf), (0, 1, -np.inf)])
+@pytest.mark.parametrize(("row", "column", "value"),
+                         [(2, 0, np.nan), (6, 2, np.inf), (0, 1, -np.inf), (3, 2, -1e300), (3, 2, 1e8)])
 def test_positions_that_are_no_numbers_give_a_depth_that_fails_every_bound(row, column, value):
     at = FREE.copy()
     at[row, column] = value
@@ -340,10 +131,11 @@ def test_a_quaternion_that_is_no_rotation_is_flagged(quaternion):
 
 
 def test_a_quaternion_off_by_rounding_is_accepted_and_normalised():
-    at = FREE.copy()
-    at[2] = 0.0, 0.3, 0.09
-    turns = upright(at) * (1.0 + 5e-7)
-    assert Judge(ROOM).overlaps(at, turns).deepest == pytest.approx(0.01, abs=PROMISE)
+    at, turns = FREE.copy(), upright(FREE)
+    at[3] = 0.0, -0.3, 0.09
+    turns[3] = rotation.from_axis_angle([0.0, 1.0, 0.0], 0.5 * np.pi)
+    # the dumbbell stands on its end; scaled by the quaternion's square its arm would be 1e-7 m longer
+    assert Judge(ROOM).overlaps(at, turns * (1.0 + 5e-7)).deepest == pytest.approx(0.06, abs=PROMISE)
 
 
 @pytest.mark.parametrize("shapes", [((7, 3), (8, 4)), ((8, 3), (8, 3)), ((8,), (8, 4))])
@@ -361,21 +153,11 @@ def test_the_same_poses_give_the_same_bits():
     assert judge.overlaps(at, turns) == before == Judge(ROOM).overlaps(at, turns)
 
 
-def test_concentric_hulls_are_judged_right():
-    for radii in ((0.1, 0.15, 0.2), (0.17, 0.17, 0.18), (0.02, 0.2, 0.2)):
-        shape = ellipsoid_hull(radii)
-        judge = Judge(Scene("one", (fixed("a", (Piece(shape),), "wood"), simulated("b", (Piece(shape),), "wood", Mass(1.0)))))
-        deepest = judge.overlaps(np.zeros((2, 3)), upright(np.zeros((2, 3)))).deepest
-        assert deepest == pytest.approx(-signed_distance(shape.vertices, 0.0, shape.vertices, 0.0), abs=PROMISE)
-
-
-def test_a_hull_is_the_box_it_spells_out():
-    as_box, as_hull = Box((0.2, 0.3, 0.4)), ConvexHull(rounded_points(Box((0.2, 0.3, 0.4)))[0])
-    rng = np.random.default_rng(37)
-    for _ in range(20):
-        at, turns = rng.uniform(-0.2, 0.2, (2, 3)), rotation.normalised(rng.normal(size=(2, 4)))
-        verdicts = [
-            Judge(Scene("s", (fixed("a", (Piece(shape),), "wood"), simulated("b", (Piece(Sphere(0.1)),), "wood", Mass(1.0)))))
-            .overlaps(at, turns).deepest for shape in (as_box, as_hull)
-        ]
-        assert verdicts[0] == pytest.approx(verdicts[1], abs=1e-12)
+def test_a_pair_without_a_distance_is_never_a_pass():
+    at = FREE.copy()
+    at[2] = 0.0, 0.3, 0.09
+    judge = Judge(ROOM)
+    judge.distances = lambda *_: (np.array([0]), np.array([2]), np.array([np.nan]))
+    verdict = judge.overlaps(at, upright(at))
+    assert np.isnan(verdict.deepest)
+    assert "table" in verdict.faults[0]

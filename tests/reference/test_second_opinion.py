@@ -36,6 +36,7 @@ def test_brute_force_sides_with_the_judge_wherever_fcl_differs(record_property):
     assert opinion.judge_wrong == 0
     for found in opinion.disagreements:
         assert found.judged == pytest.approx(found.decided, abs=1e-8)
+    assert opinion.overlapping <= 0.01 * opinion.asked
     # fcl is a second opinion only while it mostly agrees
     assert opinion.rate < 0.2
 
@@ -70,7 +71,8 @@ def test_fcl_measures_along_the_same_axes_and_units(shape, touch):
     ground = fcl_geometry(Box((4.0, 4.0, 2.0)))
     for height in (0.5, 0.25, 0.15):
         got = fcl_distance(fcl_geometry(shape), np.eye(3), np.array([0.0, 0.0, 1.0 + height]), ground, np.eye(3), np.zeros(3))
-        assert got == pytest.approx(height - touch, abs=1e-5)
+        # fcl itself is 0.4 mm off here; a wrong axis or unit would be centimetres
+        assert got == pytest.approx(height - touch, abs=1e-3)
 
 
 def test_the_opinion_reads_as_a_sentence():
@@ -78,4 +80,4 @@ def test_the_opinion_reads_as_a_sentence():
     opinion = module.Opinion(4, (found,))
     assert found.judge_was_right
     assert opinion.rate == 0.25
-    assert "1 of 4 pairs (25 %)" in str(opinion)
+    assert "1 of 4 pairs (25 %), of which 1 overlap" in str(opinion)

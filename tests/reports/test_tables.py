@@ -71,3 +71,11 @@ def test_frames_that_are_not_finite_are_named(run_dir: Write, results: Json) -> 
     for value in (3.0, "NaN"):
         data = with_row(results, metric="not_finite_frames", value=value, unit="frames")
         assert table(run_dir(data))["arm_wall"].lines[0].trouble == "shows NaN"
+
+
+def test_alone_nobody_is_best(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    alone = results | {"rows": [row for row in rows if row["engine"] in ("avatarsim", "tracker")]}
+    found = cell(table(run_dir(alone))["arm_wall"], "avatarsim/default", "overlap")
+    assert found.value == 3e-7 and found.ratio is None and not found.best

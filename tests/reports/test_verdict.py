@@ -80,6 +80,12 @@ def test_nothing_measured_is_no_verdict(run_dir: Write, results: Json) -> None:
     assert verdict(load(run_dir(only(results, "arm_wall", engine="mujoco")))).word == "empty"
 
 
+def test_rivals_are_engines_that_brought_a_number(run_dir: Write, results: Json) -> None:
+    assert verdict(load(run_dir(results))).rivals
+    assert not verdict(load(run_dir(only(results, "arm_wall", engine="avatarsim")))).rivals
+    assert not verdict(load(run_dir(only(results, "arm_wall", engine="tracker")))).rivals
+
+
 def test_where_others_do_better_we_say_so(run_dir: Write, results: Json) -> None:
     slow = changed(only(results, "arm_wall"), metric="frame_time_p95", value=400.0, unit="us", bound=None, status="info")
     losses = verdict(load(run_dir(slow))).losses

@@ -1,22 +1,24 @@
 """The humanoid as read from its file: masses, axes, senses of its joints, its limits, and that it stands in nothing."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.avatar import Link
 from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
 from reference.judge import Judge
-from scenarios.avatars import humanoid as humanoid_file
 from scenarios.avatars.humanoid import CHAINS, humanoid
 from scenarios.avatars.limits import HINGES, RANGES, ball_limits, ends, hinge_limits
 from scenarios.avatars.standing import CLEARANCE, standing
+from scenarios.data_folder import data_file
 from scenarios.mocap import LAYOUT
 from scenarios.reach import reach
 from scenarios.stage import floor
@@ -37,6 +39,12 @@ def turned(name: str, axis: tuple[float, float, float], degrees: float) -> Track
 
 def place(sample: TrackerSample, name: str) -> Array:
     return np.asarray(link_poses((HUMAN,), sample)[0][NAMES.index(name)])
+
+
+def angle(a: ArrayLike, b: ArrayLike) -> float:
+    """Angle [rad] between two directions."""
+    u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    return float(np.arctan2(np.linalg.norm(np.cross(u, v)), np.dot(u, v)))
 
 
 def overlapping(sample: TrackerSample) -> set[frozenset[str]]:
@@ -121,14 +129,14 @@ def test_a_heading_turns_the_start_posture() -> None:
 
 
 @pytest.mark.parametrize("link", [link for link in HUMAN.links if isinstance(link.joint, Ball)], ids=lambda link: link.name)
-def test_a_cone_holds_all_four_ends_of_motion_and_the_neutral_posture(link: object) -> None:
-    name = link.name  # type: ignore[attr-defined]
+def test_a_cone_holds_all_four_ends_of_motion_and_the_neutral_posture(link: Link) -> None:
+    name = link.name
     limits = ball_limits(name)
     side, joint = (-1.0 if name.startswith("right") else 1.0), name.split("_")[-1]
-    angles = [np.arctan2(np.linalg.norm(np.cross(limits.centre, end)), np.dot(limits.centre, end)) for end in ends(RANGES[joint], side)]
+    angles = [angle(limits.centre, end) for end in ends(RANGES[joint], side)]
     # one end lies on the rim: the cone is no larger than the table asks for
     assert max(angles) == pytest.approx(limits.swing, abs=1e-12)
-    assert np.arctan2(np.linalg.norm(np.cross(limits.centre, limits.axis)), np.dot(limits.centre, limits.axis)) < limits.swing
+    assert angle(limits.centre, limits.axis) < limits.swing
     assert limits.twist[0] < 0.0 < limits.twist[1]
 
 
@@ -166,11 +174,11 @@ def test_hinge_limits_are_the_table_in_radians() -> None:
     ],
 )
 def test_a_broken_humanoid_file_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: object, says: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str], says: str
 ) -> None:
-    original = humanoid_file.data_file("humanoid/humanoid.urdf").read_text(encoding="utf-8")
+    original = data_file("humanoid/humanoid.urdf").read_text(encoding="utf-8")
     broken = tmp_path / "humanoid.urdf"
-    broken.write_text(change(original), encoding="utf-8")  # type: ignore[operator]
-    monkeypatch.setattr(humanoid_file, "data_file", lambda name: broken)
+    broken.write_text(change(original), encoding="utf-8")
+    monkeypatch.setattr("scenarios.avatars.humanoid.data_file", lambda name: broken)
     with pytest.raises(InvalidFile, match=says):
         humanoid.__wrapped__()

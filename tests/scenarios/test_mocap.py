@@ -32,7 +32,7 @@ def written(path: Path, frames: object, loop: str = "wrap") -> Path:
 
 
 def angle_between(a: Array, b: Array) -> Array:
-    return np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(a), b)), axis=-1)
+    return np.asarray(np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(a), b)), axis=-1))
 
 
 def test_the_fifteen_human_clips_are_there() -> None:

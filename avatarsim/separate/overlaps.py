@@ -1,0 +1,120 @@
+"""Which bodies overlap: sweep and prune over the bodies' boxes, then signed distances of pieces (Algorithm 1, steps 1 and 2).
+
+Every state that method `paper` shows has been through `find_overlaps` with the answer 0: each wanted pair of bodies with at
+least one link in it has piece pairs whose boxes are apart or whose signed distance is not negative. It says nothing about the
+way from one shown state to the next: what is thinner than a frame's motion may be jumped, as the paper's conclusion admits.
+"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.collide.signed_distance import signed_distance_up_to
+from avatarsim.collide.status import CONVERGED
+from avatarsim.collide.sweep import boxes_meet, sweep_and_prune
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import put_row, row
+from avatarsim.world.geometry import Geometry, Poses
+
+NOT_CHECKED: Final = -1
+"""A pose is not finite, or there are more pairs than room: nothing is known, so nothing may be shown."""
+
+NOTHING_KNOWN: Final = (0.0, 0.0, 0.0)
+
+PAIRS_PER_LINK: Final = 8
+"""Room for this many times the number of links more pairs than links with bodies: for pairs of bodies that had to give way."""
+
+# places in Overlaps.tally
+ASKED, DOUBTED = 0, 1
+
+
+class Overlaps(NamedTuple):
+    """Memory of the search, for nb bodies of which the last are links, with D pieces of links among ns pieces.
+
+    ours    (nb, nb) pairs this loop answers for: wanted, and one of the two is a link (or a body that was made to give way)
+    order   (nb) bodies along the sweep axis, kept from call to call
+    pairs   (cap, 2) pairs whose boxes meet, found (cap, 2) those that overlap
+    hit     (nb) bodies that overlap another
+    seed    (D, ns, 3) the last normal of each pair of pieces
+    tally   (2) signed-distance queries since it was set to zero, and those that did not converge
+    """
+
+    ours: NDArray[np.bool_]
+    order: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    found: NDArray[np.int64]
+    hit: NDArray[np.bool_]
+    seed: NDArray[np.float64]
+    tally: NDArray[np.int64]
+    scratch: Scratch
+
+
+def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
+    """Fresh memory; bodies from ``first_link`` on are links."""
+    nb, ns = len(geo.first_shape) - 1, len(geo.body)
+    ours = geo.wanted.copy()
+    ours[:first_link, :first_link] = False
+    cap = (nb - first_link) * (nb + PAIRS_PER_LINK)
+    return Overlaps(
+        ours, np.arange(nb, dtype=np.int64), np.zeros((cap, 2), dtype=np.int64), np.zeros((cap, 2), dtype=np.int64),
+        np.zeros(nb, dtype=np.bool_), np.zeros((ns - int(geo.first_shape[first_link]), ns, 3)), np.zeros(2, dtype=np.int64),
+        make_scratch(),
+    )
+
+
+@kernel
+def answer_for(geo: Geometry, body: int, first_link: int, moved: bool, overlaps_out: Overlaps) -> None:
+    """Take the pairs of a body that is no link into those answered for, because it was moved, or out of them again."""
+    for other in range(first_link):
+        wanted = moved and geo.wanted[body, other]
+        overlaps_out.ours[body, other] = wanted
+        overlaps_out.ours[other, body] = wanted
+
+
+@kernel
+def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Overlaps) -> bool:
+    """Whether pieces s < t overlap: their signed distance is negative, or not a number."""
+    if not boxes_meet(poses.boxes, s, t):
+        return False
+    remembered = t - (geo.body.shape[0] - overlaps_out.seed.shape[0])
+    seed = NOTHING_KNOWN
+    if remembered >= 0:
+        seed = row(overlaps_out.seed[remembered], s)
+    status, gap, n, _, _ = signed_distance_up_to(poses.vertices, geo.shapes, s, t, seed, 0.0, overlaps_out.scratch)
+    overlaps_out.tally[ASKED] += 1
+    if status != CONVERGED:
+        overlaps_out.tally[DOUBTED] += 1
+    if remembered >= 0:
+        put_row(overlaps_out.seed[remembered], s, n)
+    return not (gap >= 0.0)
+
+
+@kernel
+def bodies_overlap(geo: Geometry, poses: Poses, a: int, b: int, overlaps_out: Overlaps) -> bool:
+    """Whether any piece of body a overlaps one of body b > a; stops at the first that does."""
+    for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
+        for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
+            if pieces_overlap(geo, poses, s, t, overlaps_out):
+                return True
+    return False
+
+
+@kernel
+def find_overlaps(geo: Geometry, poses: Poses, overlaps_out: Overlaps) -> int:
+    """Find every overlapping pair that this loop answers for; return how many, or NOT_CHECKED."""
+    overlaps_out.hit[:] = False
+    status, count = sweep_and_prune(poses.hulls, overlaps_out.ours, overlaps_out.order, overlaps_out.pairs)
+    if status != CONVERGED:
+        return NOT_CHECKED
+    found = 0
+    for k in range(count):
+        a, b = overlaps_out.pairs[k, 0], overlaps_out.pairs[k, 1]
+        if bodies_overlap(geo, poses, a, b, overlaps_out):
+            overlaps_out.found[found, 0] = a
+            overlaps_out.found[found, 1] = b
+            overlaps_out.hit[a] = True
+            overlaps_out.hit[b] = True
+            found += 1
+    return found

@@ -1,0 +1,26 @@
+"""Who gives way when two bodies overlap: fixed ones never, driven ones first, simulated ones if it must be."""
+
+from typing import Final
+
+from avatarsim.kernel import kernel
+from avatarsim.scene.body import Role
+
+FIXED: Final = int(Role.FIXED.value)
+SIMULATED: Final = int(Role.SIMULATED.value)
+DRIVEN: Final = int(Role.DRIVEN.value)
+
+
+@kernel
+def shares(role_a: int, role_b: int, must: bool) -> tuple[float, float]:
+    """Shares of PD_g by which A and B move apart; they add up to 1, or to 0 if neither may move.
+
+    Equals move by half each (the rule under eq. 1). A driven body gives way to a simulated one, until ``must``: it could not,
+    and so the simulated one takes all that is left.
+    """
+    if role_a == role_b:
+        return (0.0, 0.0) if role_a == FIXED else (0.5, 0.5)
+    if role_a == FIXED:
+        return 0.0, 1.0
+    if role_b == FIXED:
+        return 1.0, 0.0
+    return (1.0, 0.0) if (role_a == DRIVEN) != must else (0.0, 1.0)

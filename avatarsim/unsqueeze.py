@@ -1,0 +1,70 @@
+"""Positions corrected where simulated bodies overlap; no velocity is touched, so no kinetic energy is added."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.contacts import Contacts, axis, push, velocity_at, weigh
+from avatarsim.impact.masses import Masses, to_world
+from avatarsim.impact.resting import STAND_OFF
+from avatarsim.kernel import kernel
+from avatarsim.motion.free_rotation import spun
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import add, dot, norm, put_row, row, scale
+from avatarsim.touching import find_contacts
+from avatarsim.upper_loop_memory import Memory
+from avatarsim.world.dynamics import Dynamics
+from avatarsim.world.geometry import Geometry, Poses, place
+
+Array = NDArray[np.float64]
+
+PASSES = 10
+"""Times contacts are found anew. Normals of deep overlaps turn while bodies come apart."""
+
+ROUNDS = 30
+"""Gauss-Seidel rounds over the contacts of one pass."""
+
+GOOD = -1e-7
+"""A gap above this [m] is left as it is."""
+
+
+@kernel
+def displace(contacts: Contacts, masses: Masses, linear: Array, angular: Array) -> None:
+    """Displacements [m], [rad], of all bodies that bring the gaps of all contacts to the stand-off, to first order."""
+    linear[:, :] = 0.0
+    angular[:, :] = 0.0
+    for _ in range(ROUNDS):
+        done = True
+        for k in range(contacts.count[0]):
+            n = axis(contacts, k, 0)
+            gap = contacts.gap[k] + dot(n, velocity_at(contacts, k, linear, angular))
+            if gap < GOOD and contacts.ease[k, 0] > 0.0:
+                push(contacts, masses, k, scale(n, (STAND_OFF - gap) / contacts.ease[k, 0]), linear, angular)
+                done = False
+        if done:
+            break
+
+
+@kernel
+def unsqueeze(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: int, memory: Memory) -> float:
+    """Push overlapping simulated bodies out of each other and of the others; returns the smallest gap left [m]."""
+    linear, angular = memory.linear_end, memory.angular_end
+    worst = 0.0
+    for _ in range(PASSES):
+        _, worst = find_contacts(geometry, dynamics, poses, pair_count, memory)
+        if not (worst < GOOD):
+            break
+        weigh(memory.contacts, memory.hold)
+        displace(memory.contacts, memory.hold, linear, angular)
+        for b in range(memory.moving.shape[0]):
+            d, turn = row(linear, b), row(angular, b)
+            if memory.moving[b] == 1 and dot(d, d) + dot(turn, turn) > 0.0:
+                put_row(poses.position, b, add(row(poses.position, b), d))
+                # a step of a radian is no first-order step
+                small = min(1.0, 0.1 / max(norm(turn), 1e-300))
+                put_columns(poses.rotation, b, spun(columns(poses.rotation, b), turn, small))
+                place(geometry, poses, b)
+                to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
+                put_row(memory.trial.position, b, row(poses.position, b))
+                put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
+                place(geometry, memory.trial, b)
+    return worst

@@ -1,0 +1,44 @@
+"""What PyBullet has no words for in a scene, as data: feature -> consequence."""
+
+from collections.abc import Mapping
+
+from avatarsim.scene.joint import Ball, Hinges
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Ellipsoid
+from reference.in_pybullet.factors import coefficients, fit, weights
+
+LISTED = 4
+"""Pairs named in full when the product rule misses them; the others are counted."""
+
+
+def cannot_say(scene: Scene) -> Mapping[str, str]:
+    """Empty when PyBullet can express all of the scene."""
+    found: dict[str, str] = {}
+    links = scene.links
+    balls = [link.joint for link in links if isinstance(link.joint, Ball)]
+    pieces = [piece for owner in (*scene.bodies, *links) for piece in owner.pieces]
+    if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
+        found["ellipsoids"] = "replaced by hulls of 162 points on their surface"
+    for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
+        misses = fit(scene, wanted, matters).misses
+        # pairs that hardly ever meet are not worth a word
+        worth = [miss for miss in misses if matters[miss[0], miss[1]] > 1e-3 * matters.max()]
+        if worth:
+            listed = ", ".join(
+                f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in worth[:LISTED]
+            )
+            more = f" and {len(worth) - LISTED} more" if len(worth) > LISTED else ""
+            found[what] = f"a pair's coefficient is the product of its bodies' factors, here the closest fit: {listed}{more}"
+    if any(ball.limits for ball in balls):
+        found["ball limits"] = "spherical joints have none: only what they are asked for is limited (tuned), not what contact does"
+    if any(ball.cone for ball in balls):
+        found["reach cones"] = "no spherical polygons: ignored"
+    if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
+        found["shared centres"] = "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
+    if any(avatar.coupled_mass is not None for avatar in scene.avatars):
+        found["coupled mass"] = "an avatar's links have one mass: their own"
+    if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
+        found["no gyroscopic effect"] = "cannot be switched off for links"
+    if scene.derived_effects.overlap_removal and not scene.effects.overlap_removal:
+        found["no overlap removal"] = "cannot be switched off apart from contact as a whole"
+    return found

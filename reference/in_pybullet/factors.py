@@ -1,0 +1,125 @@
+"""One factor per body whose products come closest to a table of pairs: all that Bullet's product rule can say.
+
+Three mutually touching bodies can always be said exactly: r_i = sqrt(e_ij e_ik / e_jk). For more, least squares of the
+logarithms, weighted by how likely two bodies meet.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-6
+"""Stands for a coefficient of 0, whose logarithm does not exist."""
+
+NEARBY = 0.05
+"""Sideways gap [m] at which a pair counts half as much as one that touches: what falls meets what is below it."""
+
+MOST_BODIES = 60
+"""Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows as n^3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Factor of each body in canonical order, and the pairs that it does not reproduce: (a, b, wanted, said)."""
+
+    values: Array
+    misses: tuple[tuple[int, int, float, float], ...]
+
+
+def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
+    """Factors for the symmetric (n, n) coefficients `wanted`; `matters` (n, n) are weights, 0 where a pair never meets."""
+    n = len(scene.names)
+    if not matters.any():
+        return Factors(np.sqrt(np.maximum(np.diag(wanted), 0.0)), ())
+    group = np.arange(n)
+    if n > MOST_BODIES:
+        kinds = list(zip(scene.material_names, scene.roles, strict=True))
+        known = sorted(set(kinds), key=lambda kind: (kind[0], kind[1].value))
+        group = np.array([known.index(kind) for kind in kinds])
+    a, b = np.nonzero(np.triu(matters, 1))
+    size = int(group.max()) + 1
+    keys, inverse = np.unique(np.minimum(group[a], group[b]) * size + np.maximum(group[a], group[b]), return_inverse=True)
+    weight = np.sqrt(np.bincount(inverse, matters[a, b]))
+    target = np.zeros(len(keys))
+    target[inverse] = np.log(np.maximum(wanted[a, b], SMALLEST))
+    rows = np.zeros((len(keys) + size, size))
+    np.add.at(rows, (np.arange(len(keys)), keys // size), weight)
+    np.add.at(rows, (np.arange(len(keys)), keys % size), weight)
+    # a trace of pull towards each body's own material settles what the pairs leave open (two bodies: one equation)
+    pull = 1e-6 * weight.max()
+    own = np.zeros(size)
+    own[group] = 0.5 * np.log(np.maximum(np.diag(wanted), SMALLEST))
+    rows[len(keys) :] = pull * np.eye(size)
+    right = np.concatenate([weight * target, pull * own])
+    values = np.exp(np.linalg.lstsq(rows, right, rcond=None)[0])[group]
+    said = values[a] * values[b]
+    off = np.abs(said - wanted[a, b]) > 1e-3
+    misses = sorted(
+        ((int(i), int(j), float(wanted[i, j]), float(values[i] * values[j])) for i, j in zip(a[off], b[off], strict=True)),
+        key=lambda miss: -abs(miss[2] - miss[3]),
+    )
+    return Factors(values, tuple(misses))
+
+
+def coefficients(scene: Scene) -> tuple[Array, Array]:
+    """(n, n) restitution and friction as the scene wants them, less what its author narrowed away."""
+    names = scene.material_names
+    known = sorted(set(names))
+    at = np.array([known.index(name) for name in names])
+    pairs = scene.materials.pairs
+    table = np.array([[(c.restitution, c.friction) if (c := pairs.get((x, y))) else (0.0, 0.0) for y in known] for x in known])
+    restitution, friction = table[np.ix_(at, at)].transpose(2, 0, 1).copy()
+    if not scene.effects.restitution:
+        restitution[:] = 0.0
+    if scene.derived_effects.friction and not scene.effects.friction:
+        friction[:] = 0.0
+    return restitution, friction
+
+
+def weights(scene: Scene) -> tuple[Array, Array]:
+    """How much each pair matters (n, n) for restitution and for friction."""
+    centres, radii = _balls(scene)
+    moving = np.array([role is Role.SIMULATED for role in scene.roles])
+    driven = np.array([role is Role.DRIVEN for role in scene.roles])
+    down = np.array(scene.gravity)
+    if np.linalg.norm(down) > 0.0:
+        down /= np.linalg.norm(down)
+        centres = centres - np.outer(centres @ down, down)
+    gap = np.linalg.norm(centres[:, None] - centres[None], axis=2) - radii[:, None] - radii[None]
+    near = (1.0 / (1.0 + np.maximum(gap, 0.0) / NEARBY)) ** 4
+    # who is driven may go anywhere
+    near = np.where(driven[:, None] | driven[None], 1.0, near)
+    bounce = near * scene.pair_filter * (moving[:, None] | moving[None])
+    # a driven hand that slides is led by its user: friction there matters, but less
+    slide = near * scene.pair_filter * np.where(moving[:, None] | moving[None], 1.0, 0.05)
+    return bounce, slide
+
+
+def _balls(scene: Scene) -> tuple[Array, Array]:
+    """Centre of the body frame and, sideways, half the width of each body, as seen at the start."""
+    centres, radii = np.zeros((len(scene.names), 3)), np.zeros(len(scene.names))
+    for k, body in enumerate(scene.bodies):
+        centres[k] = body.position
+        reach = [np.linalg.norm(rotation.rotate(body.orientation, p.position)) + _width(p.shape) for p in body.pieces]
+        radii[k] = max(reach)
+    return centres, radii
+
+
+def _width(shape: Shape) -> float:
+    if isinstance(shape, Sphere):
+        return shape.radius
+    if isinstance(shape, Capsule):
+        return shape.radius + 0.5 * shape.length
+    if isinstance(shape, Box):
+        return 0.5 * max(shape.size)
+    if isinstance(shape, Ellipsoid):
+        return max(shape.radii)
+    return float(np.linalg.norm(shape.vertices, axis=1).max())

@@ -1,0 +1,243 @@
+"""Our scene as Bullet multibodies: same shapes vertex for vertex, same masses, exactly the scene's pairs.
+
+Bullet knows inertias along the axes of a link's frame only, so each link's frame is turned to its principal axes here
+(`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import Body, Role
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
+from avatarsim.scene.mass import Mass, solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Sphere
+from avatarsim.spatial import rotation
+from reference.in_pybullet.shapes import collision_shape, xyzw
+
+Array = NDArray[np.float64]
+IDENTITY = np.array(rotation.IDENTITY)
+
+BETWEEN_HINGES = 1e-3
+"""Mass and inertia of the stand-in links between hinges that share a centre, relative to their link's. Bullet has one
+joint per link, and a link without mass divides by zero when axes line up."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Where a body or link is in Bullet: multibody, link index (-1: base), its frame against ours, its mass centre (ours)."""
+
+    body: int
+    link: int
+    frame: Array
+    centre: Array
+
+
+@dataclass(eq=False)
+class World:
+    """All parts in canonical order; joints to drive.
+
+    hinges [(multibody, joint)] in the order of tracker angles; balls [(multibody, joint, link of the scene)];
+    roots [(part, link of the scene)]; maximal: simulated bodies outside the multibody solver.
+    """
+
+    client: int
+    parts: list[Part] = field(default_factory=list)
+    hinges: list[tuple[int, int]] = field(default_factory=list)
+    balls: list[tuple[int, int, int]] = field(default_factory=list)
+    roots: list[tuple[int, int]] = field(default_factory=list)
+    maximal: set[int] = field(default_factory=set)
+
+
+def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World:
+    """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the multibody solver."""
+    world = World(client)
+    for k, body in enumerate(scene.bodies):
+        world.parts.append(_body(body, client, maximal and _is_simple(body)))
+        if maximal and _is_simple(body):
+            world.maximal.add(k)
+    first = 0
+    for avatar in scene.avatars:
+        _avatar(world, scene, avatar, first, limits)
+        first += len(avatar.links)
+    _filter(world, scene)
+    return world
+
+
+def principal(mass: Mass) -> tuple[Array, Array]:
+    """Principal moments (3,) [kg m^2] and the frame (w, x, y, z) of their axes in the body's."""
+    moments = np.diag(mass.inertia).copy()
+    if np.abs(mass.inertia - np.diag(moments)).max() <= 1e-15 * moments.max():
+        return moments, IDENTITY
+    moments, axes = np.linalg.eigh(mass.inertia)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return moments, rotation.from_matrix(axes)
+
+
+def _is_simple(body: Body) -> bool:
+    """Whether Bullet finds the stated inertia by itself; without multibody it cannot be told another."""
+    if body.role is not Role.SIMULATED or body.mass is None or len(body.pieces) != 1:
+        return False
+    piece = body.pieces[0]
+    if not isinstance(piece.shape, Sphere | Box) or any(piece.position) or piece.orientation != rotation.IDENTITY:
+        return False
+    expected = solid(body.pieces, body.mass.mass)
+    same = np.allclose(body.mass.inertia, expected.inertia, rtol=1e-9, atol=0.0)
+    return same and not any(body.mass.centre)
+
+
+def _body(body: Body, client: int, maximal: bool) -> Part:
+    if body.role is Role.FIXED or body.mass is None:
+        made = pybullet.createMultiBody(
+            0.0, collision_shape(body.pieces, IDENTITY, client), basePosition=body.position,
+            baseOrientation=xyzw(body.orientation), physicsClientId=client,
+        )
+        return Part(int(made), -1, IDENTITY, np.zeros(3))
+    moments, frame = principal(body.mass)
+    centre = rotation.rotate(rotation.conjugate(frame), body.mass.centre)
+    made = pybullet.createMultiBody(
+        body.mass.mass, collision_shape(body.pieces, frame, client), basePosition=body.position,
+        baseOrientation=xyzw(rotation.multiply(body.orientation, frame)), baseInertialFramePosition=centre.tolist(),
+        useMaximalCoordinates=maximal, physicsClientId=client,
+    )
+    if not maximal:
+        pybullet.changeDynamics(made, -1, localInertiaDiagonal=moments.tolist(), physicsClientId=client)
+    pybullet.resetBaseVelocity(made, body.velocity, body.angular_velocity, physicsClientId=client)
+    return Part(int(made), -1, frame, np.array(body.mass.centre))
+
+
+@dataclass(eq=False)
+class _Chain:
+    """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint -> limits."""
+
+    client: int
+    columns: dict[str, list[object]] = field(default_factory=dict)
+    moments: dict[int, list[float]] = field(default_factory=dict)
+    stops: dict[int, tuple[float, float]] = field(default_factory=dict)
+
+    def add(self, parent: int, place: Array, turn: Array, kind: int, axis: Vector | list[float], mass: float,
+            moments: list[float], shape: int = -1, centre: Array | None = None) -> int:
+        """Append one Bullet link below link `parent` (-1: base); its index."""
+        row: dict[str, object] = {
+            "linkMasses": mass, "linkCollisionShapeIndices": shape, "linkVisualShapeIndices": -1,
+            "linkPositions": place.tolist(), "linkOrientations": xyzw(turn), "linkParentIndices": parent + 1,
+            "linkInertialFramePositions": [0.0] * 3 if centre is None else centre.tolist(),
+            "linkInertialFrameOrientations": [0.0, 0.0, 0.0, 1.0], "linkJointTypes": kind, "linkJointAxis": list(axis),
+        }
+        for name, value in row.items():
+            self.columns.setdefault(name, []).append(value)
+        index = len(self.columns["linkMasses"]) - 1
+        self.moments[index] = moments
+        return index
+
+
+def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool) -> None:
+    client, chain = world.client, _Chain(world.client)
+    parts: dict[str, tuple[int, Array, Array]] = {}
+    hinges: dict[int, list[int]] = {}
+    balls: list[tuple[int, int]] = []
+    root = avatar.links[0]
+    free = isinstance(root.joint, Free)
+    for k in _depth_first(avatar):
+        link = avatar.links[k]
+        moments, frame = principal(link.mass)
+        if k == 0 and free:
+            parts[link.name] = (-1, frame, np.array(link.mass.centre))
+            continue
+        above, above_frame = (-1, IDENTITY) if link.parent is None else parts[link.parent][:2]
+        back = rotation.conjugate(above_frame)
+        index, hinges[k] = _joint(chain, link, above, rotation.rotate(back, link.anchor),
+                                  rotation.multiply(back, link.orientation), frame, moments.tolist(), limits)
+        parts[link.name] = (index, frame, np.array(link.mass.centre))
+        if isinstance(link.joint, Ball):
+            balls.append((index, first + k))
+    start, base = scene.first_sample, {}
+    if free:
+        moments, frame = principal(root.mass)
+        base = {
+            "baseMass": root.mass.mass, "baseCollisionShapeIndex": collision_shape(root.pieces, frame, client),
+            "basePosition": start.positions[first].tolist(),
+            "baseOrientation": xyzw(rotation.multiply(rotation.normalised(start.rotations[first]), frame)),
+            "baseInertialFramePosition": rotation.rotate(rotation.conjugate(frame), root.mass.centre).tolist(),
+        }
+    made = int(pybullet.createMultiBody(
+        **base, **chain.columns, flags=pybullet.URDF_USE_SELF_COLLISION, physicsClientId=client,
+    ))
+    if free:
+        pybullet.changeDynamics(made, -1, localInertiaDiagonal=moments_of(root), physicsClientId=client)
+        world.roots.append((len(world.parts), first))
+    for index, principal_moments in chain.moments.items():
+        pybullet.changeDynamics(made, index, localInertiaDiagonal=principal_moments, physicsClientId=client)
+    for index, (lower, upper) in chain.stops.items():
+        pybullet.changeDynamics(made, index, jointLowerLimit=lower, jointUpperLimit=upper, physicsClientId=client)
+    world.hinges += [(made, index) for k in sorted(hinges) for index in hinges[k]]
+    world.balls += [(made, index, k) for index, k in sorted(balls, key=lambda ball: ball[1])]
+    world.parts += [Part(made, *parts[link.name]) for link in avatar.links]
+
+
+def _depth_first(avatar: Avatar) -> list[int]:
+    """Places of the links, each branch to its end before the next: the order in which Bullet numbers links itself."""
+    below: dict[str | None, list[int]] = {}
+    for k, link in enumerate(avatar.links):
+        below.setdefault(link.parent, []).append(k)
+    order, waiting = [], [0]
+    while waiting:
+        k = waiting.pop()
+        order.append(k)
+        waiting += reversed(below.get(avatar.links[k].name, []))
+    return order
+
+
+def moments_of(link: Link) -> list[float]:
+    """Principal moments of a link, as a list."""
+    moments: list[float] = principal(link.mass)[0].tolist()
+    return moments
+
+
+def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, frame: Array, moments: list[float],
+           limits: bool) -> tuple[int, list[int]]:
+    """Append a link with its joint, and stand-ins before it where several hinges share a centre: its index, its hinges."""
+    back = rotation.conjugate(frame)
+    shape, centre = collision_shape(link.pieces, frame, chain.client), rotation.rotate(back, link.mass.centre)
+    kind = pybullet.JOINT_SPHERICAL if isinstance(link.joint, Ball) else pybullet.JOINT_FIXED
+    if not isinstance(link.joint, Hinges):
+        assert isinstance(link.joint, Ball | Rigid)
+        turned = rotation.multiply(turn, frame)
+        return chain.add(above, place, turned, kind, [0.0, 0.0, 1.0], link.mass.mass, moments, shape, centre), []
+    hinges: list[int] = []
+    *before, last = link.joint.hinges
+    for hinge in before:
+        small = [BETWEEN_HINGES * float(np.mean(moments))] * 3
+        above = chain.add(above, place, turn, pybullet.JOINT_REVOLUTE, hinge.axis, BETWEEN_HINGES * link.mass.mass, small)
+        hinges.append(above)
+        place, turn = np.zeros(3), IDENTITY
+    axis = rotation.rotate(back, last.axis).tolist()
+    turned = rotation.multiply(turn, frame)
+    index = chain.add(above, place, turned, pybullet.JOINT_REVOLUTE, axis, link.mass.mass, moments, shape, centre)
+    hinges.append(index)
+    for joint, hinge in zip(hinges, link.joint.hinges, strict=True):
+        if limits and not (hinge.lower <= -MANY_TURNS and hinge.upper >= MANY_TURNS):
+            chain.stops[joint] = (hinge.lower, hinge.upper)
+    return index, hinges
+
+
+def _filter(world: World, scene: Scene) -> None:
+    """Exactly the scene's pairs: Bullet tests all but what is switched off here."""
+    still = np.array([role is Role.FIXED for role in scene.roles])
+    n = len(scene.names)
+    for a in range(n):
+        for b in range(a + 1, n):
+            if still[a] and still[b]:
+                continue
+            one, two = world.parts[a], world.parts[b]
+            same = one.body == two.body
+            if same or not scene.pair_filter[a, b]:
+                pybullet.setCollisionFilterPair(
+                    one.body, two.body, one.link, two.link, int(scene.pair_filter[a, b]), physicsClientId=world.client
+                )

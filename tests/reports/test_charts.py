@@ -1,0 +1,91 @@
+"""Thinning loses no spike, every panel says what it shows, and a picture draws what the numbers are."""
+
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from reports.charts import overlap_panels, peaks, time_panels, time_percentiles
+from reports.load import load
+from reports.palette import strokes
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+RUNS = ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default", "tracker/default")
+
+
+@given(st.lists(st.floats(0.0, 1.0), max_size=90), st.integers(1, 40))
+def test_thinning_keeps_the_largest(values: list[float], most: int) -> None:
+    frames, largest, broken = peaks(np.array(values), most)
+    assert frames.size == largest.size == min(most, len(values)) and not broken.any()
+    if values:
+        assert largest.max() == max(values) and frames[0] == 0
+
+
+@given(st.integers(0, 99), st.sampled_from([math.nan, math.inf]))
+def test_thinning_keeps_every_gap(where: int, gap: float) -> None:
+    values = np.ones(100)
+    values[where] = gap
+    frames, largest, broken = peaks(values, 10)
+    assert broken.sum() == 1 and frames[np.argmax(broken)] <= where < frames[np.argmax(broken)] + 10
+    assert (largest == 1.0).all()
+
+
+def test_one_overlap_panel_per_scene_with_words(run_dir: Write, results: Json) -> None:
+    panels = overlap_panels(load(run_dir(results)), strokes(RUNS), ("hand_over_table", "ball_drop", "arm_wall"))
+    assert [panel.scene for panel in panels] == ["hand_over_table", "arm_wall"]
+    assert panels[1].conclusion.startswith("avatarsim/default stays within 1 µm; tracker/default reaches 100 mm")
+    assert 'role="img"' in panels[0].svg and "mujoco/tuned: peak 540 µm" in panels[0].svg
+    for stroke in strokes(RUNS).values():
+        assert f'stroke="{stroke.light}"' in panels[0].svg
+
+
+def test_a_deeper_overlap_is_drawn_higher(run_dir: Write, results: Json) -> None:
+    series = {"arm_wall": {"mujoco/default": {"overlap_m": [1e-3] * 5}, "avatarsim/default": {"overlap_m": [0.0] * 5}}}
+    panel = overlap_panels(load(run_dir(results | {"series": series})), strokes(RUNS), ("arm_wall",))[0]
+
+    def height(run: str) -> float:
+        found = re.search(rf'd="M[\d.]+,([\d.]+)[^"]*" stroke="{strokes(RUNS)[run].light}"', panel.svg)
+        assert found is not None
+        return float(found.group(1))
+
+    # nine decades over 150 px, downwards: 1 mm is three decades below the top, zero lies on the floor
+    assert height("mujoco/default") == pytest.approx(50.0, abs=1.0)
+    assert height("avatarsim/default") == pytest.approx(150.0, abs=1.0)
+
+
+def test_percentiles_come_from_rows_or_else_from_the_series(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    found = time_percentiles(load(run_dir(results)))
+    assert found["arm_wall"]["avatarsim/default"] == pytest.approx((31.0, 49.6, 74.4))
+    assert "tracker/default" not in found["arm_wall"] and "ball_drop" not in found
+    less = results | {"rows": [row for row in rows if not str(row["metric"]).startswith("frame_time")]}
+    assert time_percentiles(load(run_dir(less)))["arm_wall"]["avatarsim/default"][0] == pytest.approx(31.0)
+
+
+def test_time_panels_conclude_from_the_numbers(run_dir: Write, results: Json) -> None:
+    spreads, courses = time_panels(load(run_dir(results)), strokes(RUNS), ("arm_wall",))
+    assert spreads[0].conclusion == (
+        "avatarsim/default has the lowest p95, 49.6 µs; pybullet/default takes 28.4 times as long; all keep 60 Hz at p99."
+    )
+    noisy = {"scenario": "arm_wall", "metric": "frame_time_raw_p99", "value": 7374.0, "status": "info"}
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    again, _ = time_panels(load(run_dir(results | {"rows": [*rows, rows[0] | noisy]})), strokes(RUNS), ("arm_wall",))
+    assert again[0].conclusion.endswith("left in, p99 is: avatarsim/default 7.37 ms.")
+    assert "equally steady" in courses[0].conclusion and "slowest 74.4 µs in frame 5" in courses[0].svg
+
+
+def test_series_without_one_finite_number_are_drawn_as_gaps(run_dir: Write, results: Json) -> None:
+    gone = {"overlap_m": ["NaN", None], "frame_time_us": [None, "NaN"]}
+    found = load(run_dir(results | {"series": {"arm_wall": {"avatarsim/default": gone}}}))
+    panel = overlap_panels(found, strokes(RUNS), ("arm_wall",))[0]
+    assert panel.conclusion == "avatarsim/default has frames without a finite number."
+    assert "peak NaN, 100 % of frames above" in panel.svg
+    assert time_panels(found, strokes(RUNS), ("arm_wall",))[1][0].conclusion == "No frame time here is a finite number."

@@ -1,0 +1,49 @@
+"""Worse is worse beyond what can be told apart; times count only between runs of one host."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from reports.diff import Changes, diff
+from reports.load import load
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def compared(run_dir: Write, results: Json, metric: str, value: object, **provenance: object) -> Changes:
+    """The run against itself with one number of ours in arm_wall changed."""
+    rows, told = results["rows"], results["provenance"]
+    assert isinstance(rows, list) and isinstance(told, dict)
+    ours = [r["metric"] == metric and r["scenario"] == "arm_wall" and r["engine"] == "avatarsim" for r in rows]
+    new = [row | {"value": value} if own else row for row, own in zip(rows, ours, strict=True)]
+    return diff(load(run_dir(results)), load(run_dir(results | {"rows": new, "provenance": told | provenance})))
+
+
+def test_a_run_is_no_worse_than_itself(run_dir: Write, results: Json) -> None:
+    found = compared(run_dir, results, "none", 0.0)
+    assert (found.worse, found.better, found.no_times) == ((), (), "")
+
+
+@pytest.mark.parametrize(("metric", "value", "worse", "better"), [
+    ("residual_overlap_max", 4e-7, 1, 0), ("residual_overlap_max", 2e-7, 0, 1), ("residual_overlap_max", "NaN", 1, 0),
+    ("residual_overlap_max", None, 1, 0), ("overlap_frames", 0.04, 0, 0), ("frame_time_p50", 36.0, 0, 0),
+    ("frame_time_p50", 45.0, 1, 0), ("frame_time_p50", 20.0, 0, 1),
+])
+def test_changes(run_dir: Write, results: Json, metric: str, value: object, worse: int, better: int) -> None:
+    found = compared(run_dir, results, metric, value)
+    assert (len(found.worse), len(found.better)) == (worse, better)
+
+
+def test_times_of_another_host_are_left_out_and_said(run_dir: Write, results: Json) -> None:
+    found = compared(run_dir, results, "frame_time_p50", 900.0, cpu="Abacus 10")
+    assert found.worse == () and "hosts differ in cpu" in found.text()
+
+
+def test_a_run_that_vanished_is_named(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    less = results | {"rows": [row for row in rows if row["engine"] != "pybullet"]}
+    found = diff(load(run_dir(results)), load(run_dir(less)))
+    assert "arm_wall  pybullet/default" in found.only_old and found.only_new == ()

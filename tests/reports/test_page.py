@@ -1,0 +1,125 @@
+"""The page is whole, asks nobody for anything, shows text from outside as text, and survives whatever a run leaves behind."""
+
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import write_report
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+VOID = {"meta", "link", "input", "wbr", "path", "line", "rect", "br", "circle"}
+
+
+class Tree(HTMLParser):
+    """Collects ids, links and pictures, and checks that every tag is closed in order."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.pictures: list[dict[str, str | None]] = []
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        named = dict(attrs)
+        self.ids += [str(named["id"])] if "id" in named else []
+        self.links += [str(named[key]) for key in ("href", "src", "xlink:href") if key in named]
+        self.pictures += [named] if tag == "svg" else []
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in VOID:
+            assert self.open.pop() == tag
+
+
+def written(folder: Path) -> tuple[str, Tree]:
+    write_report(folder)
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    tree = Tree()
+    tree.feed(text)
+    assert tree.open == []
+    return text, tree
+
+
+def test_the_page_is_whole_and_self_contained(run_dir: Write, results: Json) -> None:
+    text, tree = written(run_dir(results))
+    assert len(tree.ids) == len(set(tree.ids))
+    assert all(link.startswith(("#", "data:")) for link in tree.links)
+    assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
+    assert not tree.tags & {"script", "iframe", "img", "object"}
+    assert "url(" not in text and "@import" not in text
+    assert len(text) < 300_000
+
+
+def test_every_picture_has_words(run_dir: Write, results: Json) -> None:
+    _, tree = written(run_dir(results))
+    charts = [picture for picture in tree.pictures if picture.get("aria-hidden") != "true"]
+    assert len(charts) == 6 and all(len(str(picture["aria-label"])) > 40 for picture in charts)
+
+
+def test_sections_stand_in_order(run_dir: Write, results: Json) -> None:
+    text, _ = written(run_dir(results))
+    parts = ("1 of 3 gated bounds", "What we lose first", "Verdict table", "Residual overlap over time", "Frame time</h2>",
+             "Settings as run", "Provenance and fairness", "Our avatar is kinematic", "Abacus 9")
+    places = [text.index(part) for part in parts]
+    assert places == sorted(places)
+    assert "quarter of a frame" in text and "bounces follow solref" in text
+
+
+def test_text_from_outside_stays_text(run_dir: Write, results: Json) -> None:
+    text, _ = written(run_dir(results | {"notes": ["<script>alert(1)</script>"]}))
+    assert "<mesh>" not in text and "&lt;mesh&gt; &amp; volume" in text and "<script" not in text
+
+
+def test_a_file_that_contradicts_itself_is_called_out(run_dir: Write, results: Json) -> None:
+    assert "Trust neither" not in written(run_dir(results))[0]
+    assert "exit code 0, but its rows call for 1" in written(run_dir(results | {"exit_code": 0}))[0]
+    series = {"arm_wall": {"avatarsim/default": {"overlap_m": [0.0, 0.5]}}}
+    assert "its series reaches 500 mm" in written(run_dir(results | {"series": series}))[0]
+
+
+@pytest.mark.parametrize("cut", ["rows", "series", "engines", "provenance", "all"])
+def test_whatever_is_missing_the_page_stands(run_dir: Write, results: Json, cut: str) -> None:
+    empty: Json = {"rows": [], "series": {}, "engines": [], "provenance": {}}
+    text, _ = written(run_dir(results | (empty if cut == "all" else {cut: empty[cut]})))
+    if cut in ("rows", "all"):
+        assert "No verdict" in text and "No row was measured" in text and 'class="verdict empty"' in text
+
+
+def test_one_engine_alone_has_nobody_to_beat(run_dir: Write, results: Json) -> None:
+    rows, series = results["rows"], results["series"]
+    assert isinstance(rows, list) and isinstance(series, dict)
+    alone = [row for row in rows if row["engine"] == "avatarsim"]
+    own = {scene: {"avatarsim/default": runs["avatarsim/default"]} for scene, runs in series.items()}
+    text, _ = written(run_dir(results | {"rows": alone, "series": own, "engines": []}))
+    assert "has nobody to be compared with" in text
+    assert "no other engine did better" not in text
+
+
+def test_every_value_nan_or_missing_is_never_held(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    for value in ("NaN", None, "Infinity"):
+        text, _ = written(run_dir(results | {"rows": [row | {"value": value} for row in rows]}))
+        assert 'class="verdict held"' not in text
+
+
+def test_after_an_error_no_finished_page_is_left(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    write_report(folder)
+    (folder / "results.json").write_text("{")
+    with pytest.raises(InvalidFile):
+        write_report(folder)
+    assert [path.name for path in folder.iterdir()] == ["results.json"]

@@ -1,0 +1,41 @@
+"""summary.md begins with the verdict, then what we lose; its tables hold whatever text a run brings."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from reports.load import load
+from reports.summary import summary
+from reports.verdict import verdict
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def text_of(folder: Path) -> str:
+    results = load(folder)
+    return summary(results, verdict(results))
+
+
+def test_losses_come_before_the_table(run_dir: Write, results: Json) -> None:
+    text = text_of(run_dir(results))
+    assert text.startswith("## FAILED: 1 of 3")
+    parts = ("### Crashed", "### What we lose, worst first", "| ball_drop | **restitution", "### All scenes", "Abacus 9")
+    places = [text.index(part) for part in parts]
+    assert places == sorted(places)
+    table = text.split("### All scenes")[1]
+    assert table.index("| ball_drop") < table.index("| hand_over_table") < table.index("| arm_wall")
+
+
+def test_every_line_of_a_table_has_as_many_cells(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    text = text_of(run_dir(results | {"rows": [row | ({"note": "a|b\nc <i>"} if row["note"] else {}) for row in rows]}))
+    for part in text.split("\n\n"):
+        bars = {line.replace("\\|", "").count("|") for line in part.splitlines() if line.startswith("|")}
+        assert len(bars) <= 1
+    assert "a\\|b c &lt;i&gt;" in text
+
+
+def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
+    text = text_of(run_dir(results | {"rows": [], "provenance": {}}))
+    assert text.startswith("## EMPTY: No verdict") and "No row was measured" in text

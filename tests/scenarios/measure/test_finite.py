@@ -1,0 +1,20 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from scenarios.measure.finite import not_finite
+from tests.scenarios.examples import fist_scene, resting
+
+
+def test_a_sound_recording_has_none() -> None:
+    assert not_finite(resting(fist_scene(), 5)) == {"not_finite_frames": 0.0}
+
+
+@pytest.mark.parametrize("field", ["positions", "orientations", "velocities", "angular_velocities"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_each_bad_frame_counts_once(field: str, bad: float) -> None:
+    recording = resting(fist_scene(), 5)
+    values = getattr(recording, field).copy()
+    values[2, :, 0] = values[4, 1, 2] = bad
+    assert not_finite(replace(recording, **{field: values})) == {"not_finite_frames": 2.0}

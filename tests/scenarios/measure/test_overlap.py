@@ -1,0 +1,76 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reference.judge import Judge
+from scenarios.measure.everything import measured
+from scenarios.measure.overlap import depths, residual_overlap, substep_overlap
+from scenarios.measure.value import Missing
+from tests.scenarios.examples import DT, RADIUS, WALL_FACE, fist, fist_scene, resting, with_inside
+
+
+def test_known_depths_come_out_exactly() -> None:
+    found = residual_overlap(np.array([0.0, 5e-7, 2e-3, 0.0]))
+    assert found == {
+        "residual_overlap_max": 2e-3, "residual_overlap_p95": float(np.percentile([0.0, 5e-7, 2e-3, 0.0], 95)),
+        "residual_overlap_mean": (5e-7 + 2e-3) / 4, "overlap_frames": 25.0,
+    }
+
+
+def test_a_pose_that_is_no_number_is_no_free_frame() -> None:
+    found = residual_overlap(np.array([0.0, np.nan]))
+    assert np.isnan(found["residual_overlap_max"]) and found["overlap_frames"] == 50.0
+
+
+@pytest.mark.parametrize("depth", [2e-3, 1e-5, 0.0])
+def test_an_injected_overlap_is_found_to_ten_nanometres(depth: float) -> None:
+    scene, recording = fist_scene(), resting(fist_scene(), 4)
+    positions = recording.positions.copy()
+    positions[3, 1, 0] = WALL_FACE - RADIUS + depth
+    judge = Judge(scene)
+    found = depths(positions, recording.orientations, lambda p, q: judge.overlaps(p, q).deepest)
+    assert found == pytest.approx([0.0, 0.0, 0.0, depth, 0.0], abs=1e-8)
+    values = measured(replace(recording, positions=positions), fist(4), scene).values
+    assert values["residual_overlap_max"] == pytest.approx(depth, abs=1e-8)
+    assert values["overlap_frames"] == (20.0 if depth > 0 else 0.0)
+
+
+def test_overlap_inside_a_frame_is_seen_though_no_frame_shows_it() -> None:
+    scene, recording = fist_scene(), resting(fist_scene(), 2)
+    within = np.tile(recording.positions[0], (3, 1, 1))
+    within[1, 1, 0] = WALL_FACE - RADIUS + 3e-3
+    recording = with_inside(recording, [0.2 * DT, 0.4 * DT, 0.6 * DT], [1, 1, 1], ["step"] * 3, within, np.zeros((3, 2, 3)))
+    values = measured(recording, fist(2), scene).values
+    assert values["residual_overlap_max"] == 0.0
+    assert values["substep_overlap_max"] == pytest.approx(3e-3, abs=1e-8)
+
+
+def test_thinned_substeps_say_so() -> None:
+    recording = resting(fist_scene(), 1)
+    within = np.tile(recording.positions[0], (10, 1, 1))
+    recording = with_inside(recording, [0.0] * 10, [1] * 10, ["step"] * 10, within, np.zeros((10, 2, 3)))
+    asked: list[int] = []
+
+    def depth(p: np.ndarray, q: np.ndarray) -> float:
+        asked.append(1)
+        return 0.0
+
+    assert substep_overlap(recording, depth, 5) == (0.0, "every 2th of 10 sub-steps judged")
+    assert len(asked) == 5
+    assert substep_overlap(recording, depth, None) == (0.0, "")
+
+
+def test_no_substeps_is_missing_and_not_zero() -> None:
+    value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: 0.0)
+    assert isinstance(value, Missing)
+
+
+def test_without_the_judge_its_figures_are_missing_by_fault_of_a_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "reference.judge", None)
+    values = measured(resting(fist_scene(), 2), fist(2), fist_scene()).values
+    overlap = values["residual_overlap_max"]
+    assert isinstance(overlap, Missing) and overlap.fault == "package"
+    assert values["not_finite_frames"] == 0.0

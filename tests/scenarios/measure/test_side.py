@@ -1,0 +1,28 @@
+from dataclasses import replace
+
+import numpy as np
+
+from scenarios.measure.side import wrong_side
+from tests.scenarios.examples import DT, drop, drop_scene, fist, fist_scene, resting, with_inside
+
+
+def test_the_right_side_counts_nothing() -> None:
+    assert wrong_side(resting(fist_scene(), 5), fist(5), fist_scene()) == {"wrong_side_frames": 0.0}
+
+
+def test_a_scene_without_regions_says_nothing() -> None:
+    assert wrong_side(resting(drop_scene(), 5), drop(5), drop_scene()) == {}
+
+
+def test_frames_beyond_the_wall_are_counted_shown_or_inside_or_not_a_number() -> None:
+    recording = resting(fist_scene(), 6)
+    positions = recording.positions.copy()
+    positions[2:4, 1, 0] = 0.51
+    positions[5, 1, 2] = np.nan
+    within = np.tile(recording.positions[0], (2, 1, 1))
+    within[:, 1, 0] = 0.7
+    recording = with_inside(
+        replace(recording, positions=positions), [DT, 3.5 * DT], [1, 3], ["step", "step"], within, np.zeros((2, 2, 3)),
+    )
+    # frame 1 inside, frames 2 and 3 shown (3 inside as well), frame 5 is no place at all
+    assert wrong_side(recording, fist(6), fist_scene()) == {"wrong_side_frames": 4.0}

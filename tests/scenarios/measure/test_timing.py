@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+
+from scenarios.measure.counts import work
+from scenarios.measure.timing import Timed, frame_times
+from tests.scenarios.examples import fist_scene, resting
+
+
+def test_the_least_of_all_repeats_counts_and_the_raw_times_stand_beside() -> None:
+    around = np.array([[1000, 9000, 3000], [2000, 2000, 50000]])
+    found = frame_times(Timed(around, {}, 1.5, ("a", "a")))
+    assert found["frame_time_p50"] == 2.0 and found["frame_time_max"] == 3.0
+    assert found["frame_time_raw_max"] == 50.0
+    assert found["frame_time_raw_p50"] == pytest.approx(2.5)
+    assert found["frame_time_python_p50"] == 2.0
+    assert found["warmup"] == 1.5 and found["deterministic"] == 1.0
+
+
+def test_the_engines_own_time_is_its_stages_without_our_adapter() -> None:
+    around = np.array([[10_000, 10_000]])
+    stages = {"step": np.array([[3000, 1000]]), "detect": np.array([[3000, 1000]]), "adapter": np.array([[2000, 2000]])}
+    found = frame_times(Timed(around, stages))
+    assert found["frame_time_max"] == 6.0 and found["frame_time_python_p50"] == 10.0
+    assert found["stage_share_step"] == found["stage_share_detect"] == 50.0
+    assert "stage_share_adapter" not in found and "deterministic" not in found
+
+
+def test_repeats_that_end_in_other_bits_are_not_deterministic() -> None:
+    assert frame_times(Timed(np.ones((2, 2), dtype=np.int64), {}, 0.0, ("a", "b")))["deterministic"] == 0.0
+
+
+def test_work_is_a_mean_per_frame_and_resyncs_a_sum() -> None:
+    from dataclasses import replace
+
+    recording = replace(
+        resting(fist_scene(), 4), counts={"pairs": np.array([100, 1, 2, 3, 4]), "resyncs": np.array([0, 1, 0, 2, 0])},
+    )
+    assert work(recording) == {"pairs_per_frame": 2.5, "resyncs": 3.0}

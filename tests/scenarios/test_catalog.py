@@ -1,0 +1,200 @@
+"""Every scene of the catalogue: found by its name, built free of overlap, its motion sound, its raw overlap as stated."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.material import TABLE_1
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from reference.judge import Judge
+from scenarios import catalog
+from scenarios.catalog import ball_drop, hand_over_table, mocap_punch_wall, mocap_walk_wall
+from scenarios.reach import reach
+from scenarios.scenario import Bound, Drop, Motion, Region, Scenario
+
+Array = NDArray[np.float64]
+ALL = sorted(catalog.scenarios())
+CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
+
+RAW = {
+    # scene: what the raw motion is inside -> in how many frames, and how deep [m]
+    "mocap_punch_wall": {"wall": (155, 0.1855), "floor": (296, 0.0441), "self": (8, 0.0775)},
+    "mocap_walk_wall": {"wall": (42, 0.1862), "floor": (54, 0.0104)},
+    "mocap_getup_floor": {"floor": (314, 0.0617), "low_table": (111, 0.1264), "self": (22, 0.0191)},
+}
+
+
+def poses(scene: Scene, sample: TrackerSample) -> tuple[Array, Array]:
+    """Body frames of the whole scene: bodies where they begin, links where the tracker has them."""
+    positions, orientations = link_poses(scene.avatars, sample)
+    return (
+        np.vstack([*(body.position for body in scene.bodies), positions]),
+        np.vstack([*(body.orientation for body in scene.bodies), orientations]),
+    )
+
+
+def built(name: str) -> tuple[Scenario, Scene, Motion]:
+    scenario = catalog.get(name).as_run(full=False)
+    scene = scenario.build()
+    return scenario, scene, scenario.motion(scene, 0)
+
+
+def test_the_first_five_scenes_are_found() -> None:
+    assert {"ball_drop", "hand_over_table", "mocap_punch_wall", "mocap_walk_wall", "mocap_getup_floor"} <= set(ALL)
+    assert all(scenario.name == name for name, scenario in catalog.scenarios().items())
+
+
+def test_an_unknown_scene_is_refused_with_the_names_that_exist() -> None:
+    with pytest.raises(UnknownName, match="ball_drop"):
+        catalog.get("ball_dorp")
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_scene_says_what_it_is_and_what_must_hold(name: str) -> None:
+    scenario = catalog.get(name)
+    assert scenario.build().name == name
+    assert scenario.title.endswith(".") and scenario.judged.endswith(".")
+    bounds = {bound.metric: bound for bound in scenario.bounds}
+    assert len(bounds) == len(scenario.bounds)
+    assert bounds["residual_overlap_max"].limit == 1e-6
+    assert {"not_finite_frames"} <= set(bounds)
+    # an engine that freezes must break something that it can measure
+    assert {"still_frames", "apex_error_max"} & set(bounds) or scenario.expects
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_scene_begins_free_of_overlap_where_its_regions_allow(name: str) -> None:
+    scenario, scene, _ = built(name)
+    positions, orientations = poses(scene, scene.first_sample)
+    assert scenario.expects.get("refusal") or Judge(scene).overlaps(positions, orientations).deepest == 0.0
+    for region in scenario.regions:
+        inside = positions[list(region.indices(scene.names))]
+        assert ((inside >= region.low) & (inside <= region.high)).all()
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
+    scenario, scene, motion = built(name)
+    again = scenario.motion(scene, 0)
+    frames = range(min(scenario.frames, 400))
+    last = link_poses(scene.avatars, scene.first_sample)[0]
+    for frame in frames:
+        sample = checked(motion(frame), scene.avatars)
+        assert sample.time == pytest.approx((frame + 1) * scenario.dt)
+        same = again(frame)
+        assert (sample.positions == same.positions).all() and (sample.rotations == same.rotations).all()
+        here = link_poses(scene.avatars, sample)[0]
+        if name in RAW or name == "hand_over_table":
+            # 0.15 m in a sixtieth of a second is 9 m/s, the speed of a fist
+            assert np.linalg.norm(here - last, axis=1).max() < 0.15
+        last = here
+
+
+@pytest.mark.parametrize("name", sorted(RAW))
+def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
+    scenario, scene, motion = built(name)
+    judge = Judge(scene)
+    frames: dict[str, int] = {}
+    deepest: dict[str, float] = {}
+    for frame in range(scenario.frames):
+        verdict = judge.overlaps(*poses(scene, motion(frame)))
+        found: dict[str, float] = {}
+        for a, _, depth in verdict.pairs:
+            what = "self" if a.startswith("human/") else a
+            found[what] = max(found.get(what, 0.0), depth)
+        for what, depth in found.items():
+            frames[what] = frames.get(what, 0) + 1
+            deepest[what] = max(deepest.get(what, 0.0), depth)
+    assert set(frames) == set(RAW[name])
+    for what, (count, depth) in RAW[name].items():
+        assert frames[what] == pytest.approx(count, abs=2)
+        assert deepest[what] == pytest.approx(depth, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "face"), [("mocap_punch_wall", mocap_punch_wall.FACE), ("mocap_walk_wall", mocap_walk_wall.FACE)]
+)
+def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name: str, face: float) -> None:
+    scenario, scene, motion = built(name)
+    samples = [motion(frame) for frame in range(scenario.frames)]
+    assert reach(scene.avatars, samples, (1.0, 0.0, 0.0)).max() - face == pytest.approx(0.3, abs=0.01)
+    places = np.array([link_poses(scene.avatars, sample)[0] for sample in samples])
+    # whoever follows the tracker blindly is seen on the wrong side, but most of the avatar never gets there
+    wrong = places[:, :, 0] > scenario.regions[0].high[0]
+    assert wrong.any() and wrong.mean(axis=1).max() < 0.5
+    assert places[:, 0, 0].max() < face
+
+
+def test_the_hand_is_idle_then_presses_then_pushes() -> None:
+    for full in (False, True):
+        scenario = catalog.get("hand_over_table").as_run(full)
+        assert scenario.frames == (3653 if full else 900)
+        scene = scenario.build()
+        judge, motion = Judge(scene), scenario.motion(scene, 0)
+        depth = {"table": np.zeros(scenario.frames), "ball": np.zeros(scenario.frames)}
+        others = 0
+        for frame in range(0, scenario.frames, 6):
+            for a, _, deep in judge.overlaps(*poses(scene, motion(frame))).pairs:
+                if a in depth:
+                    depth[a][frame] = deep
+                else:
+                    others += 1
+        share = np.arange(scenario.frames) / scenario.frames
+        assert others == 0
+        assert (depth["table"][share < 0.5] == 0.0).all() and (depth["ball"][share < 0.9] == 0.0).all()
+        assert depth["table"].max() == pytest.approx(hand_over_table.PRESSED, abs=1e-6)
+        assert (depth["table"][share > 0.9] == 0.0).all() and depth["ball"].max() > 0.02
+        # two plateaus, with a gap between them
+        touching = np.flatnonzero(depth["table"] > 0.01) / scenario.frames
+        assert ((touching > 0.52) & (touching < 0.66)).sum() > 15 and ((touching > 0.72) & (touching < 0.86)).sum() > 15
+        assert not ((touching > 0.68) & (touching < 0.70)).any()
+
+
+def test_the_balls_fall_a_metre_onto_the_pairs_of_table_1() -> None:
+    scenario, scene, _ = built("ball_drop")
+    drops = scenario.expects["drops"]
+    assert isinstance(drops, tuple) and len(drops) == 6
+    judge = Judge(scene)
+    first, second, distances = judge.distances(*poses(scene, scene.first_sample), reach=2.0)
+    apart = {
+        frozenset((scene.names[judge.pieces.owner[a]], scene.names[judge.pieces.owner[b]])): distance
+        for a, b, distance in zip(first, second, distances, strict=True)
+    }
+    materials = dict(zip(scene.names, scene.material_names, strict=True))
+    pairs = set()
+    for drop in drops:
+        assert isinstance(drop, Drop)
+        assert apart[frozenset((drop.ball, drop.floor))] == pytest.approx(drop.height, abs=1e-9)
+        assert drop.restitution == TABLE_1.contact(materials[drop.ball], materials[drop.floor]).restitution
+        pairs.add(frozenset((materials[drop.ball], materials[drop.floor])))
+    assert len(pairs) == 6 == len(ball_drop.PAIRS)
+
+
+def test_ceilings_name_scenes_and_stand_at_a_millimetre_at_most() -> None:
+    table = tomllib.loads(CEILINGS.read_text(encoding="utf-8"))
+    assert set(table) <= set(ALL)
+    for row in table.values():
+        assert 1e-6 <= row["residual_overlap_max"] <= 1e-3
+
+
+def test_a_number_that_is_none_breaks_every_bound() -> None:
+    bound = Bound("residual_overlap_max", 1e-6, "because")
+    assert bound.holds(1e-6) and not bound.holds(2e-6) and not bound.holds(float("nan"))
+    with pytest.raises(InvalidInput, match="limit"):
+        Bound("residual_overlap_max", float("nan"), "because")
+    with pytest.raises(InvalidInput, match="reason"):
+        Bound("residual_overlap_max", 1e-6, "")
+
+
+def test_regions_find_their_bodies_by_pattern() -> None:
+    region = Region(("human/left*", "ball"), (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), "because")
+    assert region.indices(("floor", "ball", "human/left_hip", "human/neck")) == (1, 2)
+    with pytest.raises(UnknownName, match="human/left"):
+        region.indices(("floor", "ball"))
+    with pytest.raises(InvalidInput, match="along y"):
+        Region(("ball",), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0), "because")

@@ -1,0 +1,233 @@
+"""Hostile material: two avatars, a closed room of thin walls with furniture, and motions no user should make."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from avatarsim.engine import FrameRecord
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
+from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+DT = 1.0 / 60.0
+ROOM = np.array([[-2.0, -1.5, 0.0], [2.0, 1.5, 2.6]])
+"""Inner faces of the walls [m]."""
+WALL = 0.01
+"""Thickness of the walls [m]."""
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def bone(
+    name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: tuple[tuple[Vector, float, float], ...],
+    lean: float = 0.0,
+) -> Link:
+    """A link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
+    pieces = (Piece(ellipsoid_hull(radii), centre),)
+    joint = Hinges(tuple(Hinge(*hinge) for hinge in hinges)) if hinges else Free()
+    w, x, y, z = (float(value) for value in rotation.from_axis_angle(X, lean))
+    return Link(name, parent, joint, pieces, solid(pieces, 1.0 + 50.0 * float(np.prod(radii))), anchor=anchor, orientation=(w, x, y, z))
+
+
+def hinged_avatar() -> Avatar:
+    """Sixteen hulls, 37 hinges and a free root; hinges three to a joint, as in the paper."""
+    wide = ((X, -2.6, 2.6), (Y, -2.6, 2.6), (Z, -1.5, 1.5))
+    links = [
+        bone("pelvis", None, (0, 0, 0), (0, 0, 0), (0.10, 0.15, 0.09), ()),
+        bone("chest", "pelvis", (0, 0, 0.12), (0, 0, 0.16), (0.11, 0.16, 0.20), ((X, -0.6, 0.6), (Y, -0.6, 1.2), (Z, -0.8, 0.8))),
+        bone("neck", "chest", (0, 0, 0.36), (0, 0, 0.05), (0.05, 0.05, 0.06), ((X, -0.4, 0.4), (Y, -0.4, 0.6), (Z, -0.6, 0.6))),
+        bone("head", "neck", (0, 0, 0.10), (0, 0, 0.10), (0.09, 0.08, 0.12), ((X, -0.4, 0.4), (Y, -0.5, 0.6), (Z, -0.9, 0.9))),
+    ]
+    for side, s in (("left", 1.0), ("right", -1.0)):
+        links += [
+            bone(f"{side}_upper_arm", "chest", (0, 0.20 * s, 0.28), (0, 0, -0.15), (0.045, 0.045, 0.15), wide, lean=1.0 * s),
+            bone(f"{side}_forearm", f"{side}_upper_arm", (0, 0, -0.30), (0, 0, -0.13), (0.04, 0.04, 0.13), ((Y, -2.5, 0.0), (Z, -1.4, 1.4))),
+            bone(f"{side}_hand", f"{side}_forearm", (0, 0, -0.27), (0, 0, -0.09), (0.02, 0.045, 0.09), ((X, -1.2, 1.2), (Y, -0.5, 0.5))),
+            bone(f"{side}_thigh", "pelvis", (0, 0.10 * s, -0.06), (0, 0, -0.21), (0.07, 0.07, 0.21), ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8))),
+            bone(f"{side}_shin", f"{side}_thigh", (0, 0, -0.43), (0, 0, -0.20), (0.05, 0.05, 0.20), ((Y, 0.0, 2.4),)),
+            bone(
+                f"{side}_foot", f"{side}_shin", (0, 0, -0.43), (0.06, 0, -0.03), (0.12, 0.045, 0.035),
+                ((X, -0.5, 0.5), (Y, -0.7, 0.7), (Z, -0.5, 0.5)),
+            ),
+        ]
+    tips = ("left_hand", "right_hand", "left_foot", "right_foot", "head")
+    return Avatar("dummy", tuple(links), tips)
+
+
+def walls() -> tuple[Body, ...]:
+    """Floor, ceiling and four walls of 1 cm around ROOM; they overlap at the edges, so nothing leaks."""
+    middle, size = ROOM.mean(axis=0), ROOM[1] - ROOM[0]
+    found = []
+    for axis, name in enumerate("xyz"):
+        for end, sign in (("low", -1.0), ("high", 1.0)):
+            extent = size + 2.0 * WALL
+            extent[axis] = WALL
+            place = middle.copy()
+            place[axis] = ROOM[0 if sign < 0 else 1, axis] + 0.5 * sign * WALL
+            found.append(fixed(f"wall_{name}_{end}", (Piece(Box(triple(extent))),), "wood", triple(place)))
+    return tuple(found)
+
+
+def furniture() -> tuple[Body, ...]:
+    """Table, sofa, free-standing panel of 1 cm, column, ball, smooth egg: every kind of shape."""
+    legs = [Piece(Box((0.05, 0.05, 0.70)), (x, y, -0.37)) for x in (-0.5, 0.5) for y in (-0.3, 0.3)]
+    table = (Piece(Box((1.2, 0.7, 0.04))), *legs)
+    return (
+        fixed("table", table, "wood", (1.1, 0.6, 0.74)),
+        fixed("sofa", (Piece(Box((0.7, 0.5, 0.4))), Piece(Box((0.7, 0.1, 0.5)), (0.0, -0.25, 0.4))), "wood", (-1.4, -1.15, 0.21)),
+        fixed("panel", (Piece(Box((0.01, 1.0, 1.6))),), "metal", (0.55, -0.85, 0.81)),
+        fixed("column", (Piece(Capsule(0.08, 2.0)),), "metal", (-1.6, 1.1, 1.2)),
+        fixed("ball", (Piece(Sphere(0.15)),), "wood", (0.2, 1.2, 0.9)),
+        fixed("egg", (Piece(Ellipsoid((0.2, 0.3, 0.15))),), "wood", (1.5, -1.0, 0.9)),
+    )
+
+
+def triple(values: Array) -> Vector:
+    """Three floats."""
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A scene, the free posture to which every hostile stretch returns, and its name."""
+
+    scene: Scene
+    home: TrackerSample
+
+
+def trial(avatar: Avatar, home: TrackerSample) -> Trial:
+    """The avatar at home in the closed room."""
+    return Trial(Scene("hostile", (*walls(), *furniture()), (avatar,), start=home), home)
+
+
+def hinged_trial() -> Trial:
+    """The sixteen hulls in the room."""
+    avatar = hinged_avatar()
+    at_rest = rest((avatar,))
+    positions = at_rest.positions.copy()
+    positions[0] = (-0.7, 0.2, 1.06)
+    return trial(avatar, replace(at_rest, positions=positions))
+
+
+def humanoid_trial() -> Trial:
+    """The recorded humanoid (ball joints, spheres, capsules, boxes) in the room."""
+    from scenarios.avatars.humanoid import humanoid
+    from scenarios.avatars.standing import standing
+
+    avatar = humanoid()
+    return trial(avatar, standing(avatar, -0.7, 0.2))
+
+
+TRIALS = {"hinged": hinged_trial, "humanoid": humanoid_trial}
+KINDS = ("teleport", "swing", "drive", "tangle", "furniture")
+
+
+def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterator[TrackerSample]:
+    """One stretch of hostile motion."""
+    home, links = at.home, at.scene.links
+    balls = np.array([isinstance(link.joint, Ball) for link in links])
+    limits = np.array([(h.lower, h.upper) for link in links if isinstance(link.joint, Hinges) for h in link.joint.hinges])
+    targets = [np.array(body.position) for body in furniture()]
+    positions, rotations, angles = home.positions.copy(), home.rotations.copy(), home.angles.copy()
+    heading, speed = rng.normal(size=3), rng.uniform(0.5, 30.0)
+    heading /= np.linalg.norm(heading)
+    rate, phase = rng.uniform(-100.0, 100.0, len(angles)), rng.uniform(0.0, 6.28, len(angles))
+    axes, ball_rate = rng.normal(size=(len(links), 3)), rng.uniform(-100.0, 100.0, len(links))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    for k in range(frames):
+        jump = k % 12 == 0
+        if kind == "teleport" and jump:
+            positions[0] = rng.uniform(ROOM[0] - 1.0, ROOM[1] + 1.0)
+        if kind == "furniture" and jump:
+            positions[0] = targets[rng.integers(len(targets))] + rng.normal(size=3) * 0.1
+        if kind in ("teleport", "furniture") and jump:
+            rotations[0] = rotation.normalised(rng.normal(size=4))
+        if kind in ("teleport", "furniture", "tangle") and jump:
+            angles = rng.uniform(limits[:, 0] - 1.2, limits[:, 1] + 1.2)
+            rotations[balls] = rotation.normalised(rng.normal(size=(int(balls.sum()), 4)))
+        if kind == "swing":
+            angles = 1.5 * np.sin(phase + rate * k * DT / 1.5)
+            rotations[balls] = rotation.from_axis_angle(axes, 1.5 * np.sin(ball_rate * k * DT / 1.5))[balls]
+        if kind == "drive":
+            positions[0] = positions[0] + heading * speed * DT
+            rotations[0] = rotation.multiply(rotations[0], rotation.from_axis_angle(Z, 0.1))
+        yield TrackerSample(k * DT, positions.copy(), rotations.copy(), angles.copy())
+
+
+def hostile_motion(at: Trial, seed: int, away_frames: int, home_frames: int) -> Iterator[tuple[str, TrackerSample]]:
+    """Stretches of every kind in turn for ever, each followed by the free home posture ("home")."""
+    rng, stretch = np.random.default_rng(seed), 0
+    while True:
+        for sample in away(KINDS[stretch % len(KINDS)], at, away_frames, rng):
+            yield KINDS[stretch % len(KINDS)], sample
+        for _ in range(home_frames):
+            yield "home", at.home
+        stretch += 1
+
+
+def link_error(scene: Scene, record: FrameRecord, sample: TrackerSample) -> float:
+    """Root mean square distance [m] of shown link origins from the tracker's."""
+    wanted, _ = link_poses(scene.avatars, sample)
+    shown = record.shown.positions[len(scene.bodies) :]
+    return float(np.sqrt(((shown - wanted) ** 2).sum(axis=1).mean()))
+
+
+def outside_room(scene: Scene, record: FrameRecord) -> float:
+    """How far [m] a link origin is outside the room; negative when all are inside."""
+    shown = record.shown.positions[len(scene.bodies) :]
+    return float(max((ROOM[0] - shown).max(), (shown - ROOM[1]).max()))
+
+
+def hinge_excess(scene: Scene, record: FrameRecord) -> float:
+    """Largest excess of a hinge beyond its limits [rad]; 0 or less when all obey."""
+    limits = [(h.lower, h.upper) for link in scene.links if isinstance(link.joint, Hinges) for h in link.joint.hinges]
+    if not limits:
+        return 0.0
+    low, high = np.array(limits).T
+    return float(max((low - record.angles).max(), (record.angles - high).max()))
+
+
+def ball_excess(scene: Scene, record: FrameRecord) -> float:
+    """Largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
+    worst, first = -np.inf, len(scene.bodies)
+    turns = Rotation.from_quat(record.shown.orientations[first:], scalar_first=True)
+    for avatar in scene.avatars:
+        index = {link.name: k for k, link in enumerate(avatar.links)}
+        for link in avatar.links:
+            if isinstance(link.joint, Ball) and link.joint.limits is not None and link.parent is not None:
+                rest_turn = Rotation.from_quat(link.orientation, scalar_first=True)
+                turn = (turns[index[link.parent]] * rest_turn).inv() * turns[index[link.name]]
+                worst = max(worst, swing_twist_excess(link.joint, turn))
+    return float(worst)
+
+
+def swing_twist_excess(ball: Ball, turn: Rotation) -> float:
+    """Excess of one rotation: swing of the limb from the centre, twist left after the shortest swing back."""
+    assert ball.limits is not None
+    axis, centre = np.array(ball.limits.axis), np.array(ball.limits.centre)
+    limb = turn.apply(axis)
+    swing = float(np.arctan2(np.linalg.norm(np.cross(limb, centre)), limb @ centre))
+    left = shortest(limb, centre) * turn * shortest(axis, centre).inv()
+    twist = float(left.as_rotvec() @ centre)
+    low, high = ball.limits.twist
+    return max(swing - ball.limits.swing, low - twist, twist - high)
+
+
+def shortest(a: Array, b: Array) -> Rotation:
+    """The shortest turn that takes unit vector a onto unit vector b."""
+    normal = np.cross(a, b)
+    sine = float(np.linalg.norm(normal))
+    if sine < 1e-14:
+        return Rotation.identity()
+    return Rotation.from_rotvec(normal / sine * np.arctan2(sine, float(a @ b)))
