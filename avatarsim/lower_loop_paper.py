@@ -34,6 +34,7 @@ from avatarsim.posture.attraction import attract, share_of_way
 from avatarsim.posture.chain import shuffle
 from avatarsim.posture.cyclic_coordinate_descent import REACHED, joints_of
 from avatarsim.posture.free_link import free_link, link_contacts
+from avatarsim.posture.into_limits import into_limits
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.paper_settings import PaperSettings
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
@@ -184,6 +185,9 @@ def show(
     m = memory_out
     m.counts[WALK_TESTS] += 1
     interpolate(skel, m.checked, m.present, fraction, m.chosen, posture_out)
+    if fraction > 0.0:
+        # not at 0: the last checked state is shown again bit for bit
+        into_limits(skel, posture_out)
     place_links(geo, skel, posture_out, poses_out, memory_out)
     if level == EVERYTHING:
         for body in range(skel.first):

@@ -42,7 +42,8 @@ def kind_of(scene: Scene) -> Kind:
 
 
 def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> dict[str, Chosen]:
-    """The preset that `settings` names, with its options in place; typed errors for names and values that are unknown."""
+    """The preset that `settings` names, with its options in place; typed errors for names and values that are
+    unknown."""
     if settings.preset not in presets:
         raise UnknownName(f"preset of {engine}", settings.preset, presets)
     chosen = dict(presets[settings.preset])
@@ -54,7 +55,8 @@ def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> 
 
 
 def _like(engine: str, name: str, default: Value, value: object) -> Value:
-    """`value` as the kind of thing that the setting's default is; settings whose default is None take numbers."""
+    """`value` as the kind of thing that the setting's default is; settings whose default is None take
+    numbers."""
     thing = f"option {name} of {engine}"
     if isinstance(default, bool):
         if isinstance(value, bool):

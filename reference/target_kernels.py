@@ -94,7 +94,8 @@ def chain_poses(parent: Integers, kind: Integers, anchor: Array, rest: Array, fi
 
 @kernel
 def extrapolate(positions: Array, orientations: Array, steps: float, ahead: Array, turned: Array) -> int:
-    """Write poses `steps` ahead of each but the first, at the velocity of the step that led there; 0 on return.
+    """Write poses `steps` ahead of each but the first, at the velocity of the step that led there; 0 on
+    return.
 
     Linear in positions, a constant turn in orientations.
     """
@@ -113,9 +114,11 @@ def extrapolate(positions: Array, orientations: Array, steps: float, ahead: Arra
 
 @kernel
 def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops: Array, turns: Array) -> int:
-    """Bring the rotations `turns` (links, 4) of the links `balls` within `stops` (swing, lower and upper twist); 0 on return.
+    """Bring the rotations `turns` (links, 4) of the links `balls` within `stops` (swing, lower and upper
+    twist); 0 on return.
 
-    With R = rest turn and S = between^-1 R: S = W T, T the twist about the limb's axis, W the swing; both are clipped.
+    With R = rest turn and S = between^-1 R: S = W T, T the twist about the limb's axis, W the swing; both are
+    clipped.
     """
     for b in range(len(balls)):
         k = balls[b]

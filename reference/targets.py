@@ -1,7 +1,8 @@
 """What a driven engine is told to follow inside a frame: the posture between two tracker samples.
 
-Every reference engine takes steps shorter than a frame. Each step gets the same motion as all others see, taken between
-the samples at the two ends of the frame: linear for positions and hinge angles, spherical for rotations.
+Every reference engine takes steps shorter than a frame. Each step gets the same motion as all others see,
+taken between the samples at the two ends of the frame: linear for positions and hinge angles, spherical for
+rotations.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,16 @@ from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from reference.target_kernels import FREE, MOVED, RIGID, TURNED, chain_poses, clamp_balls, extrapolate, interpolate
+from reference.target_kernels import (
+    FREE,
+    MOVED,
+    RIGID,
+    TURNED,
+    chain_poses,
+    clamp_balls,
+    extrapolate,
+    interpolate,
+)
 
 Array = NDArray[np.float64]
 
@@ -22,7 +32,8 @@ Array = NDArray[np.float64]
 class Goals:
     """Postures at `n` instants: as joints and as link poses in the world.
 
-    roots (n, links, 3), turns (n, links, 4), angles (n, hinges); positions (n, links, 3), orientations (n, links, 4).
+    roots (n, links, 3), turns (n, links, 4), angles (n, hinges); positions (n, links, 3), orientations (n,
+    links, 4).
     """
 
     roots: Array
@@ -35,8 +46,8 @@ class Goals:
 class Targets:
     """Interpolates tracker samples of one scene and turns them into link poses.
 
-    With `clamp` the samples are first brought within hinge limits and swing and twist limits: a servo that is asked for
-    less than the joint allows does not fight the joint's stop.
+    With `clamp` the samples are first brought within hinge limits and swing and twist limits: a servo that is
+    asked for less than the joint allows does not fight the joint's stop.
     """
 
     def __init__(self, scene: Scene, clamp: bool) -> None:
@@ -64,7 +75,8 @@ class Targets:
         self._stops = np.array(stops, dtype=np.float64).reshape(-1, 3)
 
     def within_limits(self, sample: TrackerSample) -> TrackerSample:
-        """`sample` with hinge angles, swings and twists at their limits where they were beyond; unchanged without `clamp`."""
+        """`sample` with hinge angles, swings and twists at their limits where they were beyond; unchanged
+        without `clamp`."""
         turns = np.array(sample.rotations, dtype=np.float64).reshape(-1, 4)
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
         roots = np.array(sample.positions, dtype=np.float64).reshape(-1, 3)
@@ -75,7 +87,8 @@ class Targets:
         return TrackerSample(sample.time, roots, turns, angles)
 
     def between(self, start: TrackerSample, end: TrackerSample, fractions: Array) -> Goals:
-        """Postures at `fractions` (n,) of the way from `start` (0) to `end` (1); beyond 1 the motion goes on as it was.
+        """Postures at `fractions` (n,) of the way from `start` (0) to `end` (1); beyond 1 the motion goes on
+        as it was.
 
         Both samples come from `within_limits`.
         """
@@ -95,9 +108,11 @@ class Targets:
         return goals
 
     def ahead(self, goals: Goals, steps: float) -> tuple[Array, Array]:
-        """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it came with.
+        """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it
+        came with.
 
-        A critically damped follower that is led by its own lag has none in steady motion. No future sample is used.
+        A critically damped follower that is led by its own lag has none in steady motion. No future sample is
+        used.
         """
         positions, orientations = np.empty_like(goals.positions[1:]), np.empty_like(goals.orientations[1:])
         extrapolate(goals.positions, goals.orientations, steps, positions, orientations)

@@ -102,7 +102,8 @@ def _same_bits(values: Array) -> NDArray[np.bool_]:
 def load(path: Path) -> Recording:
     """Read a recording. Raises InvalidFile when it is missing, truncated, or of another layout."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        # opened here because numpy leaves a file that is no archive open
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
             arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
         meta = json.loads(str(arrays.pop("meta")))
         version = meta.pop("schema_version")

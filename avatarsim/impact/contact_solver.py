@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts, axis, push, velocity_at
 from avatarsim.impact.masses import Masses
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Vec3, add, dot, scale
+from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
+
+FIRST_TRY = 25
+"""Double sweeps before normals are solved alone. Single bodies and sliding boxes end within them."""
 
 
 @kernel
@@ -45,8 +48,8 @@ def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, a
 
 
 @kernel
-def relax(contacts: Contacts, masses: Masses, k: int, linear: Array, angular: Array) -> float:
-    """One contact takes what it wants, normal first; returns the change, as a velocity [m/s]."""
+def relax(contacts: Contacts, masses: Masses, k: int, grip: bool, linear: Array, angular: Array) -> float:
+    """One contact takes what it wants, normal first, friction if ``grip``; returns the change, as a velocity [m/s]."""
     if contacts.target[k] == -inf:
         return 0.0
     p = contacts.impulse
@@ -56,7 +59,7 @@ def relax(contacts: Contacts, masses: Masses, k: int, linear: Array, angular: Ar
     moved = abs(dn) * contacts.ease[k, 0]
     if dn != 0.0:
         change(contacts, masses, k, (dn, 0.0, 0.0), linear, angular)
-    if contacts.friction[k] > 0.0 and (normal > 0.0 or p[k, 1] != 0.0 or p[k, 2] != 0.0):
+    if grip and contacts.friction[k] > 0.0 and (normal > 0.0 or p[k, 1] != 0.0 or p[k, 2] != 0.0):
         want = wanted_impulse(contacts, k, linear, angular)
         dx, dy = want[1] - p[k, 1], want[2] - p[k, 2]
         moved = max(moved, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
@@ -77,50 +80,66 @@ def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: 
 
 
 @kernel
-def solve_contacts(
-    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, sweeps_cap: int,
-    before: Array, direction: Array,
+def sweeps(
+    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
+    grip: bool, before: Array, direction: Array,
 ) -> float:
-    """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
-
-    Args:
-        linear, angular: (nb, 3), changed.
-        tolerance: largest change of the last double sweep [m/s].
-        before, direction: (cap, 3) working memory.
-
-    Returns:
-        The change of the last double sweep [m/s]; above ``tolerance`` the cap was reached.
-    """
+    """At most ``cap`` accelerated double sweeps; returns the change of the last one [m/s]. Without ``grip`` friction is left out."""
     p = contacts.impulse
     last_square = inf
     worst = inf
-    for sweep in range(sweeps_cap):
+    for sweep in range(cap):
         for k in range(first, last):
-            for i in range(3):
-                before[k, i] = p[k, i]
+            put_row(before, k, row(p, k))
         worst = 0.0
         for k in range(first, last):
-            worst = max(worst, relax(contacts, masses, k, linear, angular))
+            worst = max(worst, relax(contacts, masses, k, grip, linear, angular))
         if not (worst > tolerance):
             return worst
         if last - first > 1:
             for k in range(last - 1, first - 1, -1):
-                relax(contacts, masses, k, linear, angular)
+                relax(contacts, masses, k, grip, linear, angular)
         square = 0.0
         for k in range(first, last):
-            for i in range(3):
-                square += (p[k, i] - before[k, i]) ** 2 * contacts.ease[k, 0]
+            moved = sub(row(p, k), row(before, k))
+            square += dot(moved, moved) * contacts.ease[k, 0]
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         last_square = square
         for k in range(first, last):
             if contacts.target[k] == -inf:
                 continue
-            kept = (beta * direction[k, 0], beta * direction[k, 1], beta * direction[k, 2])
-            if beta == 0.0:
-                kept = (0.0, 0.0, 0.0)
-            for i in range(3):
-                direction[k, i] = kept[i] + p[k, i] - before[k, i]
+            kept = scale(row(direction, k), beta) if beta > 0.0 else (0.0, 0.0, 0.0)
+            put_row(direction, k, add(kept, sub(row(p, k), row(before, k))))
             if dot(kept, kept) > 0.0:
                 change(contacts, masses, k, kept, linear, angular)
     return worst
+
+
+@kernel
+def solve_contacts(
+    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
+    before: Array, direction: Array,
+) -> float:
+    """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
+
+    If a few sweeps do not do it, normals come first, without friction: that is a convex problem which converges far faster, and what
+    just stands needs no friction at all.
+
+    Args:
+        linear, angular: (nb, 3), changed.
+        tolerance: largest change of the last double sweep [m/s].
+        cap: double sweeps.
+        before, direction: (cap, 3) working memory.
+
+    Returns:
+        The change of the last double sweep [m/s]; above ``tolerance`` the cap was reached.
+    """
+    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY, True, before, direction)
+    if not (worst > tolerance):
+        return worst
+    for k in range(first, last):
+        p = row(contacts.impulse, k)
+        change(contacts, masses, k, (0.0, -p[1], -p[2]), linear, angular)
+    sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
+    return sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, True, before, direction)

@@ -94,7 +94,8 @@ def manifold(
     if lone_a or lone_b:
         return only_witness(found, on_a, on_b, gap), n
     size = max(shapes.size[a], shapes.size[b])
-    tolerance = band + 1e-9 * size
+    # everything nearer than the band takes part, however deep the deepest point has dipped
+    tolerance = band - min(gap, 0.0) + 1e-9 * size
     u = perpendicular(n)
     v = cross(n, u)
     origin = scale(add(on_a, on_b), 0.5)

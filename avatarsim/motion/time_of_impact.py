@@ -31,9 +31,13 @@ FAR_OUT = 1e3 * 2.220446049250313e-16
 TOLERANCE = 2e-9
 """Accuracy [m] of the gap found: above rounding, a tenth of the stand-off."""
 
-DIP = -3e-7
+DIP = -2.5e-7
 """How far [m] bodies that rest or roll on each other may dip before that is an event. Nearer to 0: a hundred segments a frame for
 rocking boxes; lower: overlap that one can measure, the promise being 1e-6."""
+
+CREEP = 4e-9
+"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, or such a pair has an event
+at once, for ever; resting forces lift it in the meantime."""
 
 TOUCH = 1e-6
 """Gap [m] below which a pair counts as touching at the start of its path."""
@@ -241,7 +245,7 @@ def time_of_impact(
             if slowest > LEAVING:
                 target = min(stand_off, gap)
             elif slowest > RESTING:
-                target, event = min(DIP, gap), DIPPED
+                target, event = min(DIP, gap - CREEP), DIPPED
         horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
         step = 0.0
         for _ in range(HORIZONS):

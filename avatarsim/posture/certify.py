@@ -13,7 +13,7 @@ from avatarsim.posture.certificate import (
     remember_axis,
 )
 from avatarsim.posture.contact_row import support_row, witness_row
-from avatarsim.posture.workspace import FAILED, NEAR, NEARBY, Memory
+from avatarsim.posture.workspace import ADDING, FAILED, NEAR, NEARBY, SOFT, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.spatial.vec3 import dot
@@ -50,10 +50,10 @@ def sweep_boxes(geo: Geometry, skel: Skeleton, poses: Poses, least: float, memor
 
 
 @kernel
-def list_near_bodies(skel: Skeleton, memory_out: Memory, always: bool) -> None:
-    """List the bodies in reach of the avatars; made again when the avatars leave the box it was made for, or always."""
+def list_near_bodies(skel: Skeleton, memory_out: Memory) -> None:
+    """List the bodies in reach of the avatars; made again when the avatars leave the box it was made for."""
     hulls, reach, near = memory_out.swept_hulls, memory_out.reach, memory_out.pairs.near
-    stale = always
+    stale = False
     for b in range(skel.first, hulls.shape[0]):
         for k in range(3):
             if not (hulls[b, k] >= reach[k] and hulls[b, 3 + k] <= reach[3 + k]):
@@ -77,41 +77,40 @@ def list_near_bodies(skel: Skeleton, memory_out: Memory, always: bool) -> None:
 
 @kernel
 def certify_pair(
-    geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, settings: PostureSettings, add_rows: bool, soft: bool,
-    count: int, memory_out: Memory,
-) -> tuple[bool, int]:
-    """Whether pieces a and b hold their certificate, and the row count; a failing pair gets a row if asked for."""
+    geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, settings: PostureSettings, memory_out: Memory
+) -> bool:
+    """Whether pieces a and b hold their certificate; a failing pair gets a row if rows are being added."""
     i = a - geo.first_shape[skel.first]
     if cached_axis_holds(geo, poses, memory_out, i, a, b, settings.least_gap):
-        return True, count
+        return True
     gap0, n0 = checked_direction(geo, poses, i, a, b, memory_out)
     least = accepted_gap(settings, gap0)
     if cached_axis_holds(geo, poses, memory_out, i, a, b, least):
-        return True, count
+        return True
     gap1, n1, simplex = nearest_direction(geo, memory_out.trial, axis_of(memory_out, i, b), a, b, 0.02, memory_out)
     uncrossed = gap1 > 0.0 and nothing_crossed(geo, poses, a, b, n0, n1, memory_out)
     if uncrossed and gap1 >= least:
         remember_axis(memory_out, i, b, n1)
-        return True, count
-    if add_rows:
-        wanted = min(settings.stand_off, max(gap0, settings.wedged_gap)) if soft else settings.stand_off
+        return True
+    if memory_out.flags[ADDING] > 0.0:
+        wanted = settings.stand_off
+        if memory_out.flags[SOFT] > 0.0:
+            wanted = min(wanted, max(gap0, settings.wedged_gap))
         if uncrossed:
-            count = witness_row(
-                geo, skel, a, b, n1, gap1, wanted, simplex, memory_out.trial, memory_out.trial_axes, True, count, memory_out
-            )
+            trial, axes = memory_out.trial, memory_out.trial_axes
+            witness_row(geo, skel, a, b, n1, gap1, wanted, simplex, trial, axes, memory_out.rows.x, memory_out)
         elif dot(n0, n0) > 0.5:
-            count = support_row(geo, skel, a, b, n0, wanted, count, memory_out)
-    return False, count
+            support_row(geo, skel, a, b, n0, wanted, memory_out)
+    return False
 
 
 @kernel
 def certify(
-    geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool, count: int,
-    memory_out: Memory,
-) -> tuple[int, int]:
-    """Certify the trial; return the number of failed pairs (some of them named in pairs.failed) and the row count."""
+    geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> int:
+    """Certify the trial; return the number of failed pairs, some of them named in pairs.failed."""
     sweep_boxes(geo, skel, poses, settings.least_gap, memory_out)
-    list_near_bodies(skel, memory_out, False)
+    list_near_bodies(skel, memory_out)
     swept, hulls, pairs = memory_out.swept, memory_out.swept_hulls, memory_out.pairs
     nb, failed = geo.first_shape.shape[0] - 1, 0
     pairs.marks[FAILED] = 0
@@ -124,11 +123,10 @@ def certify(
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
                     if boxes_meet(swept, a, b):
                         memory_out.counts[NEAR] += 1
-                        holds, count = certify_pair(geo, skel, poses, a, b, settings, add_rows, soft, count, memory_out)
-                        if not holds:
+                        if not certify_pair(geo, skel, poses, a, b, settings, memory_out):
                             failed += 1
                             if pairs.marks[FAILED] < pairs.failed.shape[0]:
                                 pairs.failed[pairs.marks[FAILED], 0] = a
                                 pairs.failed[pairs.marks[FAILED], 1] = b
                                 pairs.marks[FAILED] += 1
-    return failed, count
+    return failed

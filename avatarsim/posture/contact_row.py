@@ -4,10 +4,11 @@ from avatarsim.collide.gjk import closest_points
 from avatarsim.collide.support import support
 from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import axis_of, nearest_direction, remember_nearest
-from avatarsim.posture.workspace import DROPPED, LISTED, ROWS, Memory
+from avatarsim.posture.workspace import COUNT, DROPPED, LISTED, ROWS, SOFT, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Points
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, neg, row, sub
+from avatarsim.world.geometry import Array as Step
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Skeleton
 
@@ -35,46 +36,46 @@ def add_lever(
 @kernel
 def add_row(
     geo: Geometry, skel: Skeleton, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, missing: float, poses: Poses, axes: Points,
-    at_trial: bool, count: int, memory_out: Memory,
-) -> int:
-    """Append the condition that pieces a and b move apart along n by at least `missing` [m]; return the row count.
+    x: Step, memory_out: Memory,
+) -> None:
+    """Append the condition J (x' - x) >= missing [m]: from step x on, pieces a and b move apart along n by so much.
 
-    At the checked state the condition is J x >= missing; at the trial J (x - x_trial) >= missing.
+    x is zero for poses of the checked state and the trial step for those of the trial.
     """
     r = memory_out.rows
+    count = r.size[COUNT]
     if count == r.bound.shape[0]:
         memory_out.counts[DROPPED] += 1
-        return count
+        return
     nd = r.x.shape[0]
     for j in range(nd):
         r.jacobian[count, j] = 0.0
     add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, r.jacobian, count)
     add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, r.jacobian, count)
     bound = missing
-    if at_trial:
-        for j in range(nd):
-            bound += r.jacobian[count, j] * r.x[j]
+    for j in range(nd):
+        bound += r.jacobian[count, j] * x[j]
     r.bound[count] = bound
     r.multiplier[count] = 0.0
     r.pair[count, 0] = a
     r.pair[count, 1] = b
     memory_out.counts[ROWS] += 1
-    return count + 1
+    r.size[COUNT] = count + 1
 
 
 @kernel
 def witness_row(
     geo: Geometry, skel: Skeleton, a: int, b: int, n: Vec3, gap: float, wanted: float, simplex: int, poses: Poses, axes: Points,
-    at_trial: bool, count: int, memory_out: Memory,
-) -> int:
+    x: Step, memory_out: Memory,
+) -> None:
     """Row at the closest points that the last query left in the scratch."""
     on_a, on_b = closest_points(simplex, memory_out.scratch)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
-    return add_row(geo, skel, a, b, n, on_a, on_b, wanted - gap, poses, axes, at_trial, count, memory_out)
+    add_row(geo, skel, a, b, n, on_a, on_b, wanted - gap, poses, axes, x, memory_out)
 
 
 @kernel
-def support_row(geo: Geometry, skel: Skeleton, a: int, b: int, n: Vec3, wanted: float, count: int, memory_out: Memory) -> int:
+def support_row(geo: Geometry, skel: Skeleton, a: int, b: int, n: Vec3, wanted: float, memory_out: Memory) -> None:
     """Row at the trial along a direction that separated at the checked state: push back to the side it came from.
 
     No penetration depth is needed, and its normal would point through thin things.
@@ -84,19 +85,19 @@ def support_row(geo: Geometry, skel: Skeleton, a: int, b: int, n: Vec3, wanted: 
     on_b, _ = support(trial.vertices, geo.shapes, b, n)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
     missing = wanted - dot(sub(on_a, on_b), n)
-    return add_row(geo, skel, a, b, n, on_a, on_b, missing, trial, memory_out.trial_axes, True, count, memory_out)
+    add_row(geo, skel, a, b, n, on_a, on_b, missing, trial, memory_out.trial_axes, memory_out.rows.x, memory_out)
 
 
 @kernel
-def rows_of_listed(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, soft: bool, memory_out: Memory) -> int:
-    """Rows at the checked state for every pair that was in touch lately; return their number.
+def rows_of_listed(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, memory_out: Memory) -> None:
+    """Begin the rows anew, with those at the checked state of every pair that was in touch lately.
 
     A pair is never asked to recover more than it must: what is nearer than `stand_off` may stay there, so that
     standing still obeys every row.
     """
-    pairs, count = memory_out.pairs, 0
+    pairs, soft = memory_out.pairs, memory_out.flags[SOFT] > 0.0
     first = geo.first_shape[skel.first]
-    memory_out.rows.built[0] = 0
+    memory_out.rows.size[:] = 0
     for k in range(pairs.marks[LISTED]):
         a, b = pairs.listed[k, 0], pairs.listed[k, 1]
         i = a - first
@@ -106,8 +107,7 @@ def rows_of_listed(geo: Geometry, skel: Skeleton, poses: Poses, settings: Postur
             wanted = min(settings.stand_off, gap)
             if not soft and gap <= 2.0 * settings.least_gap:
                 wanted = settings.stand_off
-            count = witness_row(geo, skel, a, b, n, gap, wanted, simplex, poses, memory_out.axes, False, count, memory_out)
-    return count
+            witness_row(geo, skel, a, b, n, gap, wanted, simplex, poses, memory_out.axes, memory_out.rows.here, memory_out)
 
 
 @kernel

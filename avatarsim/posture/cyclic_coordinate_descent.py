@@ -97,6 +97,23 @@ def turn_ball(
 
 
 @kernel
+def sweep(
+    skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, posture_out: Posture, poses: Poses, axes: Rows
+) -> tuple[Vec3, float]:
+    """Turn the joints of links[last] to links[first] once each; effector and largest turn [rad]. Poses stay as they were:
+    a joint further in is not moved by those further out."""
+    most = 0.0
+    for k in range(last, first - 1, -1):
+        turn = 0.0
+        if skel.kind[links[k]] == HINGES:
+            effector, turn = turn_hinges(skel, links[k], effector, goal, posture_out, poses, axes)
+        elif skel.kind[links[k]] == BALL:
+            effector, turn = turn_ball(skel, links[k], effector, goal, posture_out, poses)
+        most = max(most, turn)
+    return effector, most
+
+
+@kernel
 def joints_of(skel: Skeleton, links: Index, first: int, last: int) -> int:
     """Unit joints of links[first .. last]: a ball counts as three."""
     count = 0
@@ -143,36 +160,34 @@ def descend(
         return REACHED, 0, distance
     if joints_of(skel, links, first, last) == 0:
         return NO_JOINT, 0, distance
-    for sweep in range(settings.sweeps):
-        most = 0.0
-        for k in range(last, first - 1, -1):
-            turn = 0.0
-            if skel.kind[links[k]] == HINGES:
-                effector, turn = turn_hinges(skel, links[k], effector, goal, posture_out, poses_out, axes_out)
-            elif skel.kind[links[k]] == BALL:
-                effector, turn = turn_ball(skel, links[k], effector, goal, posture_out, poses_out)
-            most = max(most, turn)
+    for done in range(settings.sweeps):
+        _, most = sweep(skel, links, first, last, effector, goal, posture_out, poses_out, axes_out)
         for k in range(first, last + 1):
             pose_link(skel, posture_out, links[k], poses_out, axes_out)
         # from the posture, so that no rounding gathers over the sweeps
         effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
         distance = norm(sub(goal, effector))
         if distance <= settings.tolerance:
-            return REACHED, sweep + 1, distance
+            return REACHED, done + 1, distance
         if most <= settings.still:
             straight = on_one_line(skel, links, first, last, effector, goal, settings.tolerance, poses_out)
-            return (SINGULAR if straight else STUCK), sweep + 1, distance
+            return (SINGULAR if straight else STUCK), done + 1, distance
     return OUT_OF_SWEEPS, settings.sweeps, distance
 
 
 @kernel
 def bend(
-    skel: Skeleton, links: Index, first: int, last: int, angle: float, posture_out: Posture, poses_out: Poses, axes_out: Rows
-) -> None:
-    """Bend every joint of links[first .. last] but the first link's by ``angle`` [rad], to the side that its limits leave open.
+    skel: Skeleton, links: Index, first: int, last: int, angle: float, effector: Vec3, goal: Vec3, posture_out: Posture,
+    poses_out: Poses, axes_out: Rows,
+) -> Vec3:
+    """The way out of SINGULAR: bend every joint but those of links[first] by ``angle`` [rad], to the side where the limits leave
+    more room, then point the chain at the goal again without links[last]. Returns the effector.
 
-    The way out of SINGULAR: on one line no joint has a side to turn to; a little off it, CCD finds its own way.
+    On one line no joint has a side to turn to. Bent, and turned from further in, the chain has its outer joints off the line
+    to the goal and on the side to which they can bend; from there every sweep leads on.
     """
+    tip = skel.first + links[last]
+    held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
     for k in range(first + 1, last + 1):
         link = links[k]
         if skel.kind[link] == HINGES:
@@ -183,5 +198,29 @@ def bend(
         elif skel.kind[link] == BALL:
             turn = straightened(stepped(columns(posture_out.turn, link), (angle, angle, angle)))
             put_columns(posture_out.turn, link, inside_cone(skel, link, turn) if has_cone(skel, link) else turn)
-    for k in range(first, last + 1):
-        pose_link(skel, posture_out, links[k], poses_out, axes_out)
+    for again in range(2):
+        for k in range(first, last + 1):
+            pose_link(skel, posture_out, links[k], poses_out, axes_out)
+        effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
+        if again == 0:
+            sweep(skel, links, first, last - 1, effector, goal, posture_out, poses_out, axes_out)
+    return effector
+
+
+@kernel
+def reach_goal(
+    skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, settings: PaperSettings,
+    posture_out: Posture, poses_out: Poses, axes_out: Rows,
+) -> tuple[int, int, float, bool]:
+    """`descend`, and once more from a bent chain if it ends SINGULAR; the last value returned says so."""
+    tip = skel.first + links[last]
+    held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
+    status, sweeps, left = descend(
+        skel, links, first, last, effector, goal, settings, posture_out, poses_out, axes_out
+    )
+    if status != SINGULAR or settings.bend == 0.0:
+        return status, sweeps, left, False
+    effector = add(row(poses_out.position, tip), turned(columns(poses_out.rotation, tip), held))
+    effector = bend(skel, links, first, last, settings.bend, effector, goal, posture_out, poses_out, axes_out)
+    status, more, left = descend(skel, links, first, last, effector, goal, settings, posture_out, poses_out, axes_out)
+    return status, sweeps + more, left, True

@@ -1,11 +1,10 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.certify import list_near_bodies
 from avatarsim.posture.goal import aim, clip_to_limits, merit, tracker_speed
 from avatarsim.posture.step import step, work_done
 from avatarsim.posture.untie import unstick
-from avatarsim.posture.workspace import FRAME, MERIT_WINDOW, NOW, TRACKER_SPEED, UNTIED, Memory
+from avatarsim.posture.workspace import COUNT, FRAME, MERIT_WINDOW, NOW, TRACKER_SPEED, UNTIED, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
@@ -43,7 +42,8 @@ def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memor
                     for i in range(3):
                         trial.vertices[v, i] = poses.vertices[v, i]
     memory_out.pairs.marks[NOW] += 1
-    list_near_bodies(skel, memory_out, True)
+    # an empty reach makes the list anew
+    memory_out.reach[:] = 0.0
 
 
 @kernel
@@ -62,10 +62,8 @@ def follow(
     memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
     memory_out.flags[FRAME] = frame + 1
     for _ in range(settings.steps):
-        largest, count, to_turn, to_move = step(
-            geo, skel, posture_out, poses_out, settings, settings.work, memory_out
-        )
-        there = count == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
+        largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
+        there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
         if there or largest < ARRIVED or work_done(memory_out) > 0.6 * settings.work:
             break
     memory_out.flags[UNTIED] = 0.0

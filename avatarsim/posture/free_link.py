@@ -9,13 +9,13 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep import boxes_meet
 from avatarsim.kernel import kernel
-from avatarsim.posture.cyclic_coordinate_descent import SINGULAR, bend, descend
+from avatarsim.posture.cyclic_coordinate_descent import NO_GOAL, descend, reach_goal
 from avatarsim.posture.end_effector import end_effector, goal_of
 from avatarsim.posture.limits import has_cone, inside_cone
 from avatarsim.posture.link_pose import pose_link
 from avatarsim.posture.paper_settings import PaperSettings
 from avatarsim.spatial.tangent import Columns, columns, product, put_columns, straightened, turned, turned_back
-from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, neg, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, neg, norm, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import BALL, HINGES, Posture, Skeleton
 
@@ -118,7 +118,7 @@ def free_link(
     status, depth = global_penetration_depth(scratch.depth, scratch.direction, contacts)
     length = norm(depth)
     if status != CONVERGED or not (length > 0.0):
-        return status, SINGULAR, 0, False, False
+        return status, NO_GOAL, 0, False, False
     depth = scale(depth, 1.0 + settings.stand_off / length)
     if at > first and is_parallel(poses_out, skel, links[at], limb, depth, settings.parallel):
         outcome, sweeps, _ = shift_parallel_link(
@@ -128,12 +128,7 @@ def free_link(
     effector = end_effector(points, contacts)
     # the contacts' normals all point into the link, which therefore stands as A
     goal = goal_of(effector, depth, True)
-    body = skel.first + links[at]
-    held = turned_back(columns(poses_out.rotation, body), sub(effector, row(poses_out.position, body)))
-    outcome, sweeps, _ = descend(skel, links, first, at, effector, goal, settings, posture_out, poses_out, axes_out)
-    if outcome != SINGULAR or settings.bend == 0.0:
-        return status, outcome, sweeps, False, False
-    bend(skel, links, first, at, settings.bend, posture_out, poses_out, axes_out)
-    effector = add(row(poses_out.position, body), turned(columns(poses_out.rotation, body), held))
-    outcome, more, _ = descend(skel, links, first, at, effector, goal, settings, posture_out, poses_out, axes_out)
-    return status, outcome, sweeps + more, False, True
+    outcome, sweeps, _, bent = reach_goal(
+        skel, links, first, at, effector, goal, settings, posture_out, poses_out, axes_out
+    )
+    return status, outcome, sweeps, False, bent

@@ -4,7 +4,7 @@ from math import atan2
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.limits import cone_excess, has_cone, swing_and_twist
-from avatarsim.posture.workspace import DROPPED, ROWS, Memory
+from avatarsim.posture.workspace import ADDING, COUNT, DROPPED, ROWS, Memory
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, scale
 from avatarsim.world.skeleton import BALL, Posture, Skeleton
@@ -14,8 +14,8 @@ INSIDE = 1e-4
 
 
 @kernel
-def beyond_limits(skel: Skeleton, posture: Posture, add_rows: bool, count: int, memory_out: Memory) -> tuple[int, int]:
-    """Number of balls whose trial rotation is beyond its limits, and the row count after adding rows for them.
+def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
+    """Number of balls whose trial rotation is beyond its limits; rows for them if rows are being added.
 
     The links are marked in memory.touched.
     """
@@ -29,11 +29,11 @@ def beyond_limits(skel: Skeleton, posture: Posture, add_rows: bool, count: int, 
             continue
         failed += 1
         memory_out.touched[link] = True
-        if add_rows:
+        if memory_out.flags[ADDING] > 0.0:
             swing, twist, back = swing_and_twist(skel, link, turn)
             beyond = swing - atan2(skel.cone[link, 7], skel.cone[link, 6])
             if beyond > 0.0:
-                count = turn_row(d, turned_back(turn, back), beyond + INSIDE, count, memory_out)
+                turn_row(d, turned_back(turn, back), beyond + INSIDE, memory_out)
             low, high = skel.cone[link, 8], skel.cone[link, 9]
             if twist < low or twist > high:
                 # rate of twist of a swung limb: the turn's part along the middle of limb and centre
@@ -41,19 +41,20 @@ def beyond_limits(skel: Skeleton, posture: Posture, add_rows: bool, count: int, 
                 limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
                 rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(1e-3, 1.0 + dot(centre, limb))))
                 if twist < low:
-                    count = turn_row(d, rate, low - twist + INSIDE, count, memory_out)
+                    turn_row(d, rate, low - twist + INSIDE, memory_out)
                 else:
-                    count = turn_row(d, scale(rate, -1.0), twist - high + INSIDE, count, memory_out)
-    return failed, count
+                    turn_row(d, scale(rate, -1.0), twist - high + INSIDE, memory_out)
+    return failed
 
 
 @kernel
-def turn_row(d: int, direction: Vec3, missing: float, count: int, memory_out: Memory) -> int:
+def turn_row(d: int, direction: Vec3, missing: float, memory_out: Memory) -> None:
     """Append: the ball at degrees d .. d + 3 turns along `direction` (its own axes) by at least `missing` from the trial."""
     r = memory_out.rows
+    count = r.size[COUNT]
     if count == r.bound.shape[0]:
         memory_out.counts[DROPPED] += 1
-        return count
+        return
     for j in range(r.x.shape[0]):
         r.jacobian[count, j] = 0.0
     bound = missing
@@ -65,4 +66,4 @@ def turn_row(d: int, direction: Vec3, missing: float, count: int, memory_out: Me
     r.pair[count, 0] = -3
     r.pair[count, 1] = d
     memory_out.counts[ROWS] += 1
-    return count + 1
+    r.size[COUNT] = count + 1

@@ -5,7 +5,7 @@ most of them never are.
 """
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.workspace import Goal, Rows
+from avatarsim.posture.workspace import BUILT, COUNT, Goal, Rows
 
 SOFTNESS = 1e-6
 """Added to the diagonal of the Gram matrix: parallel rows then share the load instead of dividing by zero."""
@@ -24,9 +24,9 @@ OUTSIDE = 1e-9
 
 
 @kernel
-def nearest_step(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> tuple[int, int]:
-    """Solve for rows_out.x; return (rows, bounds included, sweeps used). `tolerance` [m] ends the ascent."""
-    r, nd, used = rows_out, goal.step.shape[0], 0
+def nearest_step(goal: Goal, rows_out: Rows, sweeps: int, tolerance: float) -> int:
+    """Solve for rows_out.x; violated bounds join the rows. Return the sweeps used; `tolerance` [m] ends the ascent."""
+    r, nd, used, count = rows_out, goal.step.shape[0], 0, rows_out.size[COUNT]
     for _ in range(BOUND_ROUNDS):
         build_gram(goal, r, count)
         used += ascend(goal, r, count, sweeps, tolerance)
@@ -49,7 +49,8 @@ def nearest_step(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance:
             break
     for j in range(nd):
         r.x[j] = min(max(r.x[j], goal.low[j]), goal.high[j])
-    return count, used
+    r.size[COUNT] = count
+    return used
 
 
 @kernel
@@ -77,7 +78,7 @@ def add_bound(rows_out: Rows, k: int, j: int, sign: float, bound: float) -> None
 def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
     """Extend the Gram matrix by the rows that came since it was last built."""
     r, nd = rows_out, goal.step.shape[0]
-    for k in range(r.built[0], count):
+    for k in range(r.size[BUILT], count):
         for j in range(nd):
             r.weighted[k, j] = r.jacobian[k, j] * goal.inverse_weight[j]
         for q in range(k + 1):
@@ -86,7 +87,7 @@ def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
                 t += r.weighted[k, j] * r.jacobian[q, j]
             r.gram[k, q] = t
             r.gram[q, k] = t
-    r.built[0] = count
+    r.size[BUILT] = count
 
 
 @kernel

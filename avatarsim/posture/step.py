@@ -12,7 +12,9 @@ from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.posture.workspace import (
+    ADDING,
     BACKED,
+    COUNT,
     FAILED,
     FORWARDS,
     HELD,
@@ -21,6 +23,7 @@ from avatarsim.posture.workspace import (
     NOW,
     QUERIES,
     ROWS,
+    SOFT,
     STEPS,
     SUPPORTS,
     SWEEPS,
@@ -60,19 +63,18 @@ def try_step(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory
 
 @kernel
 def check(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, add_rows: bool, soft: bool,
-    count: int, memory_out: Memory,
-) -> tuple[int, int]:
-    """Certificates and ball limits of the trial: number of failures and row count; links at fault are touched."""
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> int:
+    """Certificates and ball limits of the trial: number of failures; links at fault are touched."""
     memory_out.touched[:] = False
-    beyond, count = beyond_limits(skel, posture, add_rows, count, memory_out)
-    failed, count = certify(geo, skel, poses, settings, add_rows, soft, count, memory_out)
+    beyond = beyond_limits(skel, posture, memory_out)
+    failed = certify(geo, skel, poses, settings, memory_out)
     for k in range(memory_out.pairs.marks[FAILED]):
         for side in range(2):
             link = geo.body[memory_out.pairs.failed[k, side]] - skel.first
             if link >= 0:
                 memory_out.touched[link] = True
-    return failed + beyond, count
+    return failed + beyond
 
 
 @kernel
@@ -125,24 +127,23 @@ def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
 
 @kernel
 def attempt(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, soft: bool, budget: int,
-    memory_out: Memory,
-) -> tuple[int, int, bool]:
-    """Solve and certify with growing rows; return failures, rows and whether the budget is spent."""
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> tuple[int, bool]:
+    """Solve and certify with growing rows; return failures and whether the budget is spent."""
     r = memory_out.rows
-    count = rows_of_listed(geo, skel, poses, settings, soft, memory_out)
+    rows_of_listed(geo, skel, poses, settings, memory_out)
     spent, failed, tolerance = False, 0, 0.1 * settings.least_gap
     for round_ in range(settings.corrections + 1):
-        count, used = nearest_step(memory_out.goal, r, count, settings.sweeps, tolerance)
-        memory_out.counts[SWEEPS] += used
+        memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
         memory_out.counts[ITERATIONS] += 1
         try_step(geo, skel, posture, memory_out)
-        spent = work_done(memory_out) > budget
+        spent = work_done(memory_out) > settings.work
         last = spent or round_ == settings.corrections
-        failed, count = check(geo, skel, posture, poses, settings, not last, soft, count, memory_out)
+        memory_out.flags[ADDING] = 0.0 if last else 1.0
+        failed = check(geo, skel, posture, poses, settings, memory_out)
         if failed == 0 or last:
             break
-    return failed, count, spent
+    return failed, spent
 
 
 @kernel
@@ -151,11 +152,11 @@ def back_off(
 ) -> None:
     """Shorten the step of failing joints until the trial certifies; at last stay where everything is known to be free."""
     memory_out.counts[BACKED] += 1
+    memory_out.flags[ADDING] = 0.0
     for k in range(BACK_OFFS):
         shrink_failing(skel, SHRINK if k < BACK_OFFS - 2 else 0.0, memory_out)
         try_step(geo, skel, posture, memory_out)
-        failed, _ = check(geo, skel, posture, poses, settings, False, True, 0, memory_out)
-        if failed == 0:
+        if check(geo, skel, posture, poses, settings, memory_out) == 0:
             return
     stay(geo, skel, posture, memory_out)
 
@@ -195,13 +196,13 @@ def adopt(geo: Geometry, skel: Skeleton, posture_out: Posture, poses_out: Poses,
 
 @kernel
 def step(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, budget: int, memory_out: Memory
-) -> tuple[float, int, float, float]:
-    """One step; return its largest component, its rows, and the rotation and translation that were still to go."""
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> tuple[float, float, float]:
+    """One step; return its largest component, and the rotation and translation that were still to go."""
     goal, r = memory_out.goal, memory_out.rows
     first = geo.first_shape[skel.first]
     memory_out.counts[STEPS] += 1
-    failed, count, to_turn, to_move, shorter, accepted = 0, 0, 0.0, 0.0, 1.0, False
+    failed, to_turn, to_move, shorter, accepted = 0, 0.0, 0.0, 1.0, False
     for round_ in range(settings.attempts):
         to_turn, to_move = aim(skel, posture, settings, goal)
         memory_out.flags[MERIT_NOW] = merit(goal)
@@ -210,8 +211,9 @@ def step(
                 goal.step[j] *= shorter
                 goal.low[j] *= shorter
                 goal.high[j] *= shorter
-        failed, count, spent = attempt(geo, skel, posture, poses, settings, round_ > 0, budget, memory_out)
-        if failed == 0 and not (count > 0 and settings.merit > 0.0 and loses_merit(settings, memory_out)):
+        memory_out.flags[SOFT] = 1.0 if round_ > 0 else 0.0
+        failed, spent = attempt(geo, skel, posture, poses, settings, memory_out)
+        if failed == 0 and not (r.size[COUNT] > 0 and settings.merit > 0.0 and loses_merit(settings, memory_out)):
             accepted = True
             for j in range(r.x.shape[0]):
                 goal.trust[j] = min(1.0, 2.0 * goal.trust[j])
@@ -222,7 +224,7 @@ def step(
             distrust_failing(skel, first, memory_out)
         if spent:
             break
-    list_rows(count, first, memory_out)
+    list_rows(first, memory_out)
     if not accepted:
         if failed == 0:
             stay(geo, skel, posture, memory_out)
@@ -233,13 +235,13 @@ def step(
         largest = max(largest, abs(r.x[j]))
     forget_idle_pairs(first, IDLE_STEPS, memory_out)
     adopt(geo, skel, posture, poses, memory_out)
-    return largest, count, to_turn, to_move
+    return largest, to_turn, to_move
 
 
 @kernel
-def list_rows(count: int, first: int, memory_out: Memory) -> None:
+def list_rows(first: int, memory_out: Memory) -> None:
     """List the pairs whose rows were active: they get a row in the next step before anything fails."""
     r = memory_out.rows
-    for k in range(count):
+    for k in range(r.size[COUNT]):
         if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
             list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)

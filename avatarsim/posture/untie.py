@@ -8,7 +8,7 @@ from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, sweep_boxes
 from avatarsim.posture.goal import aim
 from avatarsim.posture.step import adopt, try_step
-from avatarsim.posture.workspace import LISTED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
+from avatarsim.posture.workspace import ADDING, LISTED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import row, sub
 from avatarsim.world.geometry import Geometry, Poses
@@ -77,6 +77,7 @@ def tracker_is_reachable(
     for j in range(memory_out.rows.x.shape[0]):
         memory_out.rows.x[j] = memory_out.goal.full[j]
     try_step(geo, skel, posture, memory_out)
+    memory_out.flags[ADDING] = 0.0
     sweep_boxes(geo, skel, poses, settings.least_gap, memory_out)
     trial, hulls, swept = memory_out.trial, memory_out.swept_hulls, memory_out.swept
     nb = geo.first_shape.shape[0] - 1
@@ -93,8 +94,7 @@ def tracker_is_reachable(
                         if not apart_at_trial(geo, a, b, settings.least_gap, memory_out):
                             return False
                     elif boxes_meet(swept, a, b):
-                        holds, _ = certify_pair(geo, skel, poses, a, b, settings, False, False, 0, memory_out)
-                        if not holds:
+                        if not certify_pair(geo, skel, poses, a, b, settings, memory_out):
                             return False
     return True
 

@@ -55,7 +55,7 @@ class Rows(NamedTuple):
     """Linear conditions J x >= c of one step and the dual solver's memory.
 
     jacobian, weighted (M, nd); bound, multiplier, residual (M); gram (M, M); pair (M, 2) shapes, or (-1, dof) for a bound;
-    x (nd) the solution; built (1) rows whose gram entries are up to date
+    x (nd) the solution; here (nd) zero: the checked state; size (2) rows, and rows whose gram entries are up to date
     """
 
     jacobian: Array
@@ -66,7 +66,8 @@ class Rows(NamedTuple):
     gram: Array
     pair: Index
     x: Array
-    built: Index
+    here: Array
+    size: Index
 
 
 class PairMemory(NamedTuple):
@@ -95,7 +96,11 @@ NOW, LISTED, FAILED, NEARBY = range(4)
 
 
 class Memory(NamedTuple):
-    """Everything the posture solver keeps: trial poses, world axes of the checked and the trial state, and the parts above."""
+    """Everything the posture solver keeps: trial poses, world axes of the checked and the trial state, and the parts above.
+
+    Modes and counts that vary from call to call stand in `flags` and `rows.size` and not in arguments: the compiler makes a
+    version of a kernel, and of all it calls, for every constant argument that it sees.
+    """
 
     trial: Poses
     axes: Array
@@ -112,8 +117,11 @@ class Memory(NamedTuple):
     scratch: Scratch
 
 
+# places in Rows.size
+COUNT, BUILT = range(2)
+
 # places in Memory.flags
-MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED = range(6)
+MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT = range(8)
 
 
 def _posture(nl: int, nd: int) -> Posture:
@@ -160,7 +168,8 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
-        np.zeros((ROW_CAP, ROW_CAP)), np.zeros((ROW_CAP, 2), dtype=np.int64), np.zeros(nd), np.zeros(1, dtype=np.int64),
+        np.zeros((ROW_CAP, ROW_CAP)), np.zeros((ROW_CAP, 2), dtype=np.int64), np.zeros(nd), np.zeros(nd),
+        np.zeros(2, dtype=np.int64),
     )
     none = np.full((driven, ns), -1, dtype=np.int64)
     pairs = PairMemory(
@@ -172,5 +181,5 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     trial = Poses(*(array.copy() for array in poses))
     return Memory(
         trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
-        np.zeros(nl, dtype=np.bool_), np.zeros(6), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
+        np.zeros(nl, dtype=np.bool_), np.zeros(8), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
     )

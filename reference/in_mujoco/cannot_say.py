@@ -12,23 +12,26 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
     found: dict[str, str] = {}
     links = scene.links
     balls = [link.joint for link in links if isinstance(link.joint, Ball)]
-    pieces = [piece for owner in (*scene.bodies, *links) for piece in owner.pieces]
+    pieces = [piece for body in scene.bodies for piece in body.pieces]
+    pieces += [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, ConvexHull) for piece in pieces):
-        found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the body's origin"
+        found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
     if any(ball.limits for ball in balls):
         found["twist limits"] = (
-            "a ball joint limits its total rotation only; swing cones are said by tendons (tuned only, as no such limit is "
-            "documented), twist is limited in what the joint is asked for, not in what contact makes of it (tuned only)"
+            "a ball joint limits its total rotation only; swing cones are said by tendons (tuned only, as no such "
+            "limit is documented); twist is limited in what the joint is asked for (tuned only), not in what contact "
+            "makes of it"
         )
     if any(ball.cone for ball in balls):
         found["reach cones"] = "no spherical polygons: ignored"
     if scene.effects.restitution:
         found["restitution"] = (
-            "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is found"
+            "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is "
+            "found"
         )
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
-    if links and isinstance(links[0].joint, Rigid) and links[0].parent is None:
+    if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
         found["rigid root"] = "links that cannot move make no contact with fixed bodies"
     if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
         found["no gyroscopic effect"] = "cannot be switched off"

@@ -1,7 +1,8 @@
 """Which contact law holds between which bodies, and how to say it with as few explicit pairs as possible.
 
-MuJoCo mixes the parameters of two geoms by taking those of the one with the higher priority. That cannot express a
-symmetric table of pairs, but it can express most of one. The rest is listed as explicit pairs, which cost time each.
+MuJoCo mixes the parameters of two geoms by taking those of the one with the higher priority. That cannot
+express a symmetric table of pairs, but it can express most of one. The rest is listed as explicit pairs,
+which cost time each.
 """
 
 from collections import Counter
@@ -12,16 +13,19 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 
 BOUNCY = 0.3
-"""Restitution above which a pair must be explicit: only there can friction have its own, non-bouncy time constant.
-With geoms alone a box sliding at restitution 0.8 stops 5 % short and creeps at rest; at 0.3 (all of Table 1) it does not."""
+"""Restitution above which a pair must be explicit: only there can friction have its own, non-bouncy time
+constant. With geoms alone a box sliding at restitution 0.8 stops 5 % short and creeps at rest; at 0.3 (all of
+Table 1) it does not."""
 
 MOST_CLASSES = 10
-"""Classes of bodies up to which the best order of priorities is searched (2^10 sets); beyond it all pairs are explicit."""
+"""Classes of bodies up to which the best order of priorities is searched (2^10 sets); beyond it all pairs are
+explicit."""
 
 
 @dataclass(frozen=True)
 class Law:
-    """What holds between two bodies in contact. `stops` means no bounce: one of them is driven, none is simulated."""
+    """What holds between two bodies in contact. `stops` means no bounce: one of them is driven, none is
+    simulated."""
 
     friction: float
     restitution: float
@@ -30,14 +34,16 @@ class Law:
 
 @dataclass(frozen=True)
 class Laws:
-    """`own`: body -> (priority, law) for its geoms; `explicit`: pairs (a, b), a < b, whose law geoms cannot say."""
+    """`own`: body -> (priority, law) for its geoms; `explicit`: pairs (a, b), a < b, whose law geoms cannot
+    say."""
 
     own: tuple[tuple[int, Law], ...]
     explicit: dict[tuple[int, int], Law]
 
 
 def law_between(scene: Scene, a: int, b: int) -> Law:
-    """Table 1 for bodies a and b, less what the author narrowed away; driven bodies stop at what is not simulated."""
+    """Table 1 for bodies a and b, less what the author narrowed away; driven bodies stop at what is not
+    simulated."""
     contact = scene.materials.contact(scene.material_names[a], scene.material_names[b])
     stops = Role.SIMULATED not in (scene.roles[a], scene.roles[b])
     restitution = 0.0 if stops or not scene.effects.restitution else contact.restitution
@@ -47,7 +53,8 @@ def law_between(scene: Scene, a: int, b: int) -> Law:
 
 
 def contact_laws(scene: Scene, bounce: bool) -> Laws:
-    """Priorities and laws of all bodies, and the pairs that must be explicit. Without `bounce` only friction counts."""
+    """Priorities and laws of all bodies, and the pairs that must be explicit. Without `bounce` only friction
+    counts."""
     n, wanted = len(scene.names), scene.pair_filter
     classes = [(material, role) for material, role in zip(scene.material_names, scene.roles, strict=True)]
     known = sorted(set(classes), key=lambda c: (c[0], c[1].value))

@@ -1,7 +1,7 @@
 """Every MuJoCo setting we choose, with its reason and its evidence. The one place where they are kept.
 
-`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by scene kind.
-Steps are written in seconds; a frame is cut into the nearest whole number of them.
+`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
+scene kind. Steps are written in seconds; a frame is cut into the nearest whole number of them.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,8 @@ DEFAULT: Preset = {
     "cone": Chosen("PYRAMIDAL", DOCUMENTED),
     "refsafe": Chosen(True, DOCUMENTED + ": no contact is stiffer than two steps allow"),
     "iterations": Chosen(100, DOCUMENTED + " (most iterations of the solver)"),
-    "contact": Chosen("soft", DOCUMENTED + " (spring and damper by time constant and damping ratio: nothing bounces)"),
+    "contact": Chosen("soft", DOCUMENTED + "(spring and damper by time constant and damping ratio: nothing "
+                                           "bounces)"),
     "contact_time": Chosen(0.02, DOCUMENTED + " (time constant [s] of soft contacts)"),
     "contact_steps": Chosen(0.0, "0: contact_time is used; else the time constant in steps"),
     "solimp": Chosen((0.9, 0.95, 0.001), DOCUMENTED + " (impedance at depth 0, at full depth, depth [m])"),
@@ -33,9 +34,11 @@ DEFAULT: Preset = {
     "lead": Chosen(0.0, "the tracker is followed as it is"),
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins)"),
 }
-"""MuJoCo's defaults, and its documented way to follow motion capture: one mocap body per link, welded to the link."""
+"""MuJoCo's defaults, and its documented way to follow motion capture: one mocap body per link, welded to the
+link."""
 
-_HARD = Chosen((0.9999, 0.9999, 0.001), "a contact that gives way by 1e-4 of the force only: the law below acts in full")
+_HARD = Chosen((0.9999, 0.9999, 0.001), "a contact that gives way by 1e-4 of the force only: the law below "
+                                        "acts in full")
 
 _ALWAYS: Preset = {
     "cone": Chosen("ELLIPTIC", "the pyramid slides 41 % too far on the diagonal; the ellipse 0.15 %"),
@@ -46,28 +49,28 @@ _ALWAYS: Preset = {
 }
 
 _ONE_STEP: Preset = {
-    "dt": Chosen(1.0 / 960.0, "restitution seen at the surface is off by about g dt / v; 16 steps still fit many times into a frame"),
+    "dt": Chosen(1.0 / 960.0, "restitution seen at the surface is off by about g dt / v; 16 steps still "
+                              "fit many times into a frame"),
     "integrator": Chosen("IMPLICITFAST", "the one-step damper gives no bounce under DISCRETE or RK4"),
-    "contact": Chosen("one_step", "damping (1 + e) / dt turns the approach into e times itself within one step: Newton's law exactly"),
-    "kappa": Chosen(0.02, "position correction of bouncing pairs: keeps stacks from creeping; raises e by about 0.01"),
+    "contact": Chosen("one_step", "damping (1 + e) / dt turns the approach into e times itself within one "
+                                  "step: Newton's law exactly"),
+    "kappa": Chosen(0.02, "position correction of bouncing pairs: keeps stacks from creeping; raises e by "
+                          "about 0.01"),
     "kappa_driven": Chosen(0.25, "a critically damped stop for driven bodies, which do not bounce"),
     "limit_steps": Chosen(2.0, "the stiffest limit that refsafe admits"),
 }
 
-_FOLLOW: Preset = {
-    "dt": Chosen(1.0 / 960.0, "mocap on a floor, worst overlap: 1/240 2.8 mm, 1/480 1.9 mm, 1/960 0.0 mm; 16 steps fit into a frame"),
-    "weld_time": Chosen(0.02, "0.01 brings 0.8 mm of 9 mm offset and costs 1.5 mm overlap; 0.005: 15 mm overlap"),
-    "lead": Chosen(1.0, "aiming ahead by the weld's own lag: free offset of a mocap clip 9 mm instead of 46 mm"),
-    "margin": Chosen(0.004, "driven contacts begin 4 mm early, so that what a foot covers in a step is taken up by air: five clips "
-                            "against a wall, worst overlap 0.2 mm instead of 4.4 mm at 2 mm; offset grows by 1 mm"),
-}
-
 _DRIVEN: Preset = {
-    **_FOLLOW,
-    "integrator": Chosen("DISCRETE", "constraints are solved in the metric of the step taken: contacts and limits do not leak"),
-    "refsafe": Chosen(False, "allows contacts stiffer than two steps, which DISCRETE carries"),
-    "contact_steps": Chosen(0.1, "five clips against a wall, worst overlap: 0.2 mm; one-step contacts 4.4 mm; 4 steps 24 mm"),
-    "limit_steps": Chosen(0.1, "overshoot of a driven hinge 0.01 degrees; 12 degrees by default"),
+    **_ONE_STEP,
+    "weld_time": Chosen(0.02, "0.01 brings 1 mm of 9 mm offset and costs 1.5 mm overlap; 0.005: 15 mm "
+                              "overlap"),
+    "weld_rotation": Chosen(5.0, "a pressed limb is pushed back rather than twisted: 1 leaves 5 mm of "
+                                 "overlap, 5 none; "
+                                 "30 and more rattle"),
+    "lead": Chosen(1.0, "aiming ahead by the weld's own lag: free offset of a mocap clip 9 mm instead of "
+                        "46 mm"),
+    "margin": Chosen(0.004, "driven contacts begin 4 mm early, so that what a foot covers in a step is "
+                            "taken up by air"),
 }
 
 
@@ -75,7 +78,7 @@ def presets(kind: Kind) -> Mapping[str, Preset]:
     """The presets for a kind of scene, by name, the default first."""
     tuned = {
         Kind.BOUNCING: {**DEFAULT, **_ALWAYS, **_ONE_STEP},
-        Kind.MIXED: {**DEFAULT, **_ALWAYS, **_ONE_STEP, **_FOLLOW},
+        Kind.MIXED: {**DEFAULT, **_ALWAYS, **_DRIVEN},
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
     return {"default": DEFAULT, "tuned": tuned[kind]}

@@ -12,11 +12,13 @@ SOFTEST = 0.02
 """MuJoCo's default time constant [s] of limits."""
 
 CONTACTS = ("soft", "one_step")
-"""Contact laws: MuJoCo's spring and damper, or a damper that acts within one step (Newton's law of restitution)."""
+"""Contact laws: MuJoCo's spring and damper, or a damper that acts within one step (Newton's law of
+restitution)."""
 
 
 def check_words(chosen: dict[str, Chosen]) -> None:
-    """Raise for a contact law, an integrator or a cone that does not exist, and for a step that is not above 0."""
+    """Raise for a contact law, an integrator or a cone that does not exist, and for a step that is not above
+    0."""
     if chosen["contact"].value not in CONTACTS:
         raise UnknownName("option contact of mujoco", str(chosen["contact"].value), CONTACTS)
     for name, prefix, words in (("integrator", "mjINT_", mujoco.mjtIntegrator), ("cone", "mjCONE_", mujoco.mjtCone)):
@@ -73,7 +75,8 @@ class Stiffness:
     def lead(self, step: float) -> float:
         """How far ahead [s] of the tracker the welds aim.
 
-        A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over stiffness).
+        A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over
+        stiffness).
         """
         return self._number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
 

@@ -17,7 +17,8 @@ from reference.in_mujoco.laws import Law, Laws
 Indices = NDArray[np.int64]
 
 ARM = 1.0
-"""Length [m] from a ball joint to the two sites whose distance is the swing limit: chord 2 ARM sin(swing / 2)."""
+"""Length [m] from a ball joint to the two sites whose distance is the swing limit: chord 2 ARM sin(swing /
+2)."""
 
 NARROWEST = 1e-9
 """Width [rad] given to a hinge whose two limits coincide; MuJoCo refuses an empty interval."""
@@ -28,9 +29,9 @@ class World:
     """The compiled model and where the scene's parts are in it.
 
     body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
-    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (driven links,) -> mocap index;
-    geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven: whether an avatar
-    has a part in it.
+    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (driven links,) -> mocap
+    index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven:
+    whether an avatar has a part in it.
     """
 
     model: mujoco.MjModel

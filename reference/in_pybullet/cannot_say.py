@@ -5,7 +5,11 @@ from collections.abc import Mapping
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Ellipsoid
-from reference.in_pybullet.factors import coefficients, fit, weights
+from reference.in_pybullet.factors import Array, coefficients, fit, weights
+from reference.in_pybullet.shapes import ELLIPSOID_VERTICES
+
+RARE = 1e-3
+"""Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
 
 LISTED = 4
 """Pairs named in full when the product rule misses them; the others are counted."""
@@ -16,25 +20,24 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
     found: dict[str, str] = {}
     links = scene.links
     balls = [link.joint for link in links if isinstance(link.joint, Ball)]
-    pieces = [piece for owner in (*scene.bodies, *links) for piece in owner.pieces]
+    pieces = [piece for body in scene.bodies for piece in body.pieces]
+    pieces += [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
-        found["ellipsoids"] = "replaced by hulls of 162 points on their surface"
+        found["ellipsoids"] = f"replaced by hulls of {ELLIPSOID_VERTICES} points on their surface"
     for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
-        misses = fit(scene, wanted, matters).misses
-        # pairs that hardly ever meet are not worth a word
-        worth = [miss for miss in misses if matters[miss[0], miss[1]] > 1e-3 * matters.max()]
-        if worth:
-            listed = ", ".join(
-                f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in worth[:LISTED]
-            )
-            more = f" and {len(worth) - LISTED} more" if len(worth) > LISTED else ""
-            found[what] = f"a pair's coefficient is the product of its bodies' factors, here the closest fit: {listed}{more}"
+        said = _missed(scene, wanted, matters)
+        if said:
+            found[what] = said
     if any(ball.limits for ball in balls):
-        found["ball limits"] = "spherical joints have none: only what they are asked for is limited (tuned), not what contact does"
+        found["ball limits"] = (
+            "spherical joints have none: only what they are asked for is limited (tuned), not what contact makes of it"
+        )
     if any(ball.cone for ball in balls):
         found["reach cones"] = "no spherical polygons: ignored"
     if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
-        found["shared centres"] = "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
+        found["shared centres"] = (
+            "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
+        )
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
     if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
@@ -42,3 +45,15 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
     if scene.derived_effects.overlap_removal and not scene.effects.overlap_removal:
         found["no overlap removal"] = "cannot be switched off apart from contact as a whole"
     return found
+
+
+def _missed(scene: Scene, wanted: Array, matters: Array) -> str:
+    """What the product rule makes of the pairs it cannot say; empty when it says all that are likely to meet."""
+    misses = [miss for miss in fit(scene, wanted, matters).misses if matters[miss[0], miss[1]] > RARE * matters.max()]
+    if not misses:
+        return ""
+    listed = ", ".join(
+        f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in misses[:LISTED]
+    )
+    more = f" and {len(misses) - LISTED} more" if len(misses) > LISTED else ""
+    return f"a pair's coefficient is the product of its bodies' factors, here the closest fit: {listed}{more}"

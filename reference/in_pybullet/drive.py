@@ -16,6 +16,15 @@ Array = NDArray[np.float64]
 DRIVES = ("constraint", "velocity")
 """A fixed constraint between root and tracked pose, or the velocity that reaches the pose within the step."""
 
+MOTOR_ERP = 0.2
+"""Share of the error that a spherical motor of gain 1 corrects per step: Bullet's erp, which it applies to
+these motors. Measured: lag behind a steady turn falls as 1 / gain and is exactly 0 at gain 5. Target
+velocities have no effect on them."""
+
+CONSTRAINT_LAG = 4.0
+"""Steps by which a fixed constraint follows a steady motion: it corrects a fifth of the error per step
+(Bullet's erp of 0.2)."""
+
 
 class Drive:
     """Aims roots and joints of one world at the goals of each step."""
@@ -57,10 +66,13 @@ class Drive:
 
     def aim(self, goals: Goals, k: int, step: float) -> None:
         """Aim at posture k >= 1 of `goals`, one step [s] after posture k - 1."""
+        lead = CONSTRAINT_LAG if self._constraints and self._chosen["feed_forward"].value else 0.0
         for index, (part, link) in enumerate(self._world.roots):
             found = self._world.parts[part]
-            centre = goals.positions[k, link] + rotation.rotate(goals.orientations[k, link], found.centre)
-            turn = rotation.multiply(goals.orientations[k, link], found.frame)
+            at = goals.positions[k, link] + lead * (goals.positions[k, link] - goals.positions[k - 1, link])
+            turn = rotation.slerp(goals.orientations[k - 1, link], goals.orientations[k, link], 1.0 + lead)
+            centre = at + rotation.rotate(turn, found.centre)
+            turn = rotation.multiply(turn, found.frame)
             if self._constraints:
                 pybullet.changeConstraint(
                     self._constraints[index], centre.tolist(), xyzw(turn), maxForce=self._number("root_force"),
@@ -95,20 +107,21 @@ class Drive:
             )
 
     def _aim_balls(self, goals: Goals, k: int, step: float) -> None:
-        gain, damping, force = (self._number(name) for name in ("position_gain", "velocity_gain", "ball_force"))
-        forward = 1.0 / step if self._chosen["feed_forward"].value else 0.0
+        gain, force = self._number("ball_gain"), self._number("ball_force")
+        # the motor corrects this share of the error in a step, whatever velocity it is told; leading it by what is left
+        # over in steady motion is its feed-forward
+        share = min(1.0, gain * MOTOR_ERP)
+        ahead = 1.0 + (1.0 - share) / share if self._chosen["feed_forward"].value else 1.0
         for body, entries in self._balls.items():
             links = [link for _, link in entries]
             frames = np.array([self._frames[link] for link in links])
-            back = rotation.conjugate(frames)
-            after = rotation.multiply(back, rotation.multiply(goals.turns[k, links], frames))
-            before = rotation.multiply(back, rotation.multiply(goals.turns[k - 1, links], frames))
-            speed = forward * rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(before), after))
+            turns = rotation.slerp(goals.turns[k - 1, links], goals.turns[k, links], np.full(len(links), ahead))
+            aimed = rotation.multiply(rotation.conjugate(frames), rotation.multiply(turns, frames))
             n = len(entries)
             pybullet.setJointMotorControlMultiDofArray(
                 body, [joint for joint, _ in entries], pybullet.POSITION_CONTROL,
-                targetPositions=after[:, [1, 2, 3, 0]].tolist(), targetVelocities=speed.tolist(),
-                positionGains=[gain] * n, velocityGains=[damping] * n, forces=[[force] * 3] * n, physicsClientId=self._client,
+                targetPositions=aimed[:, [1, 2, 3, 0]].tolist(), positionGains=[gain] * n,
+                velocityGains=[self._number("velocity_gain")] * n, forces=[[force] * 3] * n, physicsClientId=self._client,
             )
 
     def _turned(self, k: int, turn: Array) -> Array:

@@ -47,7 +47,8 @@ class PybulletEngine:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
-        run["bodies outside the multibody solver"] = (len(self._world.maximal), "those whose inertia Bullet finds by itself")
+        run["bodies outside the multibody solver"] = (len(self._world.maximal), "those whose inertia Bullet "
+                                                                                "finds by itself")
         return run
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
@@ -150,7 +151,8 @@ class PybulletEngine:
                 rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
                 collisionMargin=margin, physicsClientId=client,
             )
-            if self._number("processing_threshold") <= 0.0:
+            # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction
+            if self._number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
                 pybullet.changeDynamics(part.body, part.link, contactProcessingThreshold=0.0, physicsClientId=client)
 
     def _lift(self) -> None:
@@ -164,7 +166,8 @@ class PybulletEngine:
                 )
 
     def _snapshot(self) -> Snapshot:
-        """Poses and velocities of the mass centres, which Bullet keeps in double precision, turned into body frames.
+        """Poses and velocities of the mass centres, which Bullet keeps in double precision, turned into body
+        frames.
 
         Its link frames come in single precision.
         """

@@ -1,7 +1,8 @@
-"""One factor per body whose products come closest to a table of pairs: all that Bullet's product rule can say.
+"""One factor per body whose products come closest to a table of pairs: all that Bullet's product rule can
+say.
 
-Three mutually touching bodies can always be said exactly: r_i = sqrt(e_ij e_ik / e_jk). For more, least squares of the
-logarithms, weighted by how likely two bodies meet.
+Three mutually touching bodies can always be said exactly: r_i = sqrt(e_ij e_ik / e_jk). For more, least
+squares of the logarithms, weighted by how likely two bodies meet.
 """
 
 from dataclasses import dataclass
@@ -20,10 +21,12 @@ SMALLEST = 1e-6
 """Stands for a coefficient of 0, whose logarithm does not exist."""
 
 NEARBY = 0.05
-"""Sideways gap [m] at which a pair counts half as much as one that touches: what falls meets what is below it."""
+"""Sideways gap [m] at which a pair counts half as much as one that touches: what falls meets what is below
+it."""
 
 MOST_BODIES = 60
-"""Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows as n^3)."""
+"""Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows
+as n^3)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,8 @@ class Factors:
 
 
 def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
-    """Factors for the symmetric (n, n) coefficients `wanted`; `matters` (n, n) are weights, 0 where a pair never meets."""
+    """Factors for the symmetric (n, n) coefficients `wanted`; `matters` (n, n) are weights, 0 where a pair
+    never meets."""
     n = len(scene.names)
     if not matters.any():
         return Factors(np.sqrt(np.maximum(np.diag(wanted), 0.0)), ())

@@ -1,7 +1,7 @@
 """Every PyBullet setting we choose, with its reason and its evidence. The one place where they are kept.
 
-`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by scene kind.
-Steps are written in seconds; a frame is cut into the nearest whole number of them.
+`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
+scene kind. Steps are written in seconds; a frame is cut into the nearest whole number of them.
 """
 
 from collections.abc import Mapping
@@ -16,16 +16,20 @@ DEFAULT: Preset = {
     "contact_erp": Chosen(0.0, "negative or 0 with set_contact_erp false: " + DOCUMENTED),
     "set_contact_erp": Chosen(False, DOCUMENTED + " (about 0.08)"),
     "contact_slop": Chosen(1e-5, DOCUMENTED + " [m]: the depth at which contacts rest"),
-    "breaking_threshold": Chosen(0.02, DOCUMENTED + ", set every time: it outlives resetSimulation and even disconnect"),
-    "processing_threshold": Chosen(1.0, "1: untouched, contacts act before bodies meet; 0: they act when they meet"),
+    "breaking_threshold": Chosen(0.02, DOCUMENTED + ", set every time: it outlives resetSimulation and "
+                                                    "even disconnect"),
+    "processing_threshold": Chosen(1.0, "1: untouched, contacts act before bodies meet; 0: they act when "
+                                        "they meet"),
     "restitution_threshold": Chosen(0.2, DOCUMENTED + " [m/s] below which nothing bounces"),
     "collision_margin": Chosen(0.001, DOCUMENTED + " [m] by which hulls are inflated"),
     "damping": Chosen(0.04, DOCUMENTED + " of linear and angular motion"),
     "maximal": Chosen(False, DOCUMENTED + ": all bodies in the multibody solver"),
     "split_impulse": Chosen(False, DOCUMENTED),
-    "drive": Chosen("constraint", "the documented way to follow a hand: a fixed constraint between the root and the tracked pose"),
+    "drive": Chosen("constraint", "the documented way to follow a hand: a fixed constraint between the "
+                                  "root and the tracked pose"),
     "root_force": Chosen(100000.0, "the most force the constraint may use [N]"),
     "position_gain": Chosen(0.1, DOCUMENTED),
+    "ball_gain": Chosen(0.1, DOCUMENTED + " (positionGain of ball joints)"),
     "velocity_gain": Chosen(1.0, DOCUMENTED),
     "hinge_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a hinge's motor) [N m]"),
     "ball_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a ball joint's motor) [N m]"),
@@ -34,18 +38,21 @@ DEFAULT: Preset = {
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
     "gravity_on_links": Chosen(True, "gravity acts on all that has mass"),
 }
-"""PyBullet's defaults and its documented way to drive an avatar: fixed constraint on the root, position motors on the joints."""
+"""PyBullet's defaults and its documented way to drive an avatar: fixed constraint on the root, position
+motors on the joints."""
 
 _ALWAYS: Preset = {
     "contact_slop": Chosen(0.0, "contacts rest at the surface instead of 10 micrometres below it"),
-    "collision_margin": Chosen(1e-6, "default inflates every hull by 1 mm; at 1e-6 hulls meet within 0.03 mm"),
+    "collision_margin": Chosen(1e-6, "default inflates every hull by 1 mm; at 1e-6 hulls meet within 0.03 "
+                                     "mm"),
     "damping": Chosen(0.0, "nothing in the scene damps free motion"),
     "restitution_threshold": Chosen(0.01, "the default 0.2 m/s kills small bounces"),
 }
 
 _BOUNCING: Preset = {
     "dt": Chosen(1.0 / 960.0, "restitution seen at the surface is off by about g dt / v"),
-    "processing_threshold": Chosen(0.0, "contacts that act before bodies meet stop them: at 1/4000 s nothing bounces at all"),
+    "processing_threshold": Chosen(0.0, "contacts that act before bodies meet stop them: at 1/4000 s "
+                                        "nothing bounces at all"),
     "set_contact_erp": Chosen(True, "see contact_erp"),
     "contact_erp": Chosen(0.0, "position correction by velocity adds to the bounce: e = 1 becomes 1.09"),
     "maximal": Chosen(True, "with split impulses, position correction adds no velocity: e within 1 %"),
@@ -53,15 +60,22 @@ _BOUNCING: Preset = {
 }
 
 _DRIVEN: Preset = {
+    "dt": Chosen(1.0 / 480.0, "mocap on a floor, worst overlap: 1/240 21 mm, 1/480 1.7 mm, 1/960 0.6 mm at "
+                              "four times the cost"),
     "set_contact_erp": Chosen(True, "see contact_erp"),
     "contact_erp": Chosen(0.8, "overlap p95 at 1/60: 0.01 mm instead of 0.32 mm at 0.05; free of cost"),
-    "drive": Chosen("velocity", "the root's velocity is set to reach the tracked pose in this step: no lag"),
-    "position_gain": Chosen(0.2, "with feed-forward, stiff enough to follow and soft enough to yield to contacts"),
+    "root_force": Chosen(2000.0, "holds the body against its own limbs, yet yields to floors and walls"),
+    "position_gain": Chosen(0.1, "with feed-forward, stiff enough to follow and soft enough to yield to "
+                                 "contacts"),
+    "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges; 2.5 rattles more and follows no "
+                             "better"),
     "hinge_force": Chosen(100.0, "more presses limbs into what they touch, less lags behind"),
     "ball_force": Chosen(100.0, "as hinge_force"),
     "feed_forward": Chosen(True, "the tracker's own joint velocity: no lag in steady motion"),
-    "root_speed": Chosen(10.0, "without a cap, a blocked root builds up any velocity and is thrown through the obstacle"),
-    "clamp_targets": Chosen(True, "ball joints have no limits of their own: what is asked for is all that can be limited"),
+    "root_speed": Chosen(10.0, "without a cap, a blocked root builds up any velocity and is thrown through "
+                               "the obstacle"),
+    "clamp_targets": Chosen(True, "ball joints have no limits of their own: what is asked for is all that "
+                                  "can be limited"),
     "gravity_on_links": Chosen(False, "a tracked limb is held up by its user"),
 }
 

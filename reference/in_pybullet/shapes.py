@@ -14,7 +14,8 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 ELLIPSOID_VERTICES = 162
-"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
+"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest
+radius."""
 
 
 def xyzw(quaternion: Array | Quaternion) -> list[float]:

@@ -1,7 +1,7 @@
 """Our scene as Bullet multibodies: same shapes vertex for vertex, same masses, exactly the scene's pairs.
 
-Bullet knows inertias along the axes of a link's frame only, so each link's frame is turned to its principal axes here
-(`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.
+Bullet knows inertias along the axes of a link's frame only, so each link's frame is turned to its principal
+axes here (`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.
 """
 
 from dataclasses import dataclass, field
@@ -24,13 +24,14 @@ Array = NDArray[np.float64]
 IDENTITY = np.array(rotation.IDENTITY)
 
 BETWEEN_HINGES = 1e-3
-"""Mass and inertia of the stand-in links between hinges that share a centre, relative to their link's. Bullet has one
-joint per link, and a link without mass divides by zero when axes line up."""
+"""Mass and inertia of the stand-in links between hinges that share a centre, relative to their link's. Bullet
+has one joint per link, and a link without mass divides by zero when axes line up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Where a body or link is in Bullet: multibody, link index (-1: base), its frame against ours, its mass centre (ours)."""
+    """Where a body or link is in Bullet: multibody, link index (-1: base), its frame against ours, its mass
+    centre (ours)."""
 
     body: int
     link: int
@@ -55,7 +56,8 @@ class World:
 
 
 def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World:
-    """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the multibody solver."""
+    """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the
+    multibody solver."""
     world = World(client)
     for k, body in enumerate(scene.bodies):
         world.parts.append(_body(body, client, maximal and _is_simple(body)))
@@ -114,7 +116,8 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
 
 @dataclass(eq=False)
 class _Chain:
-    """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint -> limits."""
+    """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint ->
+    limits."""
 
     client: int
     columns: dict[str, list[object]] = field(default_factory=dict)
@@ -182,7 +185,8 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
 
 
 def _depth_first(avatar: Avatar) -> list[int]:
-    """Places of the links, each branch to its end before the next: the order in which Bullet numbers links itself."""
+    """Places of the links, each branch to its end before the next: the order in which Bullet numbers links
+    itself."""
     below: dict[str | None, list[int]] = {}
     for k, link in enumerate(avatar.links):
         below.setdefault(link.parent, []).append(k)
@@ -202,7 +206,8 @@ def moments_of(link: Link) -> list[float]:
 
 def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, frame: Array, moments: list[float],
            limits: bool) -> tuple[int, list[int]]:
-    """Append a link with its joint, and stand-ins before it where several hinges share a centre: its index, its hinges."""
+    """Append a link with its joint, and stand-ins before it where several hinges share a centre: its index,
+    its hinges."""
     back = rotation.conjugate(frame)
     shape, centre = collision_shape(link.pieces, frame, chain.client), rotation.rotate(back, link.mass.centre)
     kind = pybullet.JOINT_SPHERICAL if isinstance(link.joint, Ball) else pybullet.JOINT_FIXED

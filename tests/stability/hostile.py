@@ -184,9 +184,16 @@ def link_error(scene: Scene, record: FrameRecord, sample: TrackerSample) -> floa
 
 
 def outside_room(scene: Scene, record: FrameRecord) -> float:
-    """How far [m] a link origin is outside the room; negative when all are inside."""
-    shown = record.shown.positions[len(scene.bodies) :]
-    return float(max((ROOM[0] - shown).max(), (shown - ROOM[1]).max()))
+    """How far [m] the middle of a link's piece is outside the room; negative when all are inside.
+
+    Middles, not link origins: a joint's centre may lie a few millimetres outside the link's own shape.
+    """
+    worst, first = -np.inf, len(scene.bodies)
+    for k, link in enumerate(scene.links):
+        for piece in link.pieces:
+            middle = record.shown.positions[first + k] + rotation.rotate(record.shown.orientations[first + k], piece.position)
+            worst = max(worst, float((ROOM[0] - middle).max()), float((middle - ROOM[1]).max()))
+    return worst
 
 
 def hinge_excess(scene: Scene, record: FrameRecord) -> float:

@@ -1,0 +1,72 @@
+"""The raw tracker motion, without any contact handling: how large the problem is that the engines solve."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from avatarsim.engine import FrameRecord, Settings, Snapshot
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from avatarsim.spatial import rotation
+
+
+class RawTracker:
+    """Shows every link exactly where the tracker has it. Bodies stay at their first poses."""
+
+    name = "tracker"
+    version = "1"
+    presets = ("default",)
+
+    def cannot_say(self, scene: Scene) -> Mapping[str, str]:
+        """What is left out: everything but kinematics."""
+        found = {}
+        if scene.avatars:
+            found["contact"] = "links go where the tracker has them, through everything"
+        if any(role is Role.SIMULATED for role in scene.roles):
+            found["dynamics"] = "simulated bodies stay where they are at the start"
+        return found
+
+    def settings_as_run(self) -> Mapping[str, object]:
+        """Nothing can be set."""
+        return {}
+
+    def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+        """The first posture."""
+        if settings.preset not in self.presets:
+            raise UnknownName(f"preset of {self.name}", settings.preset, self.presets)
+        for name in settings.options:
+            raise InvalidInput(f"option of {self.name}", name, "none: there is nothing to set")
+        self._scene, self._settings, self._elapsed = scene, settings, 0.0
+        self._positions = np.array([body.position for body in scene.bodies], dtype=np.float64).reshape(-1, 3)
+        self._orientations = np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4)
+        self._last: Snapshot | None = None
+        self._centres = self._positions
+        return self._record(scene.first_sample, dt)
+
+    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+        """The tracker's posture; velocities are those that led there from the last frame."""
+        self._elapsed += dt
+        return self._record(checked(sample, self._scene.avatars), dt)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _record(self, sample: TrackerSample, dt: float) -> FrameRecord:
+        if not (np.isfinite(dt) and dt > 0.0):
+            raise InvalidInput("frame time [s]", dt, "finite and above 0")
+        at, turned = link_poses(self._scene.avatars, sample)
+        positions, orientations = np.vstack([self._positions, at]), np.vstack([self._orientations, turned])
+        arms = np.array([link.mass.centre for link in self._scene.links], dtype=np.float64).reshape(-1, 3)
+        centres = positions.copy()
+        centres[len(self._scene.bodies) :] += rotation.rotate(turned, arms)
+        velocity, spin = np.zeros_like(positions), np.zeros_like(positions)
+        if self._last is not None:
+            velocity = (centres - self._centres) / dt
+            turn = rotation.multiply(orientations, rotation.conjugate(self._last.orientations))
+            spin = rotation.to_rotation_vector(turn) / dt
+        self._centres = centres
+        self._last = Snapshot(self._elapsed, positions, orientations, velocity, spin)
+        inside = (self._last,) if self._settings.record_inside and self._elapsed > 0.0 else ()
+        return FrameRecord(self._last, np.array(sample.angles, dtype=np.float64), inside=inside)

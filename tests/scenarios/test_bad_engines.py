@@ -1,0 +1,68 @@
+"""Every scene proves that it can tell good from bad: four bad engines, each fails each scene, at the gate, with exit code 1."""
+
+import json
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.scene.tracker import link_poses
+from reference.judge import Judge
+from scenarios.__main__ import main
+from scenarios.catalog import scenarios
+from tests.scenarios.bad_engines import DEPTH, joined
+
+AFTER_CONTACT = 4
+"""Frames beyond the first one in which the raw tracker is well inside something: enough for every badness to show."""
+WITHOUT_AVATAR = 42
+"""Frames of a scene without avatar: a ball that falls 1 m lands in frame 28, and its bounce is asked for 0.1 s later."""
+
+
+@pytest.fixture(autouse=True)
+def _strangers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    folder = tmp_path / "site"
+    folder.mkdir()
+    monkeypatch.syspath_prepend(joined(folder))
+    # the pages have their own tests, and take longer than these runs
+    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    yield
+
+
+@cache
+def frames(name: str) -> int:
+    """How long a run must be for the raw tracker to have been deeper in something than DEPTH."""
+    scenario = scenarios()[name].as_run(False)
+    scene = scenario.build()
+    if not scene.avatars:
+        return min(WITHOUT_AVATAR, scenario.frames)
+    judge, motion = Judge(scene), scenario.motion(scene, 0)
+    positions = [body.position for body in scene.bodies]
+    orientations = [body.orientation for body in scene.bodies]
+    for k in range(scenario.frames):
+        links, turns = link_poses(scene.avatars, motion(k))
+        if judge.overlaps(np.array([*positions, *links]), np.array([*orientations, *turns])).deepest > 2.0 * DEPTH:
+            return min(k + AFTER_CONTACT, scenario.frames)
+    raise AssertionError(f"the raw tracker of {name} never overlaps: the scene judges nothing")
+
+
+@pytest.mark.parametrize("name", list(scenarios()))
+@pytest.mark.parametrize(("engine", "metric"), [
+    ("frozen", None), ("tunnels", "residual_overlap_max"), ("two_millimetres", "residual_overlap_max"),
+    ("not_a_number", "not_finite_frames"),
+])
+def test_a_bad_engine_fails_the_scene(name: str, engine: str, metric: str | None, tmp_path: Path) -> None:
+    words = ["check", "--engine", engine, "--filter", name, "--out", str(tmp_path / "out"), "--jobs", "0"]
+    assert main([*words, "--frames", str(frames(name))]) == 1
+    results = json.loads((tmp_path / "out" / "latest" / "results.json").read_text())
+    assert results["exit_code"] == 1
+    failed = {row["metric"]: row["value"] for row in results["rows"] if row["status"] == "fail"}
+    assert failed
+    if metric is not None:
+        assert metric in failed
+    if engine == "two_millimetres":
+        assert failed[metric] == pytest.approx(DEPTH, abs=2e-5)
+    if engine == "frozen":
+        # it is caught for what it is, and not because the scene begins badly
+        assert not {"residual_overlap_max", "wrong_side_frames", "not_finite_frames"} & set(failed)

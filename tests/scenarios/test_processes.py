@@ -1,0 +1,54 @@
+"""Children that answer, raise, die and dawdle."""
+
+import os
+import signal
+import time
+
+import pytest
+
+from scenarios.processes import THREADS, Died, Pool
+
+
+def act(word: str) -> str:
+    if word == "raise":
+        raise ValueError("no such luck")
+    if word == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if word == "leave":
+        os._exit(7)
+    if word == "dawdle":
+        time.sleep(60.0)
+    if word == "print":
+        print("SPOKEN")
+    if word == "threads":
+        return ",".join(os.environ.get(name, "-") for name in THREADS)
+    return f"{word} {os.getpid()}"
+
+
+# children find the function by its module, which is this file under the name that pytest gave it
+act.__module__ = "tests.scenarios.test_processes"
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, str | Died]:
+    from tests.scenarios import test_processes
+
+    words = ["one", "raise", "die", "two", "leave", "print", "threads", "dawdle"]
+    return dict(Pool(test_processes.act, 3, patience=8.0).results(words))
+
+
+def test_each_answer_comes_from_a_process_of_its_own(found: dict[str, str | Died]) -> None:
+    pids = {str(found[word]).split()[-1] for word in ("one", "two", "print")}
+    assert len(pids) == 3 and str(os.getpid()) not in pids
+
+
+@pytest.mark.parametrize(("word", "said"), [
+    ("raise", "ValueError: no such luck"), ("die", "killed by signal 9"), ("leave", "code 7"), ("dawdle", "no answer within 8 s"),
+])
+def test_who_does_not_answer_has_died_of_something(found: dict[str, str | Died], word: str, said: str) -> None:
+    assert isinstance(found[word], Died) and said in str(found[word])
+
+
+def test_children_run_on_one_thread_and_the_parent_keeps_its_own(found: dict[str, str | Died]) -> None:
+    assert found["threads"] == ",".join("1" for _ in THREADS)
+    assert [os.environ.get(name) for name in THREADS] != ["1"] * len(THREADS) or os.environ.get("OMP_NUM_THREADS") == "1"

@@ -1,0 +1,132 @@
+"""The accuracy pass, in this process, on small scenes and engines of our own."""
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import InvalidFile, MissingPackage, StartOverlaps
+from scenarios import record
+from scenarios.job import Job
+from scenarios.run import accuracy
+from scenarios.scenario import Scenario
+from tests.scenarios.bad_engines import MODULE, joined
+from tests.scenarios.examples import DT, drop, fist, fist_motion, fist_scene
+
+CATALOGUE = "a_catalogue_for_tests"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A run folder, with the bad engines joined and a catalogue of three scenes."""
+    site = tmp_path / "site"
+    site.mkdir()
+    monkeypatch.syspath_prepend(joined(site))
+    module = ModuleType(CATALOGUE)
+    offered: dict[str, Scenario] = {"fist": fist(), "drop": drop(), "refusing": Scenario(
+        "refusing", "Begins badly.", "Refusal.", fist_scene, fist_motion, 5, expects={"refusal": True},
+    )}
+    monkeypatch.setattr(module, "get", offered.__getitem__, raising=False)
+    monkeypatch.setattr(module, "offered", offered, raising=False)
+    monkeypatch.setitem(sys.modules, CATALOGUE, module)
+    return tmp_path / "run"
+
+
+def job(scenario: str, engine: str, **more: object) -> Job:
+    return Job(scenario, engine, "default", catalogue=CATALOGUE, **more)
+
+
+def test_a_run_is_recorded_and_measured(folder: Path) -> None:
+    outcome = accuracy(job("fist", "tunnels"), folder)
+    assert (outcome.state, outcome.frames, len(outcome.overlap_m)) == ("measured", 30, 31)
+    # 20 mm a frame for 30 frames, from 0: 0.6 m, and the wall's face is 0.4 m from where the fist begins to touch
+    assert outcome.values["residual_overlap_max"] == pytest.approx(0.2, abs=1e-8)
+    assert outcome.values["wrong_side_frames"] == 5.0
+    assert outcome.values["tracker_offset_rms"] == 0.0
+    assert outcome.about["settings"]["badness"] == ("Tunnels", "a test needs it")
+    kept = record.load(folder / "recordings" / "fist.tunnels.default.0.npz")
+    assert kept.positions[:, 1, 0] == pytest.approx(0.02 * np.arange(31))
+    assert kept.raw_positions[:, 0, 0] == pytest.approx(0.02 * np.arange(31))
+    assert kept.times == pytest.approx(np.arange(31) * DT)
+    assert kept.meta["engine"] == "tunnels" and kept.meta["names"] == ["wall", "fist"] and len(str(kept.meta["scene_hash"])) == 16
+    assert len(set(kept.state_hashes.tolist())) == 31
+
+
+def test_the_run_is_the_same_bits_again(folder: Path) -> None:
+    accuracy(job("fist", "two_millimetres"), folder)
+    one = record.load(folder / "recordings" / "fist.two_millimetres.default.0.npz").state_hashes.tolist()
+    accuracy(job("fist", "two_millimetres"), folder)
+    assert record.load(folder / "recordings" / "fist.two_millimetres.default.0.npz").state_hashes.tolist() == one
+
+
+def test_frames_cut_a_run_short_and_options_reach_the_engine(folder: Path) -> None:
+    outcome = accuracy(job("fist", "tunnels", frames=3, base="other", options={"gain": 2}), folder)
+    assert outcome.frames == 3 and outcome.about["settings"]["gain"] == 2
+
+
+def test_not_a_number_is_recorded_and_counted(folder: Path) -> None:
+    outcome = accuracy(job("fist", "not_a_number"), folder)
+    assert outcome.state == "measured" and outcome.values["not_finite_frames"] == 27.0
+    assert np.isnan(outcome.values["residual_overlap_max"])
+    assert np.isnan(record.load(folder / "recordings" / "fist.not_a_number.default.0.npz").positions[-1]).all()
+
+
+def test_an_engine_that_raises_has_crashed_and_its_frames_stay(folder: Path) -> None:
+    outcome = accuracy(job("fist", "raises"), folder)
+    assert (outcome.state, outcome.frames) == ("crashed", 4)
+    assert outcome.note == "in frame 4: RuntimeError: the solver has lost its way"
+    kept = record.load(folder / "recordings" / "fist.raises.default.0.npz")
+    assert kept.frames == 3 and kept.meta["error"] == outcome.note
+
+
+def test_a_missing_package_is_not_measured(folder: Path) -> None:
+    outcome = accuracy(job("fist", "absent"), folder)
+    assert outcome.state == "not-measured" and "a_package_that_nobody_has" in outcome.note
+
+
+def test_what_is_no_engine_has_crashed_before_it_began(folder: Path) -> None:
+    outcome = accuracy(job("fist", "no_engine"), folder)
+    assert outcome.state == "crashed" and "avatarsim.engine.Engine" in outcome.note
+
+
+def test_an_engine_without_words_for_the_scene_is_not_run(folder: Path) -> None:
+    outcome = accuracy(job("fist", "speechless"), folder)
+    assert (outcome.state, outcome.note) == ("cannot-say", "it knows spheres only")
+    assert not (folder / "recordings").exists()
+
+
+def test_a_preset_that_the_engine_lacks_names_those_it_has(folder: Path) -> None:
+    outcome = accuracy(Job("fist", "tunnels", "fastest", catalogue=CATALOGUE), folder)
+    assert outcome.state == "crashed" and "'fastest'" in outcome.note and "default, other" in outcome.note
+
+
+@pytest.mark.parametrize(("scenario", "state"), [("fist", "crashed"), ("refusing", "refused")])
+def test_a_refused_start_is_right_where_the_scene_expects_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, scenario: str, state: str,
+) -> None:
+    accuracy(job("fist", "tunnels"), folder)
+
+    def refuse(self: object, *arguments: object) -> None:
+        raise StartOverlaps([("fist", "wall", 0.01)])
+
+    monkeypatch.setattr(sys.modules[MODULE].Frozen, "load", refuse)
+    outcome = accuracy(job(scenario, "tunnels"), folder)
+    assert outcome.state == state and "fist in wall by 10 mm" in outcome.note
+
+
+@pytest.mark.parametrize("error", [
+    InvalidFile("clip.txt", "12 frames and a half", "whole frames"), MissingPackage("trimesh", "assets", "the duck"),
+])
+def test_a_scene_that_cannot_be_made_is_not_measured_and_earlier_files_stay(folder: Path, error: Exception) -> None:
+    accuracy(job("fist", "tunnels"), folder)
+    before = (folder / "recordings" / "fist.tunnels.default.0.npz").read_bytes()
+
+    def broken() -> None:
+        raise error
+
+    sys.modules[CATALOGUE].offered["broken"] = Scenario("broken", "B.", "B.", broken, fist_motion, 3)
+    outcome = accuracy(job("broken", "tunnels"), folder)
+    assert outcome.state == "not-measured" and str(error) in outcome.note
+    assert (folder / "recordings" / "fist.tunnels.default.0.npz").read_bytes() == before

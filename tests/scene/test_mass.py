@@ -1,0 +1,112 @@
+"""Mass properties against trimesh's integrals over meshes, and the inertias that no solid has."""
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.mass import Mass, solid, volume
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
+
+RNG = np.random.default_rng(1)
+LUMP = ConvexHull(RNG.normal(size=(20, 3)) * [0.3, 0.1, 0.2] + [1.0, -2.0, 0.5])
+
+
+def mesh_of(shape: Shape) -> trimesh.Trimesh:
+    """A fine mesh of the shape, from trimesh's own primitives."""
+    if isinstance(shape, Sphere):
+        return trimesh.creation.icosphere(5, shape.radius)
+    if isinstance(shape, Capsule):
+        return trimesh.creation.capsule(height=shape.length, radius=shape.radius, count=[128, 128])
+    if isinstance(shape, Box):
+        return trimesh.creation.box(shape.size)
+    if isinstance(shape, Ellipsoid):
+        mesh = trimesh.creation.icosphere(5)
+        mesh.apply_transform(np.diag([*shape.radii, 1.0]))
+        return mesh
+    return trimesh.convex.convex_hull(shape.vertices)
+
+
+SHAPES = [
+    (Sphere(0.3), 1e-2), (Capsule(0.1, 0.4), 1e-2), (Ellipsoid((0.3, 0.1, 0.2)), 1e-2), (Box((0.3, 0.1, 0.2)), 1e-9), (LUMP, 1e-9),
+    (ellipsoid_hull((0.3, 0.1, 0.2)), 1e-9),
+]
+
+
+@pytest.mark.parametrize(("shape", "tolerance"), SHAPES)
+def test_moments_agree_with_trimesh(shape: Shape, tolerance: float) -> None:
+    mesh = mesh_of(shape)
+    mass = solid([Piece(shape)], 3.0)
+    assert volume(shape) == pytest.approx(mesh.volume, rel=tolerance)
+    assert mass.centre == pytest.approx(mesh.center_mass, abs=1e-3 * tolerance)
+    wanted = mesh.moment_inertia * 3.0 / mesh.volume
+    assert mass.inertia == pytest.approx(wanted, rel=tolerance, abs=tolerance * np.abs(wanted).max())
+
+
+def test_a_body_of_turned_pieces_agrees_with_their_joint_mesh() -> None:
+    """The middle of two boxes and a hull, apart from each other, of which each is turned its own way."""
+    pieces, meshes = [], []
+    for k, shape in enumerate((Box((0.2, 0.3, 0.4)), Box((0.1, 0.1, 0.6)), LUMP)):
+        turn, place = Rotation.random(rng=k), np.array([2.0 * k, -k, 0.5])
+        w, x, y, z = turn.as_quat(scalar_first=True)
+        pieces.append(Piece(shape, tuple(place), (w, x, y, z)))
+        mesh = mesh_of(shape)
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn.as_matrix(), place
+        mesh.apply_transform(pose)
+        meshes.append(mesh)
+    whole = trimesh.util.concatenate(meshes)
+    mass = solid(pieces, 5.0)
+    assert mass.mass == 5.0
+    assert mass.centre == pytest.approx(whole.center_mass, abs=1e-9)
+    assert mass.inertia == pytest.approx(whole.moment_inertia * 5.0 / whole.volume, rel=1e-9, abs=1e-9)
+
+
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_inertia_grows_with_mass_and_with_the_square_of_size(scale: float, kilograms: float) -> None:
+    unit = solid([Piece(Box((1.0, 2.0, 3.0)))], 1.0).inertia
+    scaled = solid([Piece(Box((scale, 2.0 * scale, 3.0 * scale)))], kilograms).inertia
+    assert scaled == pytest.approx(unit * kilograms * scale**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_mass_must_be_positive(value: float) -> None:
+    with pytest.raises(InvalidScene, match="mass is .* finite number above 0"):
+        Mass(value)
+    with pytest.raises(InvalidScene, match="mass is .* finite number above 0"):
+        solid([Piece(Sphere(1.0))], value)
+
+
+@pytest.mark.parametrize(
+    ("inertia", "part"),
+    [
+        (np.diag([1.0, 1.0, 0.0]), "principal moments"), (np.diag([1.0, 1.0, -1.0]), "principal moments"),
+        (np.diag([1.0, 1.0, 2.1]), "none above the sum"), (np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), "symmetric"),
+        (np.diag([1.0, 1.0, math.nan]), "finite"), (np.eye(2), "(2, 2)"), (np.zeros((3, 3)), "principal moments"),
+    ],
+)
+def test_inertias_that_no_solid_has_are_refused(inertia: np.ndarray, part: str) -> None:
+    with pytest.raises(InvalidScene) as error:
+        Mass(1.0, inertia=inertia)
+    assert "inertia" in str(error.value) and part in str(error.value)
+
+
+def test_a_thin_disc_is_a_solid() -> None:
+    assert Mass(1.0, inertia=np.diag([1.0, 1.0, 2.0])).inertia[2, 2] == 2.0
+
+
+def test_inertia_is_a_read_only_copy() -> None:
+    given = np.eye(3)
+    mass = Mass(1.0, inertia=given)
+    given[0, 0] = 5.0
+    assert mass.inertia[0, 0] == 1.0 and not mass.inertia.flags.writeable
+
+
+def test_a_solid_needs_a_piece() -> None:
+    with pytest.raises(InvalidScene, match="number of pieces of a solid is 0; valid: at least 1"):
+        solid([], 1.0)
