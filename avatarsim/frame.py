@@ -3,15 +3,21 @@
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 """
 
+from avatarsim.coupling_loop import Coupling
 from avatarsim.engine import Snapshot
+from avatarsim.impact.events import make_events
 from avatarsim.posture.follow import follow
-from avatarsim.posture.kinematics import forward
-from avatarsim.posture.workspace import COUNT_NAMES, make_memory, metric
-from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.posture.workspace import COUNT_NAMES, ready_memory
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.stage_clock import StageClock
-from avatarsim.world.doors import read_sample
-from avatarsim.world.world import World, posture_of, sample_arrays
+from avatarsim.upper_loop import DONE, STATUS_NAMES, advance
+from avatarsim.upper_loop_memory import COUNT_NAMES as MOTION_COUNT_NAMES
+from avatarsim.upper_loop_memory import Switches
+from avatarsim.upper_loop_memory import make_memory as make_motion_memory
+from avatarsim.recorded_events import snapshots
+from avatarsim.world.target import Target
+from avatarsim.world.world import World
 
 
 class Frames:
@@ -22,49 +28,53 @@ class Frames:
     ) -> None:
         self.world, self.posture_settings, self.coupling_settings = world, posture, coupling
         self.effects, self.time, self.clock = world.scene.effects, 0.0, StageClock(time_stages)
-        self.record_inside = record_inside
+        self.status, self.record_inside = DONE, record_inside
         if self.effects.overlap_removal:
-            self.target = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
-            self.incoming = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
-            self.memory = make_memory(world.geometry, world.skeleton, world.poses)
-            forward(
-                world.geometry, world.skeleton, world.posture, self.memory.rows.x, world.poses, self.memory.axes
-            )
-            weight = metric(world.geometry, world.skeleton, world.poses, self.memory.axes, posture)
-            self.memory.goal.inverse_weight[:] = 1.0 / weight
+            self.target = Target(world)
+            self.memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, posture)
+        if self.effects.coupling:
+            self.coupling = Coupling(world, coupling)
+        if self.effects.dynamics:
+            self.motion = make_motion_memory(world.geometry, world.dynamics, world.poses, self.effects.gyroscopic)
+            self.events = make_events(len(world.scene.names), 256 if record_inside else 0)
+            self.switches = Switches(self.effects.gyroscopic, self.effects.continuous, self.effects.sleeping, False, record_inside)
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
-        self.clock.frame()
         world = self.world
+        self.clock.frame()
         if self.effects.overlap_removal:
-            self.read(sample)
+            self.target.read(sample)
+            if self.effects.coupling:
+                with self.clock.stage("coupling"):
+                    self.coupling.pull(self.target, dt)
             with self.clock.stage("posture"):
                 follow(
-                    world.geometry, world.skeleton, self.target, self.posture_settings, world.posture, world.poses, self.memory
+                    world.geometry, world.skeleton, self.target.posture, self.posture_settings, world.posture, world.poses,
+                    self.memory,
                 )
+        if self.effects.dynamics:
+            with self.clock.stage("motion"):
+                self.status = advance(
+                    world.geometry, world.dynamics, world.poses, world.velocities, dt, self.motion, self.events, self.switches
+                )
+            if self.effects.coupling:
+                self.coupling.receive(self.motion.received)
         self.time += dt
-
-    def read(self, sample: TrackerSample) -> None:
-        """The tracker's posture as arrays; a bad sample raises InvalidSample and changes nothing."""
-        positions, rotations, angles = sample_arrays(sample)
-        fits = positions.shape == self.target.root.shape and rotations.shape == (len(positions), 4)
-        if not (fits and angles.shape == self.world.hinges.shape):
-            checked(sample, self.world.scene.avatars)
-        if not read_sample(positions, rotations, angles, self.world.hinges, self.incoming):
-            checked(sample, self.world.scene.avatars)
-        self.target, self.incoming = self.incoming, self.target
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""
-        if not self.effects.overlap_removal:
-            return {}
-        return {name: int(count) for name, count in zip(COUNT_NAMES, self.memory.counts, strict=True)}
+        counts: dict[str, int] = {}
+        if self.effects.overlap_removal:
+            counts |= zip(COUNT_NAMES, self.memory.counts.tolist(), strict=True)
+        if self.effects.dynamics:
+            counts |= zip(MOTION_COUNT_NAMES, self.motion.counts.tolist(), strict=True)
+        return counts
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
-        return {}
+        return {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
 
     def inside(self) -> tuple[Snapshot, ...]:
-        """Sub-steps and events of the last frame."""
-        return ()
+        """Events of the last frame, if they are recorded."""
+        return snapshots(self.world, self.events, self.time) if self.record_inside and self.effects.dynamics else ()

@@ -25,15 +25,17 @@ runs of the kinematics, PD_g pushes, nearly parallel links, straight chains that
 
 STATUS_NAMES: Final = (
     "cancelling_normals", "goal_not_reached", "out_of_rounds", "walked_back", "held", "start_overlaps", "not_checked",
-    "bad_queries",
+    "bad_queries", "gave_way",
 )
 """How often per frame: eq. 1 had no direction; CCD ended away from its goal; overlap was left after the last round; the walk
 back was needed; it ended at the last checked state; even that one overlaps (something else moved into it, or the frame did not
-begin free); a state could not be checked (a pose that is no number); a distance query did not converge."""
+begin free); a state could not be checked (a pose that is no number); a distance query did not converge; a simulated
+body was pushed because the driven one could not part from it."""
 
 (
     JOINTS, ITERATIONS, PAIRS, QUERIES, SWEEPS, ROUNDS, FORWARDS, PUSHES, PARALLEL, BENT, WALK_TESTS,
     CANCELLED, NOT_REACHED, OUT_OF_ROUNDS, WALKED_BACK, HELD, START_OVERLAPS, UNCHECKED, BAD,
+    GAVE_WAY,
 ) = range(len(COUNT_NAMES) + len(STATUS_NAMES))
 
 

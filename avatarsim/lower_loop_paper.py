@@ -12,6 +12,7 @@ from avatarsim.lower_loop_memory import (
     BENT,
     CANCELLED,
     FORWARDS,
+    GAVE_WAY,
     HELD,
     ITERATIONS,
     JOINTS,
@@ -40,7 +41,7 @@ from avatarsim.posture.paper_settings import PaperSettings
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
 from avatarsim.separate.push_apart import push_apart
 from avatarsim.separate.walk_back import interpolate, narrowed
-from avatarsim.separate.who_gives_way import shares
+from avatarsim.separate.who_gives_way import SIMULATED, shares
 from avatarsim.settings import AttractionSettings, CouplingSettings
 from avatarsim.spatial.vec3 import Vec3, add, along, put_row, row, sub
 from avatarsim.world.geometry import Geometry, Poses, place
@@ -77,6 +78,7 @@ def move_body(
     if body < skel.first:
         put_row(poses_out.position, body, add(row(poses_out.position, body), by))
         place(geo, poses_out, body)
+        memory_out.counts[GAVE_WAY] += 1
         memory_out.given_way[body] = True
         answer_for(geo, body, skel.first, True, memory_out.overlaps)
         return
@@ -96,7 +98,8 @@ def push_bodies(
         a, b = pairs[k, 0], pairs[k, 1]
         if a >= skel.first and memory_out.chains.root[a - skel.first] == memory_out.chains.root[b - skel.first]:
             continue
-        if not (may_translate(skel, a, must, memory_out) and may_translate(skel, b, must, memory_out)):
+        both = may_translate(skel, a, must, memory_out) and may_translate(skel, b, must, memory_out)
+        if not both and not (must and (memory_out.role[a] == SIMULATED or memory_out.role[b] == SIMULATED)):
             continue
         share_a, share_b = shares(memory_out.role[a], memory_out.role[b], must)
         status, by_a, by_b = push_apart(

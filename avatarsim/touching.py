@@ -42,7 +42,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
     Returns (outcome, smallest gap [m], inf without contacts).
     """
     contacts, found = memory.contacts, memory.manifold
-    contacts.count[0] = 0
+    contacts.used[0] = 0
     worst, outcome = inf, FOUND
     shapes, vertices = geometry.shapes, poses.vertices
     pieces = shapes.radius.shape[0]
@@ -70,7 +70,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                         # one point for both keeps angular momentum to rounding; balls keep their exact friction laws
                         p_a = p_b = scale((p_a[0] + p_b[0], p_a[1] + p_b[1], p_a[2] + p_b[2]), 0.5)
                     arm_a, arm_b = sub(p_a, row(poses.position, a)), sub(p_b, row(poses.position, b))
-                    k = contacts.count[0]
+                    k = contacts.used[0]
                     if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i]):
                         outcome = NO_ROOM
                         break
@@ -84,7 +84,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
 def recall_forces(contacts: Contacts, last_key: Index, last_force: Array, last_count: int) -> None:
     """Give every point the force [N] that the point of the same key had; zero if there was none."""
     at = 0
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
         for tried in range(last_count):
             i = at + tried if at + tried < last_count else at + tried - last_count
@@ -97,7 +97,7 @@ def recall_forces(contacts: Contacts, last_key: Index, last_force: Array, last_c
 @kernel
 def remember_forces(contacts: Contacts, h: float, last_key: Index, last_force: Array, last_count: Index) -> None:
     """Keep impulse / h [N] of every point for the next segment."""
-    last_count[0] = contacts.count[0]
-    for k in range(contacts.count[0]):
+    last_count[0] = contacts.used[0]
+    for k in range(contacts.used[0]):
         last_key[k] = contacts.key[k]
         put_row(last_force, k, scale(row(contacts.impulse, k), 1.0 / h))

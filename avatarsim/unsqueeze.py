@@ -34,7 +34,7 @@ def displace(contacts: Contacts, masses: Masses, linear: Array, angular: Array) 
     angular[:, :] = 0.0
     for _ in range(ROUNDS):
         done = True
-        for k in range(contacts.count[0]):
+        for k in range(contacts.used[0]):
             n = axis(contacts, k, 0)
             gap = contacts.gap[k] + dot(n, velocity_at(contacts, k, linear, angular))
             if gap < GOOD and contacts.ease[k, 0] > 0.0:

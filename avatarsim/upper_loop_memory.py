@@ -24,9 +24,23 @@ PAIRS_ROOM = 65536
 ROUND = 1e-12
 """Principal moments closer than this part of the largest are equal: spinning about any axis is then free of torque."""
 
+DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
+"""Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
+proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
+removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
+
+STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
+
 SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS = range(10)
-"""Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain was
-taken back, time-of-impact searches, resting solves, those that missed their accuracy, position corrections, sweeps, most contacts."""
+"""Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
+was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position corrections, sweeps, most
+contacts."""
+
+
+COUNT_NAMES = (
+    "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
+    "positions_corrected", "sweep_and_prune", "contacts",
+)
 
 
 class Switches(NamedTuple):
@@ -42,8 +56,8 @@ class Switches(NamedTuple):
 class Memory(NamedTuple):
     """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
 
-    strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from the
-    centre of mass. trial: poses used while looking for impacts; between frames they are those last seen.
+    strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
+    the centre of mass. trial: poses used while looking for impacts; between frames they are those last seen.
     """
 
     received: Array

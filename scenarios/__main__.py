@@ -27,6 +27,7 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
     shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")
     shared.add_argument("--out", type=Path, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
+    shared.add_argument("--resume", type=Path, metavar="RUN", help="go on with the run in this folder, keeping its recordings")
     shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")
     # for tests: a scene cut short proves nothing about the scene
     shared.add_argument("--frames", type=int, default=None, help=argparse.SUPPRESS)

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields
 from fnmatch import fnmatchcase
+from importlib import import_module
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
@@ -50,6 +51,8 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
             raise UnknownName("engine", name, known())
     if asked.frames is not None and asked.frames < 1 or asked.jobs < 0:
         raise InvalidInput("--jobs, --frames", (asked.jobs, asked.frames), "0 and 1 at least")
+    if asked.resume is not None and not asked.resume.is_dir():
+        raise InvalidInput("--resume", str(asked.resume), "the folder of an earlier run")
     own = read(asked.settings, known()) if asked.settings else ()
     found = scenes(asked)
     offered = offers(names, asked.jobs) if found else {}
@@ -70,8 +73,8 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
         for seed in asked.seed:
             for name in names:
                 common = {"scenario": scene, "engine": name, "seed": seed, "full": asked.full, "frames": asked.frames}
-                for preset, row in presets.get(name, []):
-                    base, options = (row.base, row.options) if row else ("", {})
+                for preset, chosen in presets.get(name, []):
+                    base, options = ("", {}) if chosen is None else (chosen.base, chosen.options)
                     jobs.append(Job(**common, preset=preset, base=base, options=options))
                 if name in missing:
                     jobs.append(Job(**common, preset="default"))
@@ -107,7 +110,8 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
         print(last_line(NOTHING, None))
         return NOTHING
     limits = ceilings()
-    folder = run_folder(asked.out, asked.command)
+    # resolved: `latest` may not come to lead to itself
+    folder = asked.resume.resolve() if asked.resume else run_folder(asked.out, asked.command)
     ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)))
     ran.measure(made.ready, asked.jobs)
     if timed:
@@ -127,9 +131,8 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
 def reported(folder: Path) -> str:
     """Write the report of a run; empty, or one sentence about why there is none. The figures are safe in their files before."""
     try:
-        from reports import write_report
-
-        write_report(folder)
+        # by name, as engines are: reports stand above scenarios and may import them, never the other way round
+        import_module("reports").write_report(folder)
     except (ImportError, AvatarsimError) as error:
         return f"the report was not written: {error}"
     except Exception as error:

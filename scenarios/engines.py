@@ -30,7 +30,8 @@ def known() -> dict[str, str]:
 
 
 def opened(name: str) -> Engine:
-    """A fresh engine. Raises UnknownName, or MissingPackage when it or a package it needs is not installed."""
+    """A fresh engine. Raises UnknownName, MissingPackage when it needs a package that is not installed, and ImportError when a
+    module of its own is missing."""
     paths = known()
     if name not in paths:
         raise UnknownName("engine", name, paths)
@@ -38,6 +39,9 @@ def opened(name: str) -> Engine:
     try:
         made = getattr(import_module(module), attribute)()
     except ImportError as error:
+        if (error.name or module).partition(".")[0] == module.partition(".")[0]:
+            # a hole in the engine itself is a fault, which no installing mends
+            raise
         raise MissingPackage(error.name or module, EXTRA, f"engine {name}") from error
     if not isinstance(made, Engine):
         valid = "a class with every part of avatarsim.engine.Engine"

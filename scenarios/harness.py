@@ -9,7 +9,7 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
 from scenarios import results
-from scenarios.engines import opened
+from scenarios.engines import BASELINE, opened
 from scenarios.gate import Ceilings, exit_code, rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
@@ -85,8 +85,9 @@ class Run:
                 self.write(None)
 
     def clock(self, full: bool) -> None:
-        """The timing pass over everything that ran through, scene by scene."""
-        sound = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
+        """The timing pass over everything that ran through, scene by scene. The raw tracker is left out: it computes nothing."""
+        ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
+        sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
         with Progress("timing", len(sound), sys.stderr) as progress:
             for scene in dict.fromkeys(job.scenario for job in sound):
@@ -106,7 +107,7 @@ class Run:
             outcome = self.outcomes[job.stem]
             clocked = self.clocked.get(job.stem)
             if clocked and clocked.timed:
-                times = frame_times(clocked.timed)
+                times = frame_times(clocked.timed, outcome.hashes)
                 notes = {**outcome.notes, "frame_time_p50": clocked.note}
                 outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
             limits = self.limits.get(job.scenario, {})

@@ -65,7 +65,7 @@ class Job:
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """What came of a job. `values` and `notes` by metric; `note` says why there are none; `overlap_m` per state shown;
-    `about` is what the engine said of itself (version, settings, cannot_say); `last_hash` the state hash of the last frame."""
+    `about` is what the engine said of itself (version, settings, cannot_say); `hashes` the state hash of every state shown."""
 
     job: Job
     state: State
@@ -76,3 +76,4 @@ class Outcome:
     overlap_m: tuple[float, ...] = ()
     about: Mapping[str, object] = field(default_factory=dict)
     recording: Path | None = None
+    hashes: tuple[str, ...] = ()

@@ -17,6 +17,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "tracker_offset_rms": ("m", "root mean square distance of link origins from the raw tracker's"),
     "tracker_offset_rms_free": ("m", "the same over frames in which the raw posture overlaps nothing, is within its limits "
                                 "and on the right side"),
+    "free_frames": ("%", "share of those frames: what the _free figures stand on"),
     "tracker_angle_rms": ("deg", "root mean square angle of joints from the raw tracker's"),
     "tracker_angle_rms_free": ("deg", "the same over those free frames"),
     "still_frames": ("%", "frames in which the tracker moves more than 1 mm and nothing shown of the avatar moves"),
@@ -35,7 +36,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "frame_time_raw_max": ("us", "the same, worst frame"),
     "frame_time_python_p50": ("us", "median with the Python round the engine, least of all repeats"),
     "warmup": ("s", "import, load and first frames in a fresh process"),
-    "deterministic": ("", "1 when the repeats of the timing pass ended in the same bits, 0 when not"),
+    "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
     "resyncs": ("", "jumps that untied limbs"),
     "run": ("", "stands in for all metrics of a run that gave none: crashed, not measured, refused"),
 }

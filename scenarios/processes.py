@@ -8,9 +8,11 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from multiprocessing.context import ForkServerContext, SpawnContext
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
@@ -28,7 +30,7 @@ class Died(Exception):
     """A child ended without an answer; the text says how."""
 
 
-def context() -> BaseContext:
+def context() -> "ForkServerContext | SpawnContext":
     """Children forked from a clean, small process where the system can (10 ms each), else started anew (0.6 s each)."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -56,8 +58,7 @@ def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess,
     """Start `target(connection, *arguments)` in a process of its own; returns it and this end of the connection."""
     here, there = multiprocessing.Pipe()
     with one_thread():
-        # typeshed's BaseContext does not know that every context has its own Process
-        child: BaseProcess = getattr(context(), "Process")(target=target, args=(there, *arguments), daemon=True)  # noqa: B009
+        child = context().Process(target=target, args=(there, *arguments), daemon=True)
         child.start()
     there.close()
     return child, here

@@ -18,6 +18,10 @@ from avatarsim.scene.scene import Scene
 PACKAGES = ("avatarsim", "numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
 """Distributions whose versions can change a figure."""
 
+ROOT = Path(__file__).resolve().parent.parent
+CODE = ("avatarsim", "reference", "scenarios")
+"""Folders whose files decide what an engine shows in a scene. Recordings made by other code are not kept by `--resume`."""
+
 
 def provenance(command: list[str]) -> dict[str, object]:
     """What is known before a run begins; `seconds` is added at its end."""
@@ -28,8 +32,18 @@ def provenance(command: list[str]) -> dict[str, object]:
         "platform": platform.platform(),
         "cpu": cpu(),
         "cpus": os.cpu_count() or 1,
+        "code": code_hash(),
         "versions": {name: version(name) for name in PACKAGES},
     }
+
+
+def code_hash(root: Path = ROOT) -> str:
+    """Sixteen hexadecimal digits of every source file that can change what is recorded."""
+    digest = hashlib.blake2b(digest_size=8)
+    for room in CODE:
+        for path in sorted((root / room).rglob("*.py")):
+            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
 
 
 def version(package: str) -> str | None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from scenarios.files import write_whole
+from scenarios.files import plain, write_whole
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -78,7 +78,7 @@ class Recording:
 
 def save(recording: Recording, path: Path) -> None:
     """Write `recording` to `path`, whole or not at all."""
-    arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(json.dumps({"schema_version": SCHEMA_VERSION, **recording.meta}))}
+    arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(_json(recording.meta))}
     for entry in fields(recording):
         value = getattr(recording, entry.name)
         if isinstance(value, Mapping):
@@ -91,6 +91,11 @@ def save(recording: Recording, path: Path) -> None:
         else:
             arrays[entry.name] = value
     write_whole(path, lambda file: np.savez(file, allow_pickle=False, **arrays))
+
+
+def _json(meta: Mapping[str, object]) -> str:
+    """Settings may hold numpy numbers and infinities, so they go through the same door as results.json."""
+    return json.dumps(plain({"schema_version": SCHEMA_VERSION, **meta}), allow_nan=False)
 
 
 def _same_bits(values: Array) -> NDArray[np.bool_]:

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from avatarsim.engine import Engine, FrameRecord, Snapshot
-from avatarsim.errors import AvatarsimError, MissingPackage, StartOverlaps
+from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, link_poses
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses
 from scenarios import record
 from scenarios.engines import opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
-from scenarios.provenance import scene_hash
+from scenarios.provenance import code_hash, scene_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
 
@@ -26,7 +26,7 @@ def accuracy(job: Job, folder: Path) -> Outcome:
     """Run `job`, save its recording below `folder` and measure it. Whatever goes wrong becomes an outcome of its own."""
     try:
         scenario, scene, motion = job.asked()
-        samples = [motion(k) for k in range(scenario.frames)]
+        samples = [checked(motion(k), scene.avatars) for k in range(scenario.frames)]
     except (AvatarsimError, ImportError) as error:
         return Outcome(job, "not-measured", f"the scene could not be made: {described(error)}")
     try:
@@ -42,6 +42,13 @@ def accuracy(job: Job, folder: Path) -> Outcome:
         # an engine is someone else's code: whatever it raises is its result, not the end of the comparison
         return Outcome(job, "crashed", f"before loading: {described(error)}")
     path = folder / "recordings" / f"{job.stem}.npz"
+    identity = {
+        "scene_hash": scene_hash(scene), "code": code_hash(), "version": engine.version, "frames": scenario.frames,
+        "full": job.full, "dt": scenario.dt, "base": job.base, "options": repr(sorted(job.options.items())),
+    }
+    if (earlier := kept(path, identity)) is not None:
+        return concluded(job, earlier, scenario, scene, path)
+    about |= identity
     states = [scene.first_sample, *samples]
     frames: list[FrameRecord] = []
     try:
@@ -62,10 +69,28 @@ def accuracy(job: Job, folder: Path) -> Outcome:
         _close(engine)
     recording = gathered(job, scenario, scene, states, frames, about)
     record.save(recording, path)
+    return concluded(job, recording, scenario, scene, path)
+
+
+def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
+    """The recording that an earlier, unfinished run left at `path`: whole, without error, of the same scene by the same code."""
+    if not path.exists():
+        return None
+    try:
+        found = record.load(path)
+    except InvalidFile:
+        return None
+    same = all(found.meta.get(name) == value for name, value in identity.items())
+    return found if same and "error" not in found.meta else None
+
+
+def concluded(job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path) -> Outcome:
+    """Measure a whole recording."""
     found = measured(recording, scenario, scene, None if job.full else INSIDE_JUDGED)
-    return Outcome(
-        job, "measured", "", recording.frames, found.values, found.notes, tuple(found.overlap.tolist()), about, path,
-    )
+    told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
+    overlap = tuple(found.overlap.tolist())
+    hashes = tuple(recording.state_hashes.tolist())
+    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes)
 
 
 def described(error: BaseException) -> str:
@@ -97,7 +122,7 @@ def gathered(
     return Recording(
         meta={
             "scene": scenario.name, "engine": job.engine, "preset": job.preset, "seed": job.seed, "dt": scenario.dt,
-            "scene_hash": scene_hash(scene), "full": job.full, "names": scene.names, **about,
+            "names": scene.names, **about,
         },
         times=np.arange(len(frames), dtype=np.float64) * scenario.dt,
         positions=_stack(shown, "positions", n, 3), orientations=_stack(shown, "orientations", n, 4),

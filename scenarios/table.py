@@ -1,7 +1,7 @@
 """The verdict table on the terminal: a row per scene and engine, what failed, and where another engine is ahead of ours."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from scenarios.engines import BASELINE
@@ -142,21 +142,19 @@ def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
 
 def losing(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
     """One line per scene and column in which another engine's figure is better than the gated engine's."""
-    is_gated: Callable[[Line], bool] = lambda line: tuple(line.run.split("/", 1)) in gated  # noqa: E731
     said = []
-    for own in filter(is_gated, found):
+    for own in [line for line in found if tuple(line.run.split("/", 1)) in gated]:
         others = [
             line for line in found
             if (line.scenario, line.seed) == (own.scenario, own.seed) and _engine(line) not in (_engine(own), BASELINE)
         ]
         for column in COLUMNS:
             mine = own.value(column.metric)
-            if mine is None or column.same is None:
+            if column.metric not in own.rows or column.same is None:
                 continue
-            better = [
-                (value, line.run) for line in others
-                if (value := line.value(column.metric)) is not None and value < mine - column.same
-            ]
+            # a figure that ours has not got, or that is no number, is worse than any
+            reach = math.inf if mine is None or not math.isfinite(mine) else mine - column.same
+            better = [(value, line.run) for line in others if (value := line.value(column.metric)) is not None and value < reach]
             if better:
                 value, run = min(better)
                 unit = " ".join(column.heading)

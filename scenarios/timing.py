@@ -18,7 +18,7 @@ from scenarios.run import described
 
 MOST_FRAMES = 600
 """Frames timed at full length: ten seconds of motion hold every kind of frame a scene has."""
-SHORT_FRAMES = 240
+SHORT_FRAMES = 360
 """Frames timed in a quick comparison."""
 REPEATS = 3
 """How often the same frames are run; the least of each frame is what it costs when nothing disturbs."""

@@ -28,8 +28,8 @@ def wanted_impulse(contacts: Contacts, k: int, linear: Array, angular: Array) ->
     limit = contacts.friction[k] * normal
     if limit == 0.0:
         return (normal, 0.0, 0.0)
-    x = contacts.impulse[k, 1] - dot(axis(contacts, k, 1), u) / contacts.ease[k, 1]
-    y = contacts.impulse[k, 2] - dot(axis(contacts, k, 2), u) / contacts.ease[k, 1]
+    x = contacts.impulse[k, 1] - (dot(axis(contacts, k, 1), u) - contacts.slide[k, 0]) / contacts.ease[k, 1]
+    y = contacts.impulse[k, 2] - (dot(axis(contacts, k, 2), u) - contacts.slide[k, 1]) / contacts.ease[k, 1]
     length = sqrt(x * x + y * y)
     if length > limit:
         x, y = x * limit / length, y * limit / length
@@ -64,7 +64,7 @@ def relax(contacts: Contacts, masses: Masses, k: int, grip: bool, linear: Array,
         dx, dy = want[1] - p[k, 1], want[2] - p[k, 2]
         moved = max(moved, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
         change(contacts, masses, k, (0.0, dx, dy), linear, angular)
-    return moved
+    return float(moved)
 
 
 @kernel
@@ -84,7 +84,8 @@ def sweeps(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
     grip: bool, before: Array, direction: Array,
 ) -> float:
-    """At most ``cap`` accelerated double sweeps; returns the change of the last one [m/s]. Without ``grip`` friction is left out."""
+    """At most ``cap`` accelerated double sweeps; returns the change of the last one [m/s]. Without ``grip`` friction is left
+    out."""
     p = contacts.impulse
     last_square = inf
     worst = inf
@@ -123,8 +124,8 @@ def solve_contacts(
 ) -> float:
     """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
 
-    If a few sweeps do not do it, normals come first, without friction: that is a convex problem which converges far faster, and what
-    just stands needs no friction at all.
+    If a few sweeps do not do it, normals come first, without friction: that is a convex problem which converges far faster,
+    and what just stands needs no friction at all.
 
     Args:
         linear, angular: (nb, 3), changed.

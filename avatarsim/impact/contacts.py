@@ -23,17 +23,18 @@ NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 
 
 class Contacts(NamedTuple):
-    """Contact points k < count[0]; those of one pair of bodies stand together.
+    """Contact points k < used[0]; those of one pair of bodies stand together.
 
     body (cap, 2) A and B; key (cap) names the point from one segment to the next; driven (cap) one of the above;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
-    gap (cap) [m]; restitution, friction (cap); bend (cap) acceleration at which the gap closes by curvature [m/s^2];
+    gap (cap) [m]; restitution, friction (cap); bend (cap, 3) acceleration of A's point seen from B's that needs no force [m/s^2];
     ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg];
     target (cap) least normal velocity asked for [m/s], -inf where a point takes no part;
+    slide (cap, 2) velocity along the tangents at which friction has nothing to do [m/s];
     impulse (cap, 3) along the rows of frame [N s].
     """
 
-    count: Index
+    used: Index
     body: Index
     key: Index
     driven: Index
@@ -46,16 +47,17 @@ class Contacts(NamedTuple):
     bend: Array
     ease: Array
     target: Array
+    slide: Array
     impulse: Array
 
 
 def make_contacts(cap: int = ROOM) -> Contacts:
     """Allocate room for ``cap`` contact points."""
     return Contacts(
-        count=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
+        used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
-        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros(cap), ease=np.zeros((cap, 2)),
-        target=np.zeros(cap), impulse=np.zeros((cap, 3)),
+        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
+        target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)),
     )
 
 
@@ -68,10 +70,10 @@ def axis(contacts: Contacts, k: int, i: int) -> Vec3:
 @kernel
 def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a: Vec3, arm_b: Vec3, gap: float) -> bool:
     """Append a point with given normal and arms, all else zero; False if there is no room."""
-    k = contacts.count[0]
+    k = contacts.used[0]
     if k >= contacts.gap.shape[0]:
         return False
-    contacts.count[0] = k + 1
+    contacts.used[0] = k + 1
     contacts.body[k, 0] = a
     contacts.body[k, 1] = b
     contacts.driven[k] = driven
@@ -82,8 +84,10 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     put_row(contacts.arm_a, k, arm_a)
     put_row(contacts.arm_b, k, arm_b)
     contacts.gap[k] = gap
-    contacts.bend[k] = 0.0
+    put_row(contacts.bend, k, (0.0, 0.0, 0.0))
     contacts.target[k] = 0.0
+    contacts.slide[k, 0] = 0.0
+    contacts.slide[k, 1] = 0.0
     put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     return True
 
@@ -91,7 +95,7 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
 @kernel
 def weigh(contacts: Contacts, masses: Masses) -> None:
     """Fill ``ease`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal."""
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         n, s, t = axis(contacts, k, 0), axis(contacts, k, 1), axis(contacts, k, 2)
         contacts.ease[k, 0] = dot(n, response(contacts, masses, k, n))
         u, w = response(contacts, masses, k, s), response(contacts, masses, k, t)

@@ -21,13 +21,13 @@ NO_GAIN = 1e-13
 def kinetic_energy(masses: Masses, inertia: Array, b: int, linear: Array, angular: Array) -> float:
     """m v^2 / 2 + w . I w / 2 [J] of body b; ``inertia`` (nb, 3, 3) in world axes."""
     v, w = row(linear, b), row(angular, b)
-    return 0.5 * dot(v, v) / masses.inverse_mass[b] + 0.5 * dot(w, turned(columns(inertia, b), w))
+    return float(0.5 * dot(v, v) / masses.inverse_mass[b] + 0.5 * dot(w, turned(columns(inertia, b), w)))
 
 
 @kernel
 def potential_energy(masses: Masses, b: int, gravity: Array, position: Array) -> float:
     """-m g . x [J] of body b."""
-    return -(gravity[0] * position[b, 0] + gravity[1] * position[b, 1] + gravity[2] * position[b, 2]) / masses.inverse_mass[b]
+    return float(-dot((gravity[0], gravity[1], gravity[2]), row(position, b)) / masses.inverse_mass[b])
 
 
 @kernel

@@ -20,7 +20,7 @@ class Events(NamedTuple):
     """Events k < min(count[0], cap) in order: time (cap) [s] since the frame began, kind, the pair whose impact it is (cap, 2);
     position (cap, nb, 3), rotation (cap, nb, 3, 3), linear and angular velocity (cap, nb, 3) of all bodies."""
 
-    count: Index
+    count: Index  # type: ignore[assignment]  # hides tuple.count, which nobody calls on this
     time: Array
     kind: Index
     pair: Index

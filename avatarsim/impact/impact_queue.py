@@ -39,7 +39,7 @@ not influence each other and eqs 9 and 10 are the exact answer."""
 def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple[int, float]:
     """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches."""
     head, fastest = -1, 0.0
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         v = normal_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
         if v < fastest:
             head, fastest = k, v
@@ -49,7 +49,7 @@ def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple
 @kernel
 def same_pair(contacts: Contacts, i: int, k: int) -> bool:
     """Whether two contacts belong to the same pair of bodies."""
-    return contacts.body[i, 0] == contacts.body[k, 0] and contacts.body[i, 1] == contacts.body[k, 1]
+    return bool(contacts.body[i, 0] == contacts.body[k, 0] and contacts.body[i, 1] == contacts.body[k, 1])
 
 
 @kernel
@@ -59,7 +59,7 @@ def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Arr
     Returns (first, last, number of points): the block lies within first <= k < last.
     """
     first, last, points = -1, 0, 0
-    count = contacts.count[0]
+    count = contacts.used[0]
     start = 0
     while start < count:
         end, tied = start, False
@@ -196,7 +196,7 @@ def settle(
     direction: Array, received: Array,
 ) -> float:
     """Take away what slow approach is left, all contacts together and without rebound; returns the residual [m/s]."""
-    count = contacts.count[0]
+    count = contacts.used[0]
     for k in range(count):
         contacts.target[k] = 0.0
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))

@@ -11,7 +11,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, sub
+from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -21,8 +21,8 @@ STAND_OFF = 2e-8
 hundred roundings of a coordinate, see `motion.time_of_impact`."""
 
 PARTING = 5e-4
-"""Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be below
-the slowest rebound of `impact_queue`."""
+"""Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
+below the slowest rebound of `impact_queue`."""
 
 HOP = 1e-6
 """Slower separations are braked over the segment if they rise less than half of this [m] meanwhile. Without it a box that settles
@@ -33,13 +33,15 @@ LIFT = 2e-5
 correcting positions instead feeds rocking bodies with potential energy, and they never rest."""
 
 SOLVED = 1e-9
-"""Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times slower."""
+"""Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times
+slower."""
 
 SWEEPS = 600
 """Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
 
-SLIPPING = 1e-9
-"""Slip [m/s] above which the direction of friction is taken from it, and its end is looked for."""
+SLIPPED = 1e-8
+"""The end of a slip is looked for if it would go farther than this [m] in the segment. Smaller: a sticking edge that pivots,
+whose slip is a remainder of third order, shortens its segments without end."""
 
 ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
@@ -47,30 +49,35 @@ ATTEMPTS = 6
 
 @kernel
 def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) -> None:
-    """Fill ``bend``: how fast the gap at each contact would accelerate open [m/s^2] without any force.
+    """Fill ``bend``: how A's contact point accelerates as seen from B's [m/s^2] without any force.
 
-    A corner that pivots moves on a circle, n . (w x (w x r)); two balls that roll on each other on another, |v_t|^2 / distance.
+    A corner that pivots moves on a circle, w x (w x r), and two balls that roll on each other on another: |v_t|^2 / distance
+    along n.
     """
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
-        n = axis(contacts, k, 0)
-        bend = 0.0
+        bend = (0.0, 0.0, 0.0)
         if ball[a] == 0:
-            w, r = row(angular, a), row(contacts.arm_a, k)
-            bend += dot(n, cross(w, cross(w, r)))
+            w = row(angular, a)
+            bend = cross(w, cross(w, row(contacts.arm_a, k)))
         if ball[b] == 0:
-            w, r = row(angular, b), row(contacts.arm_b, k)
-            bend -= dot(n, cross(w, cross(w, r)))
+            w = row(angular, b)
+            bend = sub(bend, cross(w, cross(w, row(contacts.arm_b, k))))
         if ball[a] == 1 and ball[b] == 1:
+            n = axis(contacts, k, 0)
             across = norm(tangential_velocity(n, sub(row(linear, a), row(linear, b))))
-            bend += across * across / (norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k])
-        contacts.bend[k] = bend
+            distance = norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k]
+            bend = scale(n, across * across / distance)
+        put_row(contacts.bend, k, bend)
 
 
 @kernel
 def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
-    """Set the normal velocity that each contact must have after h seconds of constant force, from velocities at the start."""
-    for k in range(contacts.count[0]):
+    """Set the velocities that each contact must have after h seconds of constant force, from velocities at the start.
+
+    Velocities at the end are judged with the arms of the start, so the bend of the path is added to what is asked for.
+    """
+    for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
         if v * h > HOP or v > PARTING:
             contacts.target[k] = -inf
@@ -79,18 +86,21 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
         else:
             gap = contacts.gap[k]
             way = gap - 1.5 * STAND_OFF if gap > 1.5 * STAND_OFF else min(0.0, gap)
-            contacts.target[k] = -h * contacts.bend[k] - max(-LIFT, 2.0 * way / h)
+            bend = row(contacts.bend, k)
+            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT, 2.0 * way / h)
+            contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
+            contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
 
 
 @kernel
 def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array) -> float:
     """Time <= h at which the first slip ends.
 
-    Summed over the points of a manifold, because how they share the friction is not unique: less friction than sliding gives means
-    that the slip ended at that part of h; a slip that reversed went through zero on the way.
+    Summed over the points of a manifold, because how they share the friction is not unique: less friction than sliding gives
+    means that the slip ended at that part of h; a slip that reversed went through zero on the way.
     """
     soonest = h
-    count, start = contacts.count[0], 0
+    count, start = contacts.used[0], 0
     while start < count:
         end, limit, pull, touching = start, 0.0, (0.0, 0.0, 0.0), -1
         while end < count and contacts.key[end] // 8 == contacts.key[start] // 8:
@@ -104,9 +114,10 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
             n = axis(contacts, touching, 0)
             u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
             slip = norm(u0)
-            if slip > SLIPPING:
+            if slip * h > SLIPPED:
                 share = norm(pull) / limit
-                u1 = tangential_velocity(n, velocity_at(contacts, touching, linear_end, angular_end))
+                u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
+                u1 = tangential_velocity(n, u1)
                 if share < 1.0 - 1e-7:
                     soonest = min(soonest, h * share)
                 elif dot(u0, u1) < 0.0:
@@ -146,12 +157,12 @@ def hold(
     Returns:
         (length of the segment [s], residual [m/s]).
     """
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         for i in range(3):
             contacts.impulse[k, i] *= h
     residual = 0.0
     for attempt in range(ATTEMPTS):
-        count = contacts.count[0]
+        count = contacts.used[0]
         aim(contacts, h, linear, angular)
         fall(moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
         for k in range(count):

@@ -7,7 +7,20 @@ from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
 from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
-from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, perpendicular, put_row, row, scale, sub, unit
+from avatarsim.spatial.vec3 import (
+    Rows,
+    Vec3,
+    add,
+    along,
+    cross,
+    dot,
+    perpendicular,
+    put_row,
+    row,
+    scale,
+    sub,
+    unit,
+)
 from avatarsim.world.shapes import POINTS, Shapes
 
 Array = NDArray[np.float64]
@@ -49,7 +62,8 @@ def make_manifold() -> Manifold:
 
 @kernel
 def feature(
-    vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, band: float, loose: Array, out: Array
+    vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, band: float, loose: Array,
+    out: Array,
 ) -> int:
     """Hull, in the plane (u, v), of the vertices of shape s within ``band`` of its farthest along side n; returns its corners."""
     first, last = shapes.start[s], shapes.start[s + 1]

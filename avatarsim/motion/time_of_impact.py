@@ -1,8 +1,8 @@
 """Time of impact by advancement with true accelerations: never late, and exact to the tolerance.
 
-At an instant the normal of two shapes is kept and every vertex is followed along it: position, velocity and acceleration are the true
-ones, what comes after is bounded. The gap along any fixed direction is at most the true gap, so no vertex pair of it that is still
-apart can have touched. Without rotation the bound is the motion itself and two or three rounds find the impact.
+At an instant the normal of two shapes is kept and every vertex is followed along it: position, velocity and acceleration are
+the true ones, what comes after is bounded. The gap along any fixed direction is at most the true gap, so no vertex pair of it
+that is still apart can have touched. Without rotation the bound is the motion itself and two or three rounds find the impact.
 """
 
 from math import inf, sqrt
@@ -23,7 +23,8 @@ from avatarsim.world.shapes import POINTS
 Array = NDArray[np.float64]
 
 STAND_OFF = 2e-8
-"""Gap [m] at which the forward motion stops: bodies never overlap by rounding. A bounce of height h has its apex off by 2e-8/h."""
+"""Gap [m] at which the forward motion stops: bodies never overlap by rounding. A bounce of height h has its apex off by
+2e-8/h."""
 
 FAR_OUT = 1e3 * 2.220446049250313e-16
 """The stand-off is at least this part of the coordinates, or rounding would swallow it (beyond 90 km from the origin)."""
@@ -36,8 +37,8 @@ DIP = -2.5e-7
 rocking boxes; lower: overlap that one can measure, the promise being 1e-6."""
 
 CREEP = 4e-9
-"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, or such a pair has an event
-at once, for ever; resting forces lift it in the meantime."""
+"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, or such a pair has an
+event at once, for ever; resting forces lift it in the meantime."""
 
 TOUCH = 1e-6
 """Gap [m] below which a pair counts as touching at the start of its path."""
@@ -80,7 +81,8 @@ def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
 def follow(
     geometry: Geometry, trial: Poses, paths: Paths, s: int, side: float, n: Vec3, out: Array
 ) -> int:
-    """Rows (position, velocity, acceleration along n, distance from the centre of mass) of the vertices of shape s; return how many.
+    """Rows (position, velocity, acceleration along n, distance from the centre of mass) of the vertices of shape s; return how
+    many.
 
     ``side`` is -1 for shape A, whose lowest points along n count, and +1 for B, whose highest do.
     An ellipsoid is one row whose acceleration is a bound already.
@@ -166,7 +168,9 @@ def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
 
 
 @kernel
-def safe_step(a_rows: Array, count_a: int, b_rows: Array, count_b: int, jerk_a: float, jerk_b: float, target: float, h: float) -> float:
+def safe_step(
+    a_rows: Array, count_a: int, b_rows: Array, count_b: int, jerk_a: float, jerk_b: float, target: float, h: float
+) -> float:
     """A time <= h during which no vertex of A comes closer than ``target`` to one of B along the normal."""
     step = h
     for i in range(count_a):
@@ -198,7 +202,7 @@ def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -
     speed = norm(row(paths.w, b)) + (h * norm(row(paths.angular, b)) if paths.kind[b] == HELD else 0.0)
     # a free body may spin faster later, but no point goes farther than across the body
     turn = 2.0 if paths.kind[b] != HELD and paths.round[b] == 0 and speed > 0.0 else min(2.0, speed * h)
-    return way + turn * reach[b]
+    return float(way + turn * reach[b])
 
 
 @kernel

@@ -98,7 +98,8 @@ def turn_ball(
 
 @kernel
 def sweep(
-    skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, posture_out: Posture, poses: Poses, axes: Rows
+    skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, posture_out: Posture, poses: Poses,
+    axes: Rows,
 ) -> tuple[Vec3, float]:
     """Turn the joints of links[last] to links[first] once each; effector and largest turn [rad]. Poses stay as they were:
     a joint further in is not moved by those further out."""

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.posture.kinematics import forward
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
@@ -183,3 +184,11 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
         trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
         np.zeros(nl, dtype=np.bool_), np.zeros(8), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
     )
+
+
+def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings) -> Memory:
+    """Memory for a world at its first posture, with the metric of that posture."""
+    memory = make_memory(geo, skel, poses)
+    forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
+    memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
+    return memory

@@ -58,6 +58,7 @@ class MujocoEngine:
         self._world = build_world(
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
+            armature=float(np.asarray(chosen["armature"].value)),
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
@@ -108,13 +109,14 @@ class MujocoEngine:
         if not (np.isfinite(dt) and dt > 0.0):
             raise InvalidInput("frame time [s]", dt, "finite and above 0")
         count = max(1, round(dt / float(self._chosen["dt"].value or 0.0)))  # type: ignore[arg-type]
+        self._count = count
         if dt / count != self._step:
-            self._step, self._count = dt / count, count
+            self._step = dt / count
             self._stiffness.set_step(self._step)
 
     def _first_state(self) -> None:
         """All bodies and joints at their first pose, velocities as stated, mocap bodies where the links are."""
-        data, world, start = self._data, self._world, self._last
+        data, world, start = self._data, self._world, self._scene.first_sample
         for k, q, v in zip(*world.free, strict=True):
             body = self._scene.bodies[k]
             turn = np.array(body.orientation)
@@ -125,11 +127,11 @@ class MujocoEngine:
             data.qvel[v : v + 3] = np.array(body.velocity) - np.cross(body.angular_velocity, arm)
             data.qvel[v + 3 : v + 6] = rotation.rotate(rotation.conjugate(turn), body.angular_velocity)
         for k, q in zip(*world.roots, strict=True):
-            data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = start.positions[k], start.rotations[k]
+            data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = start.positions[k], rotation.normalised(start.rotations[k])
         for k, q in zip(*world.balls, strict=True):
-            data.qpos[q : q + 4] = start.rotations[k]
+            data.qpos[q : q + 4] = rotation.normalised(start.rotations[k])
         data.qpos[world.hinge_qpos] = start.angles
-        goals = self._targets.between(start, start, np.zeros(1))
+        goals = self._targets.between(self._last, self._last, np.zeros(1))
         self._aim(goals.positions[0], goals.orientations[0])
 
     def _aim(self, positions: Array, orientations: Array) -> None:

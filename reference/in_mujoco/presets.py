@@ -32,6 +32,7 @@ DEFAULT: Preset = {
     "gravity_on_links": Chosen(True, DOCUMENTED + " (gravcomp 0)"),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
     "lead": Chosen(0.0, "the tracker is followed as it is"),
+    "armature": Chosen(0.0, DOCUMENTED + " (rotor inertia of a joint, here as a share of its link's inertia)"),
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins)"),
 }
 """MuJoCo's defaults, and its documented way to follow motion capture: one mocap body per link, welded to the
@@ -69,6 +70,7 @@ _DRIVEN: Preset = {
                                  "30 and more rattle"),
     "lead": Chosen(1.0, "aiming ahead by the weld's own lag: free offset of a mocap clip 9 mm instead of "
                         "46 mm"),
+    "armature": Chosen(0.3, "a thin limb pulled against its cone otherwise spins up about its axis and diverges"),
     "margin": Chosen(0.004, "driven contacts begin 4 mm early, so that what a foot covers in a step is "
                             "taken up by air"),
 }

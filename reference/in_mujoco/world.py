@@ -47,11 +47,12 @@ class World:
     pair_driven: NDArray[np.bool_]
 
 
-def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool) -> World:
+def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool, armature: float) -> World:
     """Compile the scene. Time steps and contact stiffness are set afterwards: they depend on the step.
 
     `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
-    `gravity_on_links`: whether the avatar weighs.
+    `gravity_on_links`: whether the avatar weighs; `armature`: inertia added to each joint, as a share of the largest
+    inertia of its link about it.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -67,14 +68,15 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
             made.add_freejoint(name=f"b{k}")
             _inertia(made, body)
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
-    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links)
+    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
     return _addresses(scene, laws, model, geoms, pairs)
 
 
-def _avatars(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool,
-             gravity: bool) -> None:
+def _avatars(
+    spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool, armature: float
+) -> None:
     k, hinge = len(scene.bodies), 0
     for avatar in scene.avatars:
         made: dict[str, mujoco.MjsBody] = {}
@@ -87,12 +89,14 @@ def _avatars(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str
             if isinstance(link.joint, Free):
                 body.add_freejoint(name=f"b{k}")
             elif isinstance(link.joint, Ball):
-                body.add_joint(name=f"b{k}", type=mujoco.mjtJoint.mjJNT_BALL)
+                ball = body.add_joint(name=f"b{k}", type=mujoco.mjtJoint.mjJNT_BALL)
+                ball.armature = armature * _inertia_about_joint(link.mass)
                 if swing and limits and link.joint.limits is not None:
                     _swing_limit(spec, parent, body, k, link.anchor, link.joint.limits)
             elif isinstance(link.joint, Hinges):
                 for stop in link.joint.hinges:
                     joint = body.add_joint(name=f"h{hinge}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=stop.axis)
+                    joint.armature = armature * _inertia_about_joint(link.mass)
                     free = stop.lower <= -MANY_TURNS and stop.upper >= MANY_TURNS
                     joint.limited = limits and not free
                     joint.range = [stop.lower, max(stop.upper, stop.lower + NARROWEST)]
@@ -117,6 +121,13 @@ def _swing_limit(spec: mujoco.MjSpec, parent: mujoco.MjsBody, body: mujoco.MjsBo
     tendon.wrap_site(f"axis{k}")
     tendon.limited = True
     tendon.range = [0.0, 2.0 * ARM * np.sin(0.5 * limit.swing)]
+
+
+def _inertia_about_joint(mass: Mass) -> float:
+    """The largest moment of inertia [kg m^2] of a link about the origin of its frame."""
+    centre = np.array(mass.centre)
+    shifted = mass.inertia + mass.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    return float(np.linalg.eigvalsh(shifted)[-1])
 
 
 def _inertia(body: mujoco.MjsBody, owner: object) -> None:

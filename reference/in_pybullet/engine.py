@@ -69,7 +69,7 @@ class PybulletEngine:
         )
         self._set_bodies()
         self._drive = Drive(self._world, scene, self._chosen)
-        self._drive.start(self._last.rotations, self._last.angles)
+        self._drive.start(rotation.normalised(scene.first_sample.rotations), scene.first_sample.angles)
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
         return FrameRecord(self._snapshot(), self._angles())
@@ -112,8 +112,9 @@ class PybulletEngine:
         if not (np.isfinite(dt) and dt > 0.0):
             raise InvalidInput("frame time [s]", dt, "finite and above 0")
         count = max(1, round(dt / self._number("dt")))
+        self._count = count
         if dt / count != self._step:
-            self._step, self._count = dt / count, count
+            self._step = dt / count
             pybullet.setPhysicsEngineParameter(fixedTimeStep=self._step, physicsClientId=self._client)
 
     def _set_engine(self) -> None:

@@ -24,9 +24,7 @@ def test_it_drops_exactly_the_part_along_the_axis(p, origin, axis):
 
 
 def test_the_equation_as_printed_would_not_project():
-    """With another vector n in the dot product the point does not land in the plane: why the mend is needed."""
-    p, axis, other = np.array([1.0, 0.0, 1.0]), np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    printed = p - (other @ p) * axis
-    assert printed @ axis == 0.0 and (np.array(projected((1.0, 0.0, 0.5), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))) == [1.0, 0.0, 0.0]).all()
-    p = np.array([1.0, 0.0, 0.5])
-    assert (p - (other @ p) * axis) @ axis != 0.0
+    """With some other vector n in the dot product the point does not land in the plane: why the mend is needed."""
+    p, axis, other = np.array([1.0, 0.0, 0.5]), np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    assert (p - (other @ p) * axis) @ axis == -0.5
+    assert projected((1.0, 0.0, 0.5), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) == (1.0, 0.0, 0.0)

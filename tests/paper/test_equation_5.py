@@ -11,7 +11,7 @@ from avatarsim.spatial import rotation
 
 coordinate = st.floats(-2.0, 2.0)
 point = st.tuples(coordinate, coordinate, coordinate)
-O, Z = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+ORIGIN, Z = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def turned(p, origin, axis, angle):
@@ -33,24 +33,27 @@ def test_no_other_turn_brings_the_effector_nearer(effector, goal, origin, axis):
 @hypothesis_settings(deadline=None)
 def test_the_sign_is_that_of_the_turn_and_lengths_do_not_matter(phi, length, other_length, height):
     goal = (other_length * np.cos(phi), other_length * np.sin(phi), height)
-    assert joint_turn(O, Z, (length, 0.0, 0.3), goal) == pytest.approx(phi, abs=1e-14)
+    assert joint_turn(ORIGIN, Z, (length, 0.0, 0.3), goal) == pytest.approx(phi, abs=1e-14)
 
 
 def test_small_angles_are_exact_where_acos_is_blind():
     phi = 1e-9
     goal = (np.cos(phi), np.sin(phi), 0.0)
     assert np.arccos(np.clip(np.dot((1.0, 0.0, 0.0), goal), -1.0, 1.0)) == 0.0
-    assert joint_turn(O, Z, (1.0, 0.0, 0.0), goal) == pytest.approx(phi, rel=1e-12)
+    assert joint_turn(ORIGIN, Z, (1.0, 0.0, 0.0), goal) == pytest.approx(phi, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("effector", "goal"),
-    [((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (O, (1.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), O), (O, O)],
+    [
+        ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (ORIGIN, (1.0, 0.0, 0.0)),
+        ((1.0, 0.0, 0.0), ORIGIN), (ORIGIN, ORIGIN),
+    ],
     ids=["effector on the axis", "goal on the axis", "effector at the joint", "goal at the joint", "both"],
 )
 def test_what_has_no_direction_in_the_plane_does_not_turn_the_joint(effector, goal):
-    assert joint_turn(O, Z, effector, goal) == 0.0
+    assert joint_turn(ORIGIN, Z, effector, goal) == 0.0
 
 
 def test_nan_turns_nothing():
-    assert joint_turn(O, Z, (np.nan, 0.0, 0.0), (1.0, 0.0, 0.0)) == 0.0
+    assert joint_turn(ORIGIN, Z, (np.nan, 0.0, 0.0), (1.0, 0.0, 0.0)) == 0.0

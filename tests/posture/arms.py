@@ -32,7 +32,9 @@ def planar(*limits: tuple[float, float]) -> list[Joint]:
     return [Hinges((Hinge(Z, *limit),)) for limit in limits]
 
 
-def arm(lengths: tuple[float, ...], joints: list[Joint], name: str = "arm", at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Avatar:
+def arm(
+    lengths: tuple[float, ...], joints: list[Joint], name: str = "arm", at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> Avatar:
     """Capsules end to end along x, anchored to the world at ``at``."""
     links = []
     for k, (length, joint) in enumerate(zip(lengths, joints, strict=True)):
@@ -46,8 +48,8 @@ def arm(lengths: tuple[float, ...], joints: list[Joint], name: str = "arm", at: 
     return Avatar(name, tuple(links))
 
 
-def ball_hand(radius: float, position: tuple[float, float, float], name: str = "hand") -> Avatar:
-    """A driven sphere; `sample` puts it somewhere."""
+def ball_hand(radius: float, name: str = "hand") -> Avatar:
+    """A driven sphere, at the origin unless a test puts it elsewhere."""
     piece = Piece(Sphere(radius))
     return rigid_avatar(name, (piece,), solid((piece,), 0.4))
 
@@ -66,7 +68,8 @@ def tips(world: World, lengths: tuple[float, ...]) -> Array:
 
 @dataclass
 class Reach:
-    """What CCD did: its status and sweeps, the distance it reports, whether the chain was bent, the distance that the kinematics has."""
+    """What CCD did: its status and sweeps, the distance left that it reports, whether the chain was bent, and the distance
+    left that the kinematics has."""
 
     status: int
     sweeps: int

@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from avatarsim.errors import InvalidFile
 from scenarios import catalog
 from scenarios.__main__ import main
+from scenarios.job import Job, Outcome
 from tests.scenarios.bad_engines import joined
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -192,3 +194,48 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert len(found["series"]["ball_drop"]["talks/default"]["frame_time_us"]) == 12
     assert [row["value"] for row in found["rows"] if row["metric"] == "deterministic"] == [1.0]
     assert [path.name for path in (tmp_path / "out" / "latest" / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]
+
+
+def test_a_truncated_clip_ends_its_own_scene_and_no_other(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def cut() -> object:
+        raise InvalidFile("humanoid3d_walk.txt", "ends within a frame", "whole frames of 44 numbers")
+
+    good = catalog.get("ball_drop")
+    both = {"ball_drop": good, "cut_short": replace(good, name="cut_short", build=cut)}
+    monkeypatch.setattr(catalog, "scenarios", lambda: both)
+    monkeypatch.setattr(catalog, "get", both.__getitem__)
+    assert called(tmp_path, "check", "--engine", "tunnels") == 3
+    notes = {row["scenario"]: row["note"] for row in latest(tmp_path)["rows"] if row["metric"] == "run"}
+    assert list(notes) == ["cut_short"] and "humanoid3d_walk.txt" in notes["cut_short"] and "whole frames" in notes["cut_short"]
+    assert (tmp_path / "out" / "latest" / "recordings" / "ball_drop.tunnels.default.0.npz").exists()
+
+
+def test_a_run_goes_on_where_an_earlier_one_ended(site: Path, tmp_path: Path) -> None:
+    called(tmp_path, "check", "--engine", "frozen", "--filter", "ball_drop", frames=40)
+    folder = (tmp_path / "out" / "latest").resolve()
+    kept = folder / "recordings" / "ball_drop.frozen.default.0.npz"
+    before = kept.stat().st_mtime_ns
+    words = ["check", "--engine", "frozen", "tunnels", "--filter", "ball_drop", "--resume", str(folder)]
+    assert called(tmp_path, *words, frames=40) == 1
+    assert kept.stat().st_mtime_ns == before and len(list(kept.parent.iterdir())) == 2
+    assert {row["engine"] for row in latest(tmp_path)["rows"]} == {"frozen", "tunnels"}
+    assert called(tmp_path, *words[:-1], str(tmp_path / "nowhere")) == 2
+
+
+def test_a_run_that_is_stopped_keeps_what_was_finished(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from scenarios import harness
+
+    real = harness.accuracy
+
+    def stopped(job: Job, folder: Path) -> Outcome:
+        if job.engine == "tunnels":
+            raise KeyboardInterrupt
+        return real(job, folder)
+
+    monkeypatch.setattr(harness, "accuracy", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        called(tmp_path, "check", "--engine", "frozen", "tunnels", "--filter", "ball_drop", frames=40)
+    (folder,) = (tmp_path / "out").iterdir()
+    found = json.loads((folder / "results.json").read_text())
+    assert found["exit_code"] is None and {row["engine"] for row in found["rows"]} == {"frozen"}
+    assert [path.name for path in (folder / "recordings").iterdir()] == ["ball_drop.frozen.default.0.npz"]

@@ -1,6 +1,7 @@
 """The accuracy pass, in this process, on small scenes and engines of our own."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
@@ -106,7 +107,7 @@ def test_a_preset_that_the_engine_lacks_names_those_it_has(folder: Path) -> None
 def test_a_refused_start_is_right_where_the_scene_expects_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch, scenario: str, state: str,
 ) -> None:
-    accuracy(job("fist", "tunnels"), folder)
+    accuracy(job("drop", "tunnels"), folder)
 
     def refuse(self: object, *arguments: object) -> None:
         raise StartOverlaps([("fist", "wall", 0.01)])
@@ -130,3 +131,30 @@ def test_a_scene_that_cannot_be_made_is_not_measured_and_earlier_files_stay(fold
     outcome = accuracy(job("broken", "tunnels"), folder)
     assert outcome.state == "not-measured" and str(error) in outcome.note
     assert (folder / "recordings" / "fist.tunnels.default.0.npz").read_bytes() == before
+
+
+def test_a_tracker_sample_that_is_no_number_is_named_before_any_engine_sees_it(folder: Path) -> None:
+    def lost(scene: object, seed: int) -> object:
+        motion = fist_motion(scene, seed)
+        return lambda k: replace(motion(k), positions=np.full((1, 3), np.nan)) if k == 2 else motion(k)
+
+    sys.modules[CATALOGUE].offered["lost"] = replace(fist(), name="lost", motion=lost)
+    outcome = accuracy(job("lost", "tunnels"), folder)
+    assert outcome.state == "not-measured" and "InvalidSample: tracker positions" in outcome.note
+
+
+def test_a_second_run_in_the_same_folder_keeps_whole_recordings_only(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = folder / "recordings" / "fist.tunnels.default.0.npz"
+    first = accuracy(job("fist", "tunnels"), folder)
+    written = path.stat().st_mtime_ns
+    again = accuracy(job("fist", "tunnels"), folder)
+    assert path.stat().st_mtime_ns == written and again.values == first.values and again.overlap_m == first.overlap_m
+    path.write_bytes(path.read_bytes()[:-100])
+    assert accuracy(job("fist", "tunnels"), folder).values == first.values, "a truncated one is made anew"
+    written = path.stat().st_mtime_ns
+    accuracy(job("fist", "tunnels", options={"gain": 1}), folder)
+    assert path.stat().st_mtime_ns > written, "other settings are another run"
+    written = path.stat().st_mtime_ns
+    monkeypatch.setattr("scenarios.run.code_hash", lambda: "0" * 16)
+    accuracy(job("fist", "tunnels", options={"gain": 1}), folder)
+    assert path.stat().st_mtime_ns > written, "other code is another run"

@@ -225,7 +225,8 @@ def swing_twist_excess(ball: Ball, turn: Rotation) -> float:
     axis, centre = np.array(ball.limits.axis), np.array(ball.limits.centre)
     limb = turn.apply(axis)
     swing = float(np.arctan2(np.linalg.norm(np.cross(limb, centre)), limb @ centre))
-    left = shortest(limb, centre) * turn * shortest(axis, centre).inv()
+    start = Rotation.from_quat(rotation.between(axis, centre), scalar_first=True)
+    left = shortest(limb, centre) * turn * start.inv()
     twist = float(left.as_rotvec() @ centre)
     low, high = ball.limits.twist
     return max(swing - ball.limits.swing, low - twist, twist - high)

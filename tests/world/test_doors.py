@@ -33,7 +33,7 @@ def test_a_sample_is_read_as_the_plain_functions_read_it(seed: int) -> None:
     found = blank()
     assert read_sample(positions, rotations, angles, HINGES, found)
     assert (found.root == positions).all() and (found.angle[HINGES] == angles).all() and not found.angle[:6].any()
-    assert found.turn == pytest.approx(rotation.to_matrix(rotations), abs=1e-15)
+    assert found.turn == pytest.approx(rotation.to_matrix(rotations), abs=1e-14)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

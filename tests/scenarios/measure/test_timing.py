@@ -29,6 +29,12 @@ def test_repeats_that_end_in_other_bits_are_not_deterministic() -> None:
     assert frame_times(Timed(np.ones((2, 2), dtype=np.int64), {}, 0.0, ("a", "b")))["deterministic"] == 0.0
 
 
+def test_the_accuracy_pass_must_have_reached_the_same_bits_at_the_same_frame() -> None:
+    timed = Timed(np.ones((2, 2), dtype=np.int64), {}, 0.0, ("c", "c"))
+    assert frame_times(timed, ("a", "b", "c", "d"))["deterministic"] == 1.0
+    assert frame_times(timed, ("a", "c", "b", "c"))["deterministic"] == 0.0
+
+
 def test_work_is_a_mean_per_frame_and_resyncs_a_sum() -> None:
     from dataclasses import replace
 

@@ -1,0 +1,66 @@
+"""PyBullet's product rule: exact where it can be, closest where it cannot, and honest about the difference."""
+
+import numpy as np
+import pytest
+
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
+from reference.in_pybullet.cannot_say import cannot_say
+from reference.in_pybullet.factors import coefficients, fit, weights
+from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from tests.agreement.scenes import hand, pressed
+
+BALL = (Piece(Sphere(0.05)),)
+
+
+def test_three_classes_that_touch_are_exact() -> None:
+    """Hand, ball, table: 0.2, 0.2, 0.3 from factors 0.365, 0.548, 0.548."""
+    table = fixed("table", (Piece(Box((1.0, 1.0, 0.05))),), "wood", (0.0, 0.0, -0.025))
+    ball = simulated("ball", BALL, "wood", solid(BALL, 0.1), (0.0, 0.0, 0.05))
+    scene = Scene("press", (table, ball), (hand(),), start=pressed(0))
+    restitution, friction = (
+        fit(scene, wanted, matters).values for wanted, matters in zip(coefficients(scene), weights(scene), strict=True)
+    )
+    assert restitution[0] * restitution[1] == pytest.approx(0.3, abs=1e-4)
+    assert restitution[1] * restitution[2] == pytest.approx(0.2, abs=1e-4)
+    assert friction[0] * friction[1] == pytest.approx(0.3, abs=1e-4)
+    assert friction[1] * friction[2] == pytest.approx(0.2, abs=1e-4)
+    assert friction[0] * friction[2] == pytest.approx(0.2, abs=1e-4)
+    assert "restitution" not in cannot_say(scene)
+
+
+def test_six_balls_on_six_slabs_are_exact_where_they_meet() -> None:
+    scene = BALL_DROP.build()
+    values = fit(scene, coefficients(scene)[0], weights(scene)[0]).values
+    for drop in BALL_DROP.expects["drops"]:  # type: ignore[attr-defined]
+        product = values[scene.names.index(drop.ball)] * values[scene.names.index(drop.floor)]
+        assert product == pytest.approx(drop.restitution, abs=2e-3)
+
+
+def test_a_table_that_is_no_product_is_fitted_and_said() -> None:
+    """Two balls of each material, all in one place: six pairs of classes, three factors."""
+    bodies = tuple(
+        simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0)) for material in ("wood", "human", "metal") for k in range(2)
+    )
+    scene = Scene("crowd", bodies)
+    found = fit(scene, *[pair[0] for pair in (coefficients(scene), weights(scene))])
+    assert max(abs(wanted - said) for _, _, wanted, said in found.misses) < 0.06
+    assert "instead of" in cannot_say(scene)["restitution"]
+
+
+def test_zero_stays_almost_zero_and_many_bodies_share_factors() -> None:
+    bodies = tuple(simulated(f"b{k}", BALL, "wood", solid(BALL, 1.0), (0.2 * k, 0.0, 0.0)) for k in range(80))
+    scene = Scene("many", bodies)
+    values = fit(scene, coefficients(scene)[0], weights(scene)[0]).values
+    assert np.ptp(values) < 1e-12
+    assert values[0] ** 2 == pytest.approx(0.3, abs=1e-6)
+    none = Scene("none", bodies, narrow=("restitution",))
+    assert fit(none, coefficients(none)[0], weights(none)[0]).values.max() < 2e-3
+
+
+def test_ellipsoids_are_owned_up_to() -> None:
+    egg = (Piece(Ellipsoid((0.1, 0.2, 0.3))),)
+    scene = Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),))
+    assert "ellipsoids" in cannot_say(scene)

@@ -1,0 +1,120 @@
+"""MuJoCo's priorities and explicit pairs together say exactly the scene's table, whatever it is."""
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.engine import Settings
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.material import TABLE_1, Contact, PairTable
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from reference.in_mujoco.engine import MujocoEngine
+from reference.in_mujoco.laws import contact_laws, law_between
+from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from tests.agreement.scenes import FRAME, hand, pressed
+
+MATERIALS = ("human", "metal", "wood")
+BALL = (Piece(Sphere(0.1)),)
+
+
+def crowd(materials: list[str], still: list[bool], table: PairTable = TABLE_1, **more: object) -> Scene:
+    """Balls that all touch at the origin, of the given materials, some of them fixed."""
+    bodies = [
+        fixed(f"f{k}", BALL, m) if s else simulated(f"s{k}", BALL, m, solid(BALL, 1.0))
+        for k, (m, s) in enumerate(zip(materials, still, strict=True))
+    ]
+    return Scene("crowd", tuple(bodies), materials=table, **more)  # type: ignore[arg-type]
+
+
+coefficients = st.sampled_from([0.0, 0.1, 0.2, 0.3])
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from(MATERIALS), st.booleans()), min_size=2, max_size=7),
+    st.lists(st.tuples(coefficients, coefficients), min_size=6, max_size=6),
+)
+def test_every_pair_has_its_law(bodies: list[tuple[str, bool]], numbers: list[tuple[float, float]]) -> None:
+    keys = [(a, b) for i, a in enumerate(MATERIALS) for b in MATERIALS[i:]]
+    table = PairTable({key: Contact(*values) for key, values in zip(keys, numbers, strict=True)})
+    scene = crowd([m for m, _ in bodies], [s for _, s in bodies], table)
+    laws = contact_laws(scene, bounce=True)
+    for a in range(len(bodies)):
+        for b in range(a + 1, len(bodies)):
+            if scene.pair_filter[a, b]:
+                (rank_a, law_a), (rank_b, law_b) = laws.own[a], laws.own[b]
+                said = laws.explicit.get((a, b), law_a if rank_a >= rank_b else law_b)
+                assert said == law_between(scene, a, b)
+
+
+def test_table_1_needs_few_explicit_pairs() -> None:
+    """Six balls and six slabs: 51 pairs of which priorities alone say most."""
+    laws = contact_laws(BALL_DROP.build(), bounce=True)
+    assert 0 < len(laws.explicit) <= 12
+
+
+def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -> None:
+    """Read from the contacts that MuJoCo makes when all balls overlap: every wanted pair once, and no other."""
+    scene = crowd(["human", "metal", "wood", "wood", "metal"], [False, False, False, True, True], exclude=(("s0", "s1"),))
+    engine = MujocoEngine()
+    engine.load(scene, Settings("tuned"), FRAME)
+    model, data = engine._world.model, engine._data
+    mujoco.mj_forward(model, data)
+    found = {}
+    for contact in data.contact[: data.ncon]:
+        a, b = sorted(int(model.geom(int(g)).name[1:].split(".")[0]) for g in contact.geom)
+        assert (a, b) not in found
+        found[a, b] = float(contact.friction[0])
+    n = len(scene.names)
+    wanted = {(a, b) for a in range(n) for b in range(a + 1, n) if scene.pair_filter[a, b]}
+    assert set(found) == wanted
+    for (a, b), friction in found.items():
+        assert friction == scene.materials.contact(scene.material_names[a], scene.material_names[b]).friction
+
+
+def test_frictionless_scenes_have_frictionless_contacts() -> None:
+    scene = crowd(["wood", "wood"], [False, True], narrow=("friction",))
+    engine = MujocoEngine()
+    engine.load(scene, Settings("tuned"), FRAME)
+    mujoco.mj_forward(engine._world.model, engine._data)
+    assert engine._data.ncon == 1
+    assert engine._data.contact[0].dim == 1
+
+
+def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says() -> None:
+    """MuJoCo's own rule would also drop grandparents across rigid joints."""
+    from tests.agreement.scenes import every_joint, posture
+
+    avatar = every_joint()
+    scene = Scene("self", avatars=(avatar,), start=posture(avatar, 0))
+    engine = MujocoEngine()
+    engine.load(scene, Settings("tuned"), FRAME)
+    model = engine._world.model
+    excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
+    ids = engine._world.body_ids
+    for a in range(5):
+        for b in range(a + 1, 5):
+            low, high = sorted((int(ids[a]), int(ids[b])))
+            assert ((low, high) in excluded or (high, low) in excluded) == (not scene.pair_filter[a, b])
+    assert model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.003])
+def test_margin_keeps_a_driven_hand_off_the_table(margin: float) -> None:
+    """Contacts begin at the margin and hold there: the hand rests that far above."""
+    table = fixed("table", (Piece(Box((1.5, 1.0, 0.05))),), "wood", (0.0, 0.0, -0.025))
+    scene, engine = Scene("press", (table,), (hand(),), start=pressed(0)), MujocoEngine()
+    engine.load(scene, Settings("tuned", {"margin": margin}), FRAME)
+    for frame in range(1, 31):
+        record = engine.advance(pressed(frame), FRAME)
+    turn = record.shown.orientations[1]
+    from avatarsim.spatial import rotation
+
+    lowest = min(
+        float((rotation.rotate(turn, piece.shape.vertices + np.array(piece.position))[:, 2]).min())
+        for piece in scene.links[0].pieces
+    )
+    assert lowest + record.shown.positions[1, 2] == pytest.approx(margin, abs=2e-4)

@@ -1,0 +1,90 @@
+"""What the engines are told to follow: the same motion for all, and the plain kinematics at every instant."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.scene.joint import Ball
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, link_poses
+from avatarsim.spatial import rotation
+from reference.targets import Targets
+from tests.agreement.scenes import LIMITS, every_joint, posture
+
+SCENE = Scene("targets", avatars=(every_joint(),), start=posture(every_joint(), 0))
+
+
+@given(st.integers(0, 10**6), st.floats(0.0, 1.0))
+def test_interpolated_postures_have_the_plain_kinematics(seed: int, fraction: float) -> None:
+    start, end = posture(SCENE.avatars[0], seed), posture(SCENE.avatars[0], seed + 1)
+    targets = Targets(SCENE, clamp=False)
+    goals = targets.between(targets.within_limits(start), targets.within_limits(end), np.array([fraction]))
+    middle = TrackerSample(
+        0.0, start.positions + fraction * (end.positions - start.positions),
+        rotation.slerp(start.rotations, end.rotations, np.full(5, fraction)),
+        start.angles + fraction * (end.angles - start.angles),
+    )
+    positions, orientations = link_poses(SCENE.avatars, middle)
+    assert np.abs(goals.positions[0] - positions).max() <= 1e-12
+    apart = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(orientations), goals.orientations[0]))
+    assert np.abs(apart).max() <= 1e-12
+
+
+def test_the_last_step_of_a_frame_is_the_sample_itself() -> None:
+    start, end = posture(SCENE.avatars[0], 0), posture(SCENE.avatars[0], 1)
+    targets = Targets(SCENE, clamp=False)
+    goals = targets.between(start, end, np.arange(5) / 4)
+    positions, _ = link_poses(SCENE.avatars, end)
+    assert np.abs(goals.positions[-1] - positions).max() <= 1e-12
+    assert np.abs(goals.angles[-1] - end.angles).max() <= 1e-15
+
+
+@given(st.integers(0, 10**6))
+def test_clamped_samples_are_within_limits_and_free_ones_unchanged(seed: int) -> None:
+    """Swing and twist as in the joint's own definition, measured here from the matrices."""
+    draw = np.random.default_rng(seed)
+    avatar = SCENE.avatars[0]
+    wild = TrackerSample(
+        0.0, np.zeros((5, 3)), rotation.normalised(draw.normal(size=(5, 4))), draw.uniform(-4.0, 4.0, avatar.hinge_count)
+    )
+    kept = Targets(SCENE, clamp=True).within_limits(wild)
+    link = avatar.links[2]
+    assert isinstance(link.joint, Ball)
+    swing, twist = swing_and_twist(rotation.multiply(link.orientation, kept.rotations[2]))
+    was_swing, was_twist = swing_and_twist(rotation.multiply(link.orientation, wild.rotations[2]))
+    assert swing <= LIMITS.swing + 1e-9
+    assert LIMITS.twist[0] - 1e-9 <= twist <= LIMITS.twist[1] + 1e-9
+    if was_swing <= LIMITS.swing and LIMITS.twist[0] <= was_twist <= LIMITS.twist[1]:
+        assert np.abs(kept.rotations[2] - wild.rotations[2]).max() <= 1e-12
+    # the parts that were within limits stay as they were
+    assert swing == pytest.approx(min(was_swing, LIMITS.swing), abs=1e-7)
+    assert twist == pytest.approx(min(max(was_twist, LIMITS.twist[0]), LIMITS.twist[1]), abs=1e-7)
+    # the order of tracker angles is that of the links: "one", then the three of "three"
+    assert abs(kept.angles[0]) <= 2.0 and abs(kept.angles[3]) <= 1.0
+    assert kept.angles[1] == wild.angles[1]
+
+
+def swing_and_twist(turn: np.ndarray) -> tuple[float, float]:
+    """Angle of the limb's axis from the cone's, and the turn about it; the axes of LIMITS coincide."""
+    axis = np.array(LIMITS.axis)
+    along = rotation.rotate(turn, axis)
+    swing = float(np.arctan2(np.linalg.norm(np.cross(axis, along)), axis @ along))
+    twist = 2.0 * np.arctan2(turn[1:] @ axis, turn[0])
+    return swing, float((twist + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+def test_poses_ahead_go_on_as_the_motion_came() -> None:
+    """A steady motion led by two steps is where it will be two steps later."""
+    start = posture(SCENE.avatars[0], 0)
+    spin = rotation.from_axis_angle((0.0, 0.0, 1.0), 0.1)
+    end = TrackerSample(
+        0.0, start.positions + np.array([0.1, 0.0, 0.0]),
+        np.vstack([rotation.multiply(spin, start.rotations[0]), start.rotations[1:]]), start.angles,
+    )
+    targets = Targets(SCENE, clamp=False)
+    goals = targets.between(start, end, np.array([0.0, 1.0]))
+    positions, orientations = targets.ahead(goals, 2.0)
+    assert np.abs(positions[0, 0] - start.positions[0] - [0.3, 0.0, 0.0]).max() <= 1e-12
+    wanted = rotation.multiply(rotation.from_axis_angle((0.0, 0.0, 1.0), 0.3), start.rotations[0])
+    assert np.abs(np.abs(orientations[0, 0] @ wanted) - 1.0) <= 1e-12

@@ -1,0 +1,44 @@
+"""The timing pass with engines that work, that raise, and that are not there. No figure is judged: machines differ."""
+
+import os
+
+import numpy as np
+import pytest
+
+from scenarios.job import Job
+from scenarios.timing import REPEATS, Clocked, timed_pass
+from tests.scenarios.bad_engines import joined
+
+
+@pytest.fixture(scope="module")
+def clocked(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Clocked]:
+    folder = joined(tmp_path_factory.mktemp("site"))
+    patch = pytest.MonkeyPatch()
+    patch.syspath_prepend(folder)
+    done: list[int] = []
+    jobs = [Job("ball_drop", engine, "default", frames=9) for engine in ("tunnels", "raises", "absent", "dies")]
+    found = {clocked.job.engine: clocked for clocked in timed_pass(jobs, False, lambda: done.append(1))}
+    patch.undo()
+    assert len(done) == 4
+    return found
+
+
+def test_every_frame_of_every_repeat_is_timed(clocked: dict[str, Clocked]) -> None:
+    timed = clocked["tunnels"].timed
+    assert timed is not None and timed.around_ns.shape == (REPEATS, 9)
+    assert (timed.around_ns > 0).all() and timed.best_us.shape == (9,) and timed.warmup > 0.0
+    assert np.array_equal(timed.best_us, timed.around_ns.min(axis=0) / 1e3)
+    assert len(timed.hashes) == REPEATS and len(set(timed.hashes)) == 1
+
+
+@pytest.mark.parametrize(("engine", "said"), [
+    ("raises", "the solver has lost its way"), ("absent", "a_package_that_nobody_has"), ("dies", "killed by signal 9"),
+])
+def test_who_gives_no_times_says_why(clocked: dict[str, Clocked], engine: str, said: str) -> None:
+    assert clocked[engine].timed is None and said in clocked[engine].note
+
+
+def test_no_child_is_left_behind(clocked: dict[str, Clocked]) -> None:
+    import multiprocessing
+
+    assert multiprocessing.active_children() == [] and os.getpid() > 0

@@ -1,0 +1,216 @@
+"""The engine's doors: settings, order of calls, bad samples, overlapping starts, and stages that are not called for."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, StartOverlaps, UnknownName
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+from tests.posture.little_worlds import at, hand, hand_scene, panel
+from tests.stability.hostile import DT, hinged_trial
+
+BALL = (Piece(Sphere(0.1)),)
+SCENE = hand_scene((-0.5, 0.0, 0.0), panel())
+DROP = Scene("drop", (simulated("ball", BALL, "wood", solid(BALL, 1.0), (0.0, 0.0, 2.0)),))
+
+
+def loaded(scene: Scene = SCENE, **options: object) -> AvatarsimEngine:
+    """An engine that has loaded a scene."""
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(options=options), DT)
+    return engine
+
+
+def same(a: FrameRecord, b: FrameRecord) -> bool:
+    """Two records show the same bits."""
+    return a.state_hash() == b.state_hash()
+
+
+def test_it_is_an_engine() -> None:
+    assert isinstance(AvatarsimEngine(), Engine) and AvatarsimEngine().presets[0] == "default"
+
+
+def test_an_unknown_preset_is_named_and_the_known_ones_listed() -> None:
+    with pytest.raises(UnknownName, match="preset of avatarsim is 'turbo'; valid: one of .*default"):
+        AvatarsimEngine().load(SCENE, Settings(preset="turbo"), DT)
+
+
+def test_an_unknown_option_is_named_and_the_known_ones_listed() -> None:
+    with pytest.raises(UnknownName, match="option of avatarsim is 'stand_of'; valid: one of .*stand_off"):
+        loaded(stand_of=1e-4)
+
+
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, "fast", None, True])
+@pytest.mark.parametrize("name", ["stand_off", "steps", "spring"])
+def test_options_are_finite_numbers(name: str, value: object) -> None:
+    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a finite number, 0 or more"):
+        loaded(**{name: value})
+
+
+def test_options_are_in_force_and_reported() -> None:
+    told = loaded(stand_off=1e-3, steps=3, spring=500).settings_as_run()
+    assert told["stand_off"] == 1e-3 and told["steps"] == 3 and told["spring"] == 500.0 and told["damping"] == 40.0
+    assert told["method"] == "default"
+
+
+def test_a_larger_stand_off_leaves_more_air() -> None:
+    for stand_off in (2e-4, 2e-3):
+        engine = loaded(stand_off=stand_off)
+        for _ in range(20):
+            record = engine.advance(at(SCENE.first_sample, (0.5, 0.0, 0.0)), DT)
+        assert -record.shown.positions[1, 0] - 0.051 == pytest.approx(stand_off, rel=0.3)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, 1.5])
+def test_frame_times_at_load(dt: float) -> None:
+    with pytest.raises(InvalidInput, match=r"frame time \[s\] is .*; valid: above 0 and at most 1"):
+        AvatarsimEngine().load(SCENE, Settings(), dt)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf])
+def test_frame_times_at_advance(dt: float) -> None:
+    """A negative or nan frame time must not turn time back, or make it a nan for good."""
+    engine = loaded()
+    with pytest.raises(InvalidInput, match="frame time"):
+        engine.advance(SCENE.first_sample, dt)
+    assert engine.advance(SCENE.first_sample, DT).shown.time == pytest.approx(DT)
+
+
+@pytest.mark.parametrize("call", ["advance", "settings_as_run", "stage_calls"])
+def test_nothing_works_before_load_or_after_close(call: str) -> None:
+    arguments = (SCENE.first_sample, DT) if call == "advance" else ()
+    with pytest.raises(AvatarsimError, match="no scene is loaded"):
+        getattr(AvatarsimEngine(), call)(*arguments)
+    engine = loaded()
+    engine.close()
+    with pytest.raises(AvatarsimError, match="no scene is loaded"):
+        getattr(engine, call)(*arguments)
+    engine.close()
+
+
+def test_loading_again_starts_again() -> None:
+    engine = AvatarsimEngine()
+    first = engine.load(SCENE, Settings(), DT)
+    for _ in range(3):
+        moved = engine.advance(at(SCENE.first_sample, (-0.2, 0.1, 0.0)), DT)
+    again = engine.load(SCENE, Settings(), DT)
+    assert same(first, again) and not same(first, moved) and again.shown.time == 0.0
+    assert sum(engine.stage_calls().values()) == 0
+    other = engine.load(DROP, Settings(), DT)
+    assert other.shown.positions.shape == (1, 3) and other.angles.shape == (0,)
+
+
+def test_a_load_that_fails_leaves_the_loaded_scene_running() -> None:
+    engine = loaded()
+    with pytest.raises(UnknownName):
+        engine.load(DROP, Settings(preset="turbo"), DT)
+    assert engine.advance(SCENE.first_sample, DT).shown.positions.shape == (2, 3)
+
+
+def test_records_are_snapshots_and_not_windows() -> None:
+    engine = loaded()
+    first = engine.advance(at(SCENE.first_sample, (-0.3, 0.0, 0.0)), DT)
+    kept = first.state_hash()
+    engine.advance(at(SCENE.first_sample, (-0.2, 0.3, 0.0)), DT)
+    assert first.state_hash() == kept
+    first.shown.positions[:] = 9.0
+    first.angles[:] = 9.0
+    assert (np.abs(engine.advance(SCENE.first_sample, DT).shown.positions) < 5.0).all()
+
+
+def bad_samples(good: TrackerSample) -> list[TrackerSample]:
+    """One of every kind of bad sample."""
+    lost, wrong = good.positions.copy(), good.rotations.copy()
+    lost[0, 1], wrong[0] = math.nan, (2.0, 0.0, 0.0, 0.0)
+    crooked = good.angles.copy()
+    crooked[-1:] = math.inf
+    samples = [
+        replace(good, positions=lost), replace(good, rotations=wrong), replace(good, rotations=np.full_like(wrong, math.nan)),
+        replace(good, positions=np.zeros((99, 3))), replace(good, rotations=np.zeros((len(wrong), 3))), replace(good, angles=np.zeros(99)),
+    ]
+    return samples + ([replace(good, angles=crooked)] if len(crooked) else [])
+
+
+@pytest.mark.parametrize("scene", [SCENE, hinged_trial().scene])
+def test_a_bad_sample_changes_nothing_and_the_next_good_one_works(scene: Scene) -> None:
+    disturbed, quiet = loaded(scene), loaded(scene)
+    x, y, z = scene.first_sample.positions[0]
+    for k in range(8):
+        good = at(scene.first_sample, (x + 0.05 * k, y, z))
+        for bad in bad_samples(good):
+            with pytest.raises(InvalidSample):
+                disturbed.advance(bad, DT)
+        a, b = disturbed.advance(good, DT), quiet.advance(good, DT)
+        assert same(a, b) and a.shown.time == b.shown.time
+
+
+def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
+    box = fixed("box", (Piece(Box((0.2, 0.2, 0.2))),), "wood", (0.12, 0.0, 0.0))
+    near = fixed("near", (Piece(Sphere(0.1)),), "wood", (0.0, 0.16, 0.0))
+    far = fixed("far", (Piece(Sphere(0.1)),), "wood", (0.0, 0.0, 5.0))
+    scene = Scene("s", (far, box, near), (hand((Piece(Sphere(0.08)),)),))
+    with pytest.raises(StartOverlaps) as error:
+        loaded(scene)
+    assert [pair[:2] for pair in error.value.pairs] == [("box", "hand"), ("near", "hand")]
+    assert [pair[2] for pair in error.value.pairs] == pytest.approx([0.06, 0.02])
+    assert "box in hand by 60 mm" in str(error.value) and "far" not in str(error.value)
+
+
+def test_many_overlaps_are_counted_not_listed() -> None:
+    crowd = tuple(fixed(f"f{k}", BALL, "wood", (0.01 * k, 0.0, 0.0)) for k in range(12))
+    with pytest.raises(StartOverlaps, match="and 4 more"):
+        loaded(Scene("s", crowd, (hand(),)))
+
+
+def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
+    inside = fixed("box", (Piece(Box((0.2, 0.2, 0.2))),), "wood")
+    record = loaded(Scene("s", (inside,), (hand(),), exclude=(("box", "hand"),)))
+    assert record.advance(rest((hand(),)), DT).shown.positions.shape == (2, 3)
+
+
+def test_stages_that_a_scene_does_not_call_for_are_not_called() -> None:
+    driven = loaded()
+    for _ in range(3):
+        driven.advance(SCENE.first_sample, DT)
+    calls = driven.stage_calls()
+    assert calls["posture"] == 3 and all(count == 0 for name, count in calls.items() if name != "posture")
+    falling = loaded(DROP)
+    for _ in range(3):
+        falling.advance(rest(()), DT)
+    calls = falling.stage_calls()
+    assert calls["posture"] == 0 and calls["coupling"] == 0
+
+
+def test_stages_are_timed_only_on_request() -> None:
+    engine = AvatarsimEngine()
+    engine.load(SCENE, Settings(time_stages=True), DT)
+    assert set(engine.advance(SCENE.first_sample, DT).stage_ns) == {"posture"}
+    assert loaded().advance(SCENE.first_sample, DT).stage_ns == {}
+
+
+def test_what_it_cannot_say_is_said() -> None:
+    assert "avatar dynamics" in AvatarsimEngine().cannot_say(SCENE)
+    assert AvatarsimEngine().cannot_say(DROP) == {}
+
+
+def test_lists_and_single_precision_are_taken_as_samples() -> None:
+    engine, exact = loaded(), loaded()
+    good = at(SCENE.first_sample, (-0.25, 0.5, 0.125))
+    loose = TrackerSample(0.0, good.positions.tolist(), good.rotations.astype(np.float32), [])
+    assert same(engine.advance(loose, DT), exact.advance(good, DT))
+
+
+def test_bodies_that_stand_still_are_shown_where_they_were_put() -> None:
+    engine = loaded()
+    for _ in range(5):
+        record = engine.advance(at(SCENE.first_sample, (0.5, 0.2, 0.1)), DT)
+    assert record.shown.positions[0].tolist() == [0.0, 0.0, 0.0] and record.shown.orientations[0].tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert not record.shown.velocities[0].any()
