@@ -27,7 +27,8 @@ class Frames:
         self, world: World, posture: PostureSettings, coupling: CouplingSettings, *, record_inside: bool, time_stages: bool
     ) -> None:
         self.world, self.posture_settings, self.coupling_settings = world, posture, coupling
-        self.effects, self.time, self.clock = world.scene.effects, 0.0, StageClock(time_stages)
+        self.effects, self.clock = world.scene.effects, StageClock(time_stages)
+        self.begun = self.time = 0.0
         self.status, self.record_inside = DONE, record_inside
         if self.effects.overlap_removal:
             self.target = Target(world)
@@ -60,7 +61,7 @@ class Frames:
                 )
             if self.effects.coupling:
                 self.coupling.receive(self.motion.received)
-        self.time += dt
+        self.begun, self.time = self.time, self.time + dt
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""
@@ -77,4 +78,4 @@ class Frames:
 
     def inside(self) -> tuple[Snapshot, ...]:
         """Events of the last frame, if they are recorded."""
-        return snapshots(self.world, self.events, self.time) if self.record_inside and self.effects.dynamics else ()
+        return snapshots(self.world, self.events, self.begun) if self.record_inside and self.effects.dynamics else ()

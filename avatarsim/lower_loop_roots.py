@@ -4,12 +4,19 @@ x in m x'' = -K x - R x' is the root's place relative to the tracker's, and so i
 evenly the root does not trail behind. The orientation of the root has no spring in the paper; it is attracted like a joint.
 """
 
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
-from avatarsim.lower_loop_memory import PaperMemory
 from avatarsim.settings import CouplingSettings
-from avatarsim.spatial.vec3 import add, norm, put_row, row, scale, sub
-from avatarsim.world.skeleton import FREE, Posture, Skeleton
+from avatarsim.spatial.vec3 import Rows, add, norm, put_row, row, scale, sub
+from avatarsim.world.skeleton import FREE
+
+Index = NDArray[np.int64]
+Lengths = NDArray[np.float64]
 
 UNDISTURBED = 1e-12
 """[m] a root that was shown this near to where eq. 6 wanted it keeps the velocity of eq. 6; else it has that of its shown way."""
@@ -17,32 +24,40 @@ UNDISTURBED = 1e-12
 
 @kernel
 def couple_roots(
-    skel: Skeleton, tracker: Posture, shown: Posture, dt: float, coupling: CouplingSettings, couple: int, memory_out: PaperMemory
+    kind: Index, tracker: Rows, tracked: Rows, shown: Rows, mass: Lengths, dt: float, coupling: CouplingSettings, couple: int,
+    velocity_out: Rows, target_out: Rows,
 ) -> None:
-    """Write target.root (eq. 6's place after ``dt`` seconds) and, for the time being, the root's velocity."""
-    for link in range(skel.kind.shape[0]):
-        if skel.kind[link] != FREE:
+    """Where eq. 6 puts every free root after ``dt`` seconds, and how fast it then is.
+
+    kind (nl) of joints; tracker, tracked (nl, 3) the user's roots now and at the last frame [m]; shown (nl, 3) the roots on
+    display; mass (nl) [kg]; velocity (nl, 3) [m/s], read and written; target (nl, 3) [m]. With ``couple`` 0 the root is where
+    the user is.
+    """
+    for link in range(kind.shape[0]):
+        if kind[link] != FREE:
             continue
-        there, before = row(tracker.root, link), row(memory_out.tracked, link)
+        there, before = row(tracker, link), row(tracked, link)
         if couple == 0 or not (dt > 0.0):
-            put_row(memory_out.target.root, link, there)
+            put_row(target_out, link, there)
             continue
         tracker_velocity = scale(sub(there, before), 1.0 / dt)
-        offset, velocity = sub(row(shown.root, link), before), sub(row(memory_out.velocity, link), tracker_velocity)
-        moved, slowed = coupled(memory_out.mass[link], coupling.spring, coupling.damping, offset, velocity, dt)
-        put_row(memory_out.target.root, link, add(there, moved))
-        put_row(memory_out.velocity, link, add(slowed, tracker_velocity))
+        offset, velocity = sub(row(shown, link), before), sub(row(velocity_out, link), tracker_velocity)
+        moved, slowed = coupled(mass[link], coupling.spring, coupling.damping, offset, velocity, dt)
+        put_row(target_out, link, add(there, moved))
+        put_row(velocity_out, link, add(slowed, tracker_velocity))
 
 
 @kernel
-def settle_roots(skel: Skeleton, tracker: Posture, shown: Posture, dt: float, memory_out: PaperMemory) -> None:
-    """After the frame: a root that was pushed or walked back has the velocity of the way it was shown to go."""
-    for link in range(skel.kind.shape[0]):
-        if skel.kind[link] != FREE or not (dt > 0.0):
+def settle_roots(
+    kind: Index, tracker: Rows, target: Rows, before: Rows, shown: Rows, dt: float, velocity_out: Rows, tracked_out: Rows
+) -> None:
+    """After the frame: a root that was pushed or walked back has the velocity of the way it was shown to go, from
+    ``before`` (nl, 3) to ``shown`` [m]; the user's roots are remembered."""
+    for link in range(kind.shape[0]):
+        if kind[link] != FREE or not (dt > 0.0):
             continue
-        now = row(shown.root, link)
-        if not (norm(sub(now, row(memory_out.target.root, link))) <= UNDISTURBED):
-            put_row(memory_out.velocity, link, scale(sub(now, row(memory_out.checked.root, link)), 1.0 / dt))
-        there = row(tracker.root, link)
+        now, there = row(shown, link), row(tracker, link)
+        if not (norm(sub(now, row(target, link))) <= UNDISTURBED):
+            put_row(velocity_out, link, scale(sub(now, row(before, link)), 1.0 / dt))
         # a tracker that is no number must not be remembered
-        put_row(memory_out.tracked, link, there if norm(there) < 1e300 else now)
+        put_row(tracked_out, link, there if norm(there) < inf else now)

@@ -103,4 +103,6 @@ class AvatarsimEngine:
         world = frames.world
         position, orientation = shown_poses(world)
         shown = Snapshot(frames.time, position, orientation, world.velocities.linear.copy(), world.velocities.angular.copy())
-        return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, dict(frames.clock.ns), inside)
+        # the state at the end is itself the frame's last sub-step; before it stand the events of the upper loop
+        steps = (*inside, shown) if self._settings.record_inside else ()
+        return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, dict(frames.clock.ns), steps)

@@ -11,6 +11,7 @@ from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, Contacts, 
 from avatarsim.kernel import kernel
 from avatarsim.motion.manifold import manifold
 from avatarsim.motion.time_of_impact import TOUCH
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row, scale, sub
 from avatarsim.upper_loop_memory import Memory
 from avatarsim.world.dynamics import Dynamics
@@ -21,6 +22,9 @@ Index = NDArray[np.int64]
 
 FOUND, NO_ROOM, BROKEN = 0, 1, 2
 """Outcome: all contacts found; more than fit; a pose is not finite."""
+
+DRIVEN_TOUCH = 2.0 * PostureSettings().stand_off
+"""Gap [m] below which a driven body touches: twice the stand-off that it keeps. Below the stand-off it could push nothing."""
 
 SIMULATED, DRIVEN = 1, 2
 """Values of `Role` that matter here."""
@@ -39,6 +43,8 @@ def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:
 def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: int, memory: Memory) -> tuple[int, float]:
     """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs that somebody moves in.
 
+    A driven body keeps a stand-off from everything, so it reaches farther, by DRIVEN_TOUCH: what it cannot come nearer to, it hits.
+
     Returns (outcome, smallest gap [m], inf without contacts).
     """
     contacts, found = memory.contacts, memory.manifold
@@ -53,16 +59,17 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
         driven = DRIVEN_A if dynamics.role[a] == DRIVEN else (DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN)
         for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
             for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
-                if boxes_apart(poses.boxes, sa, sb, TOUCH):
+                reach = TOUCH if driven == NOT_DRIVEN else DRIVEN_TOUCH
+                if boxes_apart(poses.boxes, sa, sb, reach):
                     continue
                 status, gap, n, on_a, on_b = signed_distance_up_to(
-                    vertices, shapes, sa, sb, (0.0, 0.0, 0.0), TOUCH, memory.scratch
+                    vertices, shapes, sa, sb, (0.0, 0.0, 0.0), reach, memory.scratch
                 )
                 if status == NOT_FINITE:
                     return BROKEN, worst
-                if not (gap < TOUCH):
+                if not (gap < reach):
                     continue
-                count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, TOUCH, found)
+                count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
                 worst = min(worst, gap)
                 for i in range(count):
                     p_a, p_b = row(found.on_a, i), row(found.on_b, i)

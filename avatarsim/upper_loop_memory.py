@@ -127,7 +127,7 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         contacts=make_contacts(), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((ROOM, 3)), direction=np.zeros((ROOM, 3)), boxes=np.zeros((n, 6)),
         allowed=geometry.wanted & (simulated[:, None] | simulated[None, :]), order=np.arange(n, dtype=np.int64),
-        pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 4)), b_rows=np.zeros((most, 4)),
+        pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last_key=np.zeros(ROOM, np.int64), last_force=np.zeros((ROOM, 3)), last_count=np.zeros(1, np.int64),
         counts=np.zeros(10, np.int64),
     )

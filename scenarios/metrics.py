@@ -11,6 +11,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "wrong_side_frames": ("frames", "frames, sub-steps included, in which something is outside its declared region"),
     "restitution_error_max": ("", "largest |v+/v- - e| of an impact faster than 0.3 m/s"),
     "apex_error_max": ("m", "largest |apex - e^(2n) h| over the bounces whose expected apex is at least 1 mm"),
+    "travel_missing": ("m", "how far pushed bodies fell short of the way that the scene states for them"),
     "joint_limit_excess_max": ("deg", "largest angle beyond a hinge's limits or a ball's swing and twist, from poses"),
     "joint_gap_max": ("m", "largest distance of a link from where its joint holds it on its parent"),
     "reach_cone_excess_max": ("deg", "largest angle by which a limb points outside its reach cone"),

@@ -133,8 +133,12 @@ def bad_samples(good: TrackerSample) -> list[TrackerSample]:
     crooked = good.angles.copy()
     crooked[-1:] = math.inf
     samples = [
-        replace(good, positions=lost), replace(good, rotations=wrong), replace(good, rotations=np.full_like(wrong, math.nan)),
-        replace(good, positions=np.zeros((99, 3))), replace(good, rotations=np.zeros((len(wrong), 3))), replace(good, angles=np.zeros(99)),
+        replace(good, positions=lost),
+        replace(good, rotations=wrong),
+        replace(good, rotations=np.full_like(wrong, math.nan)),
+        replace(good, positions=np.zeros((99, 3))),
+        replace(good, rotations=np.zeros((len(wrong), 3))),
+        replace(good, angles=np.zeros(99)),
     ]
     return samples + ([replace(good, angles=crooked)] if len(crooked) else [])
 

@@ -1,8 +1,8 @@
 """Time of impact by advancement with true accelerations: never late, and exact to the tolerance.
 
-At an instant the normal of two shapes is kept and every vertex is followed along it: position, velocity and acceleration are
-the true ones, what comes after is bounded. The gap along any fixed direction is at most the true gap, so no vertex pair of it
-that is still apart can have touched. Without rotation the bound is the motion itself and two or three rounds find the impact.
+At an instant a plane that touches one shape is made to turn with it, and every vertex of the other is followed over that plane:
+height, velocity and acceleration are the true ones, what comes after is bounded. While all are above, the shapes are apart.
+Without rotation the bound is the motion itself and two or three rounds find the impact.
 """
 
 from math import inf, sqrt
@@ -15,8 +15,9 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.motion.free_rotation import Series
-from avatarsim.motion.path import FREE, HELD, STILL, Paths, angular_acceleration, move_along
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, row, sub
+from avatarsim.motion.path import FREE, HELD, STILL, Paths, move_along
+from avatarsim.motion.turning_plane import follow, plane_motion
+from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.shapes import POINTS
 
@@ -78,66 +79,7 @@ def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
 
 
 @kernel
-def follow(
-    geometry: Geometry, trial: Poses, paths: Paths, s: int, side: float, n: Vec3, out: Array
-) -> int:
-    """Rows (position, velocity, acceleration along n, distance from the centre of mass) of the vertices of shape s; return how
-    many.
-
-    ``side`` is -1 for shape A, whose lowest points along n count, and +1 for B, whose highest do.
-    An ellipsoid is one row whose acceleration is a bound already.
-    """
-    b = geometry.body[s]
-    shapes, vertices = geometry.shapes, trial.vertices
-    first, last = shapes.start[s], shapes.start[s + 1]
-    radius = side * shapes.radius[s]
-    if paths.kind[b] == STILL:
-        # what does not move is one plane
-        top = -inf
-        if shapes.kind[s] == POINTS:
-            for i in range(first, last):
-                top = max(top, side * dot(n, row(vertices, i)))
-            out[0, 0] = side * top + radius
-        else:
-            dx, dy = dot(row(vertices, first + 1), n), dot(row(vertices, first + 2), n)
-            dz = dot(row(vertices, first + 3), n)
-            out[0, 0] = dot(n, row(vertices, first)) + side * sqrt(dx * dx + dy * dy + dz * dz)
-        out[0, 1], out[0, 2], out[0, 3] = 0.0, 0.0, 0.0
-        return 1
-    centre, v, w = row(trial.position, b), dot(n, row(paths.v, b)), row(paths.w, b)
-    a, alpha = dot(n, row(paths.linear, b)), angular_acceleration(paths, trial.rotation, b)
-    speed, gain = norm(w), norm(alpha)
-    if shapes.kind[s] != POINTS:
-        x, y, z = row(vertices, first + 1), row(vertices, first + 2), row(vertices, first + 3)
-        dx, dy, dz = dot(x, n), dot(y, n), dot(z, n)
-        length = sqrt(dx * dx + dy * dy + dz * dz)
-        middle = row(vertices, first)
-        r = sub(along(along(along(middle, side * dx / length, x), side * dy / length, y), side * dz / length, z), centre)
-        xx, yy, zz = dot(x, x), dot(y, y), dot(z, z)
-        largest, smallest = max(xx, yy, zz), min(xx, yy, zz)
-        # the support of a turning ellipsoid: its second derivative is at most w^2 (a^2/c + a) + alpha a, plus the centre's own
-        bulge = 1.5 * (speed * speed * (largest / sqrt(smallest) + sqrt(largest)) + gain * sqrt(largest))
-        off = norm(sub(middle, centre))
-        bulge += 1.5 * off * (speed * speed + gain)
-        out[0, 0] = dot(n, centre) + dot(n, r)
-        out[0, 1] = v + dot(n, cross(w, r))
-        out[0, 2] = a + side * bulge
-        out[0, 3] = 0.0
-        return 1
-    count = 0
-    for i in range(first, last):
-        r = sub(row(vertices, i), centre)
-        spin = cross(w, r)
-        out[count, 0] = dot(n, centre) + dot(n, r) + radius
-        out[count, 1] = v + dot(n, spin)
-        out[count, 2] = a + dot(n, cross(w, spin)) + dot(n, cross(alpha, r))
-        out[count, 3] = norm(r)
-        count += 1
-    return count
-
-
-@kernel
-def jerk_rate(paths: Paths, trial: Poses, b: int, horizon: float) -> float:
+def jerk_rate(paths: Paths, b: int, horizon: float) -> float:
     """Bound of |r'''| / r [1/s^3] of the points of body b over the horizon.
 
     Held: w^3 + 3 w alpha with w at its largest. Free: |w'| <= w^2 and |w''| <= 2 w^3 for every real solid (its moments obey the
@@ -168,29 +110,75 @@ def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
 
 
 @kernel
-def safe_step(
-    a_rows: Array, count_a: int, b_rows: Array, count_b: int, jerk_a: float, jerk_b: float, target: float, h: float
-) -> float:
-    """A time <= h during which no vertex of A comes closer than ``target`` to one of B along the normal."""
+def turning(paths: Paths, b: int, ball: bool, horizon: float) -> Vec3:
+    """Bounds over the horizon for body b: (angular speed, angular acceleration, ``jerk_rate``); nothing for a ball, whose plane
+    need not turn and whose one vertex has no arm."""
+    if paths.kind[b] == STILL or ball:
+        return (0.0, 0.0, 0.0)
+    speed = norm(row(paths.w, b))
+    if paths.kind[b] == HELD:
+        gain = norm(row(paths.angular, b))
+        return (speed + gain * horizon, gain, jerk_rate(paths, b, horizon))
+    if paths.round[b] == 1:
+        return (speed, 0.0, jerk_rate(paths, b, horizon))
+    speed /= max(0.5, 1.0 - speed * horizon)
+    return (speed, speed * speed, jerk_rate(paths, b, horizon))
+
+
+@kernel
+def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, target: float, h: float) -> float:
+    """A time <= h during which no vertex of ``follow`` comes closer than ``target`` to the plane.
+
+    ``own`` and ``plane`` are bounds from ``turning`` for the body of the vertices and for the plane; ``slide`` is the
+    acceleration of one centre seen from the other [m/s^2].
+    """
     step = h
-    for i in range(count_a):
-        ja = jerk_a * a_rows[i, 3]
-        for k in range(count_b):
-            gap = a_rows[i, 0] - b_rows[k, 0] - target
-            v, a = a_rows[i, 1] - b_rows[k, 1], a_rows[i, 2] - b_rows[k, 2]
-            jerk = ja + jerk_b * b_rows[k, 3]
-            if gap > 0.0 and gap + step * (min(v, 0.0) + step * (min(a, 0.0) * 0.5 - jerk * step / 6.0)) > 0.0:
-                continue
-            # gap + v t + a t^2/2 - jerk t^3/6, the last term by its value at the end of the step
-            found = earliest_touch(gap, v - jerk * step * step / 6.0, a, step)
-            if v > 0.0 and jerk > 0.0 and found < step:
-                # swamped by the bound: over a shorter time half of v is more than the jerk can take away
-                short = min(step, sqrt(3.0 * v / jerk))
-                found = max(found, min(short, earliest_touch(gap, 0.5 * v, a, short)))
-            step = min(step, found)
-            if step == 0.0:
-                return 0.0
+    for i in range(count):
+        gap, v, a = rows[i, 0] - target, rows[i, 1], rows[i, 2]
+        r, speed = rows[i, 3], rows[i, 5]
+        pull = slide + (own[0] * own[0] + own[1]) * r
+        speed += pull * h
+        jerk = own[2] * r + 3.0 * plane[0] * pull + 3.0 * (plane[0] * plane[0] + plane[1]) * speed
+        jerk += plane[2] * (rows[i, 4] + speed * h)
+        if gap > 0.0 and gap + step * (min(v, 0.0) + step * (min(a, 0.0) * 0.5 - jerk * step / 6.0)) > 0.0:
+            continue
+        # gap + v t + a t^2/2 - jerk t^3/6, the last term by its value at the end of the step
+        found = earliest_touch(gap, v - jerk * step * step / 6.0, a, step)
+        if v > 0.0 and jerk > 0.0 and found < step:
+            # swamped by the bound: over a shorter time half of v is more than the jerk can take away
+            short = min(step, sqrt(3.0 * v / jerk))
+            found = max(found, min(short, earliest_touch(gap, 0.5 * v, a, short)))
+        step = min(step, found)
+        if step == 0.0:
+            return 0.0
     return step
+
+
+@kernel
+def longest_safe_step(
+    rows: Array, count: int, paths: Paths, b: int, c: int, ball: bool, plane_of_ball: bool, target: float, h: float
+) -> float:
+    """``safe_step`` over the horizon, at most h, whose bounds leave the longest step; vertices of body b, plane of body c."""
+    slide = norm(sub(row(paths.linear, b), row(paths.linear, c)))
+    horizon, step = h, 0.0
+    for _ in range(HORIZONS):
+        own, plane = turning(paths, b, ball, horizon), turning(paths, c, plane_of_ball, horizon)
+        found = safe_step(rows, count, own, plane, slide, target, horizon)
+        step = max(step, found)
+        if found >= 0.7 * horizon:
+            break
+        horizon = max(2.0 * step, 0.2 * horizon) if 2.0 * step < horizon else 0.5 * horizon
+    return step
+
+
+@kernel
+def slowest_touch(rows: Array, count: int) -> float:
+    """Least velocity [m/s] over the plane of the vertices that touch it; inf if none does."""
+    slowest = inf
+    for i in range(count):
+        if rows[i, 0] < TOUCH:
+            slowest = min(slowest, rows[i, 1])
+    return slowest
 
 
 @kernel
@@ -215,7 +203,7 @@ def time_of_impact(
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
         reach: (nb) largest distance of a body's points from its centre of mass, rounding radii left out [m].
-        trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 4) working memory.
+        trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 6) working memory.
 
     Returns:
         (CLEAR, h), or (IMPACT, t) when the gap came down to the stand-off, or (DIPPED, t) when a resting pair reached DIP, or
@@ -238,29 +226,22 @@ def time_of_impact(
             return CLEAR, h
         if rounds > 0 and gap <= target + TOLERANCE:
             return event, t
-        count_a = follow(geometry, trial, paths, sa, -1.0, n, a_rows)
-        count_b = follow(geometry, trial, paths, sb, 1.0, n, b_rows)
+        # planes that turn with B and with A: each proves a safe step, the longer one holds
+        spin_a, twist_a = plane_motion(paths, trial, a, reach[a] == 0.0)
+        spin_b, twist_b = plane_motion(paths, trial, b, reach[b] == 0.0)
+        count_a = follow(geometry, trial, paths, sa, sb, spin_b, twist_b, n, a_rows)
+        count_b = follow(geometry, trial, paths, sb, sa, spin_a, twist_a, neg(n), b_rows)
         if rounds == 0 and gap < TOUCH:
-            slowest = inf
-            for i in range(count_a):
-                for k in range(count_b):
-                    if a_rows[i, 0] - b_rows[k, 0] < TOUCH:
-                        slowest = min(slowest, a_rows[i, 1] - b_rows[k, 1])
+            slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
             if slowest > LEAVING:
                 target = min(stand_off, gap)
             elif slowest > RESTING:
                 target, event = min(DIP, gap - CREEP), DIPPED
         horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
-        step = 0.0
-        for _ in range(HORIZONS):
-            found = safe_step(
-                a_rows, count_a, b_rows, count_b, jerk_rate(paths, trial, a, horizon), jerk_rate(paths, trial, b, horizon),
-                target, horizon,
-            )
-            step = max(step, found)
-            if found >= 0.7 * horizon:
-                break
-            horizon = max(2.0 * step, 0.2 * horizon) if 2.0 * step < horizon else 0.5 * horizon
+        ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
+        step = longest_safe_step(a_rows, count_a, paths, a, b, ball_a, ball_b, target, horizon)
+        if step < horizon:
+            step = max(step, longest_safe_step(b_rows, count_b, paths, b, a, ball_b, ball_a, target, horizon))
         if t + step >= h:
             return CLEAR, h
         if step < 1e-13 and rounds > 0:

@@ -18,6 +18,8 @@ from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Geometry, Poses
 
+Flags = NDArray[np.bool_]
+
 NOT_CHECKED: Final = -1
 """A pose is not finite, or there are more pairs than room: nothing is known, so nothing may be shown."""
 
@@ -41,11 +43,11 @@ class Overlaps(NamedTuple):
     tally   (2) signed-distance queries since it was set to zero, and those that did not converge
     """
 
-    ours: NDArray[np.bool_]
+    ours: Flags
     order: NDArray[np.int64]
     pairs: NDArray[np.int64]
     found: NDArray[np.int64]
-    hit: NDArray[np.bool_]
+    hit: Flags
     seed: NDArray[np.float64]
     tally: NDArray[np.int64]
     scratch: Scratch
@@ -65,12 +67,12 @@ def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
 
 
 @kernel
-def answer_for(geo: Geometry, body: int, first_link: int, moved: bool, overlaps_out: Overlaps) -> None:
+def answer_for(wanted: Flags, body: int, first_link: int, moved: bool, ours_out: Flags) -> None:
     """Take the pairs of a body that is no link into those answered for, because it was moved, or out of them again."""
     for other in range(first_link):
-        wanted = moved and geo.wanted[body, other]
-        overlaps_out.ours[body, other] = wanted
-        overlaps_out.ours[other, body] = wanted
+        ours = moved and wanted[body, other]
+        ours_out[body, other] = ours
+        ours_out[other, body] = ours
 
 
 @kernel

@@ -75,7 +75,8 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
 
 
 def _avatars(
-    spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool, armature: float
+    spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool,
+    armature: float,
 ) -> None:
     k, hinge = len(scene.bodies), 0
     for avatar in scene.avatars:

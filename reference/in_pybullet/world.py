@@ -60,7 +60,9 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World
     multibody solver."""
     world = World(client)
     for k, body in enumerate(scene.bodies):
-        world.parts.append(_body(body, client, maximal and _is_simple(body)))
+        # a bounce between two solvers is the multibody solver's: fixed bodies go with the simulated ones
+        outside = maximal and (body.role is Role.FIXED or _is_simple(body))
+        world.parts.append(_body(body, client, outside))
         if maximal and _is_simple(body):
             world.maximal.add(k)
     first = 0
@@ -98,7 +100,7 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
     if body.role is Role.FIXED or body.mass is None:
         made = pybullet.createMultiBody(
             0.0, collision_shape(body.pieces, IDENTITY, client), basePosition=body.position,
-            baseOrientation=xyzw(body.orientation), physicsClientId=client,
+            baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
         )
         return Part(int(made), -1, IDENTITY, np.zeros(3))
     moments, frame = principal(body.mass)

@@ -20,7 +20,7 @@ from scenarios.avatars.hand import rigid_hand
 from scenarios.gallery import TABLE_AT, TABLE_HEIGHT, gallery, inside
 from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
 from scenarios.reach import reach
-from scenarios.scenario import RENDERED, Motion, Scenario
+from scenarios.scenario import RENDERED, Bound, Motion, Scenario
 
 FRAMES, SHORT = 3653, 900
 """The paper's run, and one with the same phases at four times the pace."""
@@ -34,6 +34,9 @@ BALL_AT = (TABLE_AT[0] - 0.1, TABLE_AT[1] + 0.1)
 """Where the ball lies on the table at first [m]."""
 BALL_GAP = 1e-4
 """Height of the ball over the table at first [m]: a start must be free of overlap beyond any rounding."""
+PUSHED = 0.5
+"""Least way [m] of the ball: the last push ends 0.55 m beyond where the ball lay, so it can hardly be nearer."""
+BALL_PUSHED = Bound("travel_missing", 0.0, "a hand that meets nothing overlaps nothing; this one pushes the ball before it")
 SLIDE_Y = TABLE_AT[1] - 0.25
 """The strip of the table on which the hand slides [m], clear of ball and bookends."""
 
@@ -108,6 +111,7 @@ SCENARIO = Scenario(
     frames=FRAMES,
     short=SHORT,
     short_motion=motion_over(SHORT),
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE, BALL_PUSHED),
+    expects={"travel": {"ball": PUSHED}},
     regions=(inside("hand", "ball"),),
 )

@@ -17,6 +17,7 @@ from scenarios.measure.overlap import INSIDE_JUDGED, depths, residual_overlap, s
 from scenarios.measure.side import wrong_side
 from scenarios.measure.stillness import still_frames
 from scenarios.measure.tracker_offset import tracker_offset
+from scenarios.measure.travel import travel
 from scenarios.measure.value import Missing, Value
 from scenarios.record import Recording
 from scenarios.scenario import Scenario
@@ -38,7 +39,7 @@ def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside
     values: dict[str, Value] = {
         **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
         **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
-        **bounces(recording, scenario, scene), **work(recording),
+        **bounces(recording, scenario, scene), **travel(recording, scenario, scene), **work(recording),
     }
     try:
         # a compiled package that not every machine has; its absence costs the judged figures and nothing else

@@ -42,7 +42,8 @@ def test_six_balls_on_six_slabs_are_exact_where_they_meet() -> None:
 def test_a_table_that_is_no_product_is_fitted_and_said() -> None:
     """Two balls of each material, all in one place: six pairs of classes, three factors."""
     bodies = tuple(
-        simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0)) for material in ("wood", "human", "metal") for k in range(2)
+        simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0))
+        for material in ("wood", "human", "metal") for k in range(2)
     )
     scene = Scene("crowd", bodies)
     found = fit(scene, *[pair[0] for pair in (coefficients(scene), weights(scene))])

@@ -12,10 +12,11 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.material import TABLE_1, Contact, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.laws import contact_laws, law_between
 from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
-from tests.agreement.scenes import FRAME, hand, pressed
+from tests.agreement.scenes import FRAME, every_joint, hand, posture, pressed
 
 MATERIALS = ("human", "metal", "wood")
 BALL = (Piece(Sphere(0.1)),)
@@ -86,8 +87,6 @@ def test_frictionless_scenes_have_frictionless_contacts() -> None:
 
 def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says() -> None:
     """MuJoCo's own rule would also drop grandparents across rigid joints."""
-    from tests.agreement.scenes import every_joint, posture
-
     avatar = every_joint()
     scene = Scene("self", avatars=(avatar,), start=posture(avatar, 0))
     engine = MujocoEngine()
@@ -111,8 +110,6 @@ def test_margin_keeps_a_driven_hand_off_the_table(margin: float) -> None:
     for frame in range(1, 31):
         record = engine.advance(pressed(frame), FRAME)
     turn = record.shown.orientations[1]
-    from avatarsim.spatial import rotation
-
     lowest = min(
         float((rotation.rotate(turn, piece.shape.vertices + np.array(piece.position))[:, 2]).min())
         for piece in scene.links[0].pieces

@@ -26,6 +26,7 @@ from tests.agreement.scenes import (
     hand_over_table,
     nobody,
     posture,
+    pressed,
 )
 
 ENGINES = pytest.mark.parametrize("engine", [MujocoEngine(), PybulletEngine()], ids=["mujoco", "pybullet"])
@@ -104,7 +105,7 @@ def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
 
 
 def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
-    """A tiny ball outside every vertex is as far away as it should be, to the 0.03 mm of Bullet's own measurement."""
+    """A tiny ball outside every vertex is as far away as it should be, to the 0.1 mm of Bullet's own measurement."""
     scene = bodies_of_all_shapes()
     engine = PybulletEngine()
     shown = engine.load(scene, Settings("tuned"), FRAME).shown
@@ -126,8 +127,8 @@ def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
             # never farther than the vertex; how much nearer depends on the hull's shape, so the support decides
             support = _distance_to_hull(place, points) - radius
             if k == 3:
-                assert abs(distance - support) <= 5e-5
-            assert distance <= 0.2 - radius + 5e-5
+                assert abs(distance - support) <= 1e-4
+            assert distance <= 0.2 - radius + 1e-4
     engine.close()
 
 
@@ -210,8 +211,6 @@ def test_two_runs_give_the_same_bits(engine: Engine, preset: str) -> None:
     scene = hand_over_table()
     hashes = []
     for inside in (False, True):
-        from tests.agreement.scenes import pressed
-
         engine.load(scene, Settings(preset, record_inside=inside), FRAME)
         hashes.append([engine.advance(pressed(k), FRAME).state_hash() for k in range(1, 41)])
         engine.close()

@@ -41,14 +41,23 @@ def test_tuned_hand_overlaps_less(engine: Engine) -> None:
     assert tuned < 5e-5
 
 
-@ENGINES
-def test_tuned_arm_at_the_wall_overlaps_less(engine: Engine) -> None:
+def test_tuned_arm_at_the_wall_overlaps_less_in_mujoco() -> None:
     samples = [bent(frame) for frame in range(1, 91)]
-    default, _ = overlap_and_offset(engine, "default", arm(), samples)
-    tuned, _ = overlap_and_offset(engine, "tuned", arm(), samples)
-    # PyBullet's default is good here: its contacts act before bodies meet
-    assert tuned <= default
-    assert tuned < 5e-4
+    default, _ = overlap_and_offset(MujocoEngine(), "default", arm(), samples)
+    tuned, _ = overlap_and_offset(MujocoEngine(), "tuned", arm(), samples)
+    assert default > 1e-4
+    assert tuned < 1e-5
+
+
+def test_tuned_arm_in_pybullet_is_closer_to_the_tracker_while_the_way_is_free() -> None:
+    """By default it overlaps the wall no more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
+    force push. So tuned does not win on overlap here; it wins on offset before the wall is reached, twenty times over."""
+    free = [bent(frame) for frame in range(1, 31)]
+    _, default = overlap_and_offset(PybulletEngine(), "default", arm(), free)
+    _, tuned = overlap_and_offset(PybulletEngine(), "tuned", arm(), free)
+    deep, _ = overlap_and_offset(PybulletEngine(), "tuned", arm(), [bent(frame) for frame in range(1, 91)])
+    assert deep < 1e-4
+    assert tuned < 0.2 * default
 
 
 @ENGINES

@@ -16,9 +16,8 @@ def test_a_grown_box_holds_the_whole_flight() -> None:
         world = World([body])
         box, t = np.zeros((1, 6)), 1.0 / 30.0
         turn = turn_within(float(np.linalg.norm(spin)), t)
-        grow(
-            world.poses.hulls, world.poses.position, world.memory.span, 0, world.velocities.linear, np.array(GRAVITY), turn, t, box
-        )
+        poses = world.poses
+        grow(poses.hulls, poses.position, world.memory.span, 0, world.velocities.linear, np.array(GRAVITY), turn, t, box)
         for _ in range(40):
             assert world.frame(t / 40) == 0
             assert np.all(world.poses.hulls[0, :3] >= box[0, :3]) and np.all(world.poses.hulls[0, 3:] <= box[0, 3:])

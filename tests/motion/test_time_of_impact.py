@@ -29,8 +29,8 @@ def search(world: World, h: float) -> tuple[int, float]:
     m.paths.linear[:] = np.where((world.dynamics.role == 1)[:, None], world.dynamics.gravity, 0.0)
     m.paths.time[:] = -1.0
     return time_of_impact(
-        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, h, m.trial,
-        m.a_rows, m.b_rows, m.scratch,
+        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, h,
+        m.trial, m.a_rows, m.b_rows, m.scratch,
     )
 
 
@@ -52,9 +52,9 @@ def test_two_spheres_that_graze() -> None:
 def test_a_tumbling_body_meets_the_floor_at_the_first_instant(shape: object, seed: int) -> None:
     """Sampled ten thousand times along its path, the gap is nowhere below the stand-off before, and at it then."""
     rng = np.random.default_rng(seed)
-    turn = rng.normal(size=4)
+    turn, spin = rng.normal(size=4), tuple(10.0 * rng.normal(size=3))
     body = thing(
-        "body", shape, (0.0, 0.0, 0.4), orientation=tuple(turn / np.linalg.norm(turn)), angular_velocity=tuple(10.0 * rng.normal(size=3)),
+        "body", shape, (0.0, 0.0, 0.4), orientation=tuple(turn / np.linalg.norm(turn)), angular_velocity=spin,
         velocity=(0.5, 0.0, -1.0),
     )
     world = World([slab(), body])

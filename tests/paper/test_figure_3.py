@@ -129,6 +129,18 @@ def test_same_seed_same_bits_and_another_seed_another_order():
     assert not (shown(7) == shown(8)).all()
 
 
+@pytest.mark.parametrize(("step", "side"), [(0.03, -1.0), (0.4, 1.0)])
+def test_a_thin_wall_holds_a_slow_hand_and_is_jumped_by_a_fast_one(step, side):
+    """What the paper admits: only shown states are checked, and PD_g leads out on the nearer side."""
+    plate = fixed("plate", (Piece(Box((2.0, 0.01, 2.0)), (0.0, 0.5, 0.0)),), "wood")
+    loop = Loop((ball_hand(0.05),), (plate,), roots=[(0.0, 0.1, 0.0)], settings={"couple": 0})
+    for y in np.arange(0.1, 0.95, step):
+        # a slow user stops just short of the middle of the plate
+        loop.frame(roots=[(0.0, float(y if side > 0.0 else min(y, 0.499)), 0.0)])
+        assert overlapping_pairs(loop.world) == []
+    assert np.sign(loop.world.posture.root[0, 1] - 0.5) == side
+
+
 def test_a_hand_in_a_ball_gives_way_and_the_ball_stays():
     ball = (Piece(Sphere(0.2)),)
     bodies = (simulated("ball", ball, "wood", solid(ball, 1.0)),)

@@ -61,7 +61,9 @@ def mixed_avatar() -> Avatar:
         (
             Link("root", None, Free(), piece(), mass),
             Link("a", "root", Ball(LIMITS), hull, mass, anchor=(0.0, 0.0, 0.4), orientation=lean),
-            Link("b", "a", Hinges((Hinge(X, -2.0, 2.0), Hinge(Y, -1.0, 1.5))), box, mass, anchor=(0.0, 0.0, 0.4), orientation=lean),
+            Link(
+                "b", "a", Hinges((Hinge(X, -2.0, 2.0), Hinge(Y, -1.0, 1.5))), box, mass, anchor=(0.0, 0.0, 0.4), orientation=lean
+            ),
             Link("c", "b", Rigid(), piece(0.1), mass, anchor=(0.0, 0.0, 0.5)),
             Link("d", "root", Hinges((Hinge(Z, -1.0, 1.0),)), piece(), mass, anchor=(0.3, 0.0, 0.0)),
         ),
@@ -72,7 +74,9 @@ def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:
     """Any posture of all avatars, within limits or not."""
     rng = np.random.default_rng(seed)
     links, hinges = sum(len(a.links) for a in avatars), sum(a.hinge_count for a in avatars)
-    return TrackerSample(0.0, rng.normal(size=(links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=hinges))
+    return TrackerSample(
+        0.0, rng.normal(size=(links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=hinges)
+    )
 
 
 def at(sample: TrackerSample, position: Vector) -> TrackerSample:

@@ -20,9 +20,12 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 SEEDS = st.integers(0, 100_000)
 Z = (0.0, 0.0, 1.0)
 KINDS = {
-    "tilted": SwingTwist(Z, (0.6, 0.0, 0.8), 0.8, (-0.5, 1.0)), "wide": SwingTwist((1.0, 2.0, 0.5), (-0.3, 0.4, 0.5), 2.5, (-3.0, 3.0)),
-    "opposite": SwingTwist(Z, (0.0, 0.0, -1.0), 1.0, (-1.0, 0.2)), "locked twist": SwingTwist(Z, Z, 0.5, (0.1, 0.1)),
-    "no swing": SwingTwist(Z, (0.0, 1.0, 0.0), 0.0, (-1.0, 1.0)), "one-sided": SwingTwist(Z, Z, 1.2, (0.4, 2.0)),
+    "tilted": SwingTwist(Z, (0.6, 0.0, 0.8), 0.8, (-0.5, 1.0)),
+    "wide": SwingTwist((1.0, 2.0, 0.5), (-0.3, 0.4, 0.5), 2.5, (-3.0, 3.0)),
+    "opposite": SwingTwist(Z, (0.0, 0.0, -1.0), 1.0, (-1.0, 0.2)),
+    "locked twist": SwingTwist(Z, Z, 0.5, (0.1, 0.1)),
+    "no swing": SwingTwist(Z, (0.0, 1.0, 0.0), 0.0, (-1.0, 1.0)),
+    "one-sided": SwingTwist(Z, Z, 1.2, (0.4, 2.0)),
 }
 
 

@@ -43,7 +43,12 @@ def test_within_includes_its_ends() -> None:
 
 @pytest.mark.parametrize(
     ("value", "part"),
-    [([[1.0, 2.0]], "(1, 2)"), ([1.0, 2.0, 3.0], "(3,)"), ([[1.0, math.nan, 0.0]], "finite numbers only"), ([["a", 1, 2]], "'a'")],
+    [
+        ([[1.0, 2.0]], "(1, 2)"),
+        ([1.0, 2.0, 3.0], "(3,)"),
+        ([[1.0, math.nan, 0.0]], "finite numbers only"),
+        ([["a", 1, 2]], "'a'"),
+    ],
 )
 def test_finite_array_says_what_is_wrong(value: object, part: str) -> None:
     with pytest.raises(InvalidScene) as error:

@@ -45,9 +45,13 @@ def test_one_to_three_hinges_share_a_centre(count: int) -> None:
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [
-        ((X, Z, math.nan, (0.0, 0.0)), "swing limit"), ((X, Z, -0.1, (0.0, 0.0)), "swing limit"), ((X, Z, 3.1, (0.0, 0.0)), "swing limit"),
-        ((X, Z, 1.0, (0.5, -0.5)), "lower at most upper"), ((X, Z, 1.0, (-4.0, 0.0)), "lower twist limit"),
-        ((X, Z, 1.0, (0.0, math.nan)), "upper twist limit"), (((0.0, 0.0, 0.0), Z, 1.0, (0.0, 0.0)), "swing axis"),
+        ((X, Z, math.nan, (0.0, 0.0)), "swing limit"),
+        ((X, Z, -0.1, (0.0, 0.0)), "swing limit"),
+        ((X, Z, 3.1, (0.0, 0.0)), "swing limit"),
+        ((X, Z, 1.0, (0.5, -0.5)), "lower at most upper"),
+        ((X, Z, 1.0, (-4.0, 0.0)), "lower twist limit"),
+        ((X, Z, 1.0, (0.0, math.nan)), "upper twist limit"),
+        (((0.0, 0.0, 0.0), Z, 1.0, (0.0, 0.0)), "swing axis"),
         ((X, (0.0, 0.0, 0.0), 1.0, (0.0, 0.0)), "swing centre"),
     ],
 )

@@ -33,7 +33,11 @@ def mesh_of(shape: Shape) -> trimesh.Trimesh:
 
 
 SHAPES = [
-    (Sphere(0.3), 1e-2), (Capsule(0.1, 0.4), 1e-2), (Ellipsoid((0.3, 0.1, 0.2)), 1e-2), (Box((0.3, 0.1, 0.2)), 1e-9), (LUMP, 1e-9),
+    (Sphere(0.3), 1e-2),
+    (Capsule(0.1, 0.4), 1e-2),
+    (Ellipsoid((0.3, 0.1, 0.2)), 1e-2),
+    (Box((0.3, 0.1, 0.2)), 1e-9),
+    (LUMP, 1e-9),
     (ellipsoid_hull((0.3, 0.1, 0.2)), 1e-9),
 ]
 
@@ -85,9 +89,13 @@ def test_mass_must_be_positive(value: float) -> None:
 @pytest.mark.parametrize(
     ("inertia", "part"),
     [
-        (np.diag([1.0, 1.0, 0.0]), "principal moments"), (np.diag([1.0, 1.0, -1.0]), "principal moments"),
-        (np.diag([1.0, 1.0, 2.1]), "none above the sum"), (np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), "symmetric"),
-        (np.diag([1.0, 1.0, math.nan]), "finite"), (np.eye(2), "(2, 2)"), (np.zeros((3, 3)), "principal moments"),
+        (np.diag([1.0, 1.0, 0.0]), "principal moments"),
+        (np.diag([1.0, 1.0, -1.0]), "principal moments"),
+        (np.diag([1.0, 1.0, 2.1]), "none above the sum"),
+        (np.array([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), "symmetric"),
+        (np.diag([1.0, 1.0, math.nan]), "finite"),
+        (np.eye(2), "(2, 2)"),
+        (np.zeros((3, 3)), "principal moments"),
     ],
 )
 def test_inertias_that_no_solid_has_are_refused(inertia: np.ndarray, part: str) -> None:

@@ -59,7 +59,13 @@ def test_the_pair_filter_is_symmetric_and_leaves_out_what_it_says() -> None:
     assert (wanted == wanted.T).all() and not wanted.diagonal().any() and not wanted.flags.writeable
     for a, b in (("floor", "wall"), ("dummy/head", "dummy/left_hand"), ("drop", "hand"), ("dummy/pelvis", "dummy/chest")):
         assert not wanted[at[a], at[b]]
-    for a, b in (("floor", "drop"), ("drop", "dummy/head"), ("floor", "hand"), ("hand", "dummy/head"), ("dummy/pelvis", "dummy/head")):
+    for a, b in (
+        ("floor", "drop"),
+        ("drop", "dummy/head"),
+        ("floor", "hand"),
+        ("hand", "dummy/head"),
+        ("dummy/pelvis", "dummy/head"),
+    ):
         assert wanted[at[a], at[b]]
     # all that is left out: one pair of fixed bodies, two named pairs, a parent for every link below the root
     n = len(scene.names)
@@ -86,7 +92,9 @@ def test_effects_are_those_that_the_parts_call_for() -> None:
 
 
 def test_pairs_without_friction_or_bounce_call_for_none() -> None:
-    ice = PairTable({("wood", "metal"): Contact(0.0, 0.0), ("metal", "metal"): Contact(0.0, 0.0), ("human", "human"): Contact(1.0, 1.0)})
+    ice = PairTable(
+        {("wood", "metal"): Contact(0.0, 0.0), ("metal", "metal"): Contact(0.0, 0.0), ("human", "human"): Contact(1.0, 1.0)}
+    )
     effects = Scene("s", (FLOOR, DROP), materials=ice).effects
     assert not effects.friction and not effects.restitution
 

@@ -17,8 +17,11 @@ BAD = [0.0, -0.1, math.nan, math.inf]
 @pytest.mark.parametrize(
     ("make", "thing"),
     [
-        (lambda v: Sphere(v), "sphere radius"), (lambda v: Capsule(v, 1.0), "capsule radius"), (lambda v: Capsule(1.0, v), "capsule length"),
-        (lambda v: Box((1.0, v, 1.0)), "box size"), (lambda v: Ellipsoid((1.0, 1.0, v)), "ellipsoid radi"),
+        (lambda v: Sphere(v), "sphere radius"),
+        (lambda v: Capsule(v, 1.0), "capsule radius"),
+        (lambda v: Capsule(1.0, v), "capsule length"),
+        (lambda v: Box((1.0, v, 1.0)), "box size"),
+        (lambda v: Ellipsoid((1.0, 1.0, v)), "ellipsoid radi"),
     ],
 )
 def test_sizes_must_be_finite_and_positive(make: object, thing: str, value: float) -> None:
@@ -33,7 +36,8 @@ def test_a_box_names_the_axis_at_fault() -> None:
 
 
 @pytest.mark.parametrize(
-    "vertices", [CUBE * [1, 1, 0], CUBE * [1, 0, 0], CUBE * 0, CUBE * [1, 1, 1e-12], CUBE @ np.array([[1, 0, 1], [0, 1, 1], [0, 0, 0]])]
+    "vertices",
+    [CUBE * [1, 1, 0], CUBE * [1, 0, 0], CUBE * 0, CUBE * [1, 1, 1e-12], CUBE @ np.array([[1, 0, 1], [0, 1, 1], [0, 0, 0]])],
 )
 def test_flat_hulls_are_refused_however_they_lie(vertices: np.ndarray) -> None:
     with pytest.raises(InvalidShape, match="thickness of the hull .* flat"):

@@ -35,8 +35,11 @@ def tree() -> Avatar:
     return Avatar(
         "tree",
         (
-            link("root", None, Free()), link("ball", "root", Ball(), 0.3), link("hinged", "ball", Hinges((Hinge(X), Hinge(Y))), -0.7),
-            link("tip", "hinged", Rigid(), 0.2), link("branch", "root", Hinges((Hinge(Z, 0.5, 1.0),))),
+            link("root", None, Free()),
+            link("ball", "root", Ball(), 0.3),
+            link("hinged", "ball", Hinges((Hinge(X), Hinge(Y))), -0.7),
+            link("tip", "hinged", Rigid(), 0.2),
+            link("branch", "root", Hinges((Hinge(Z, 0.5, 1.0),))),
         ),
     )
 
@@ -45,7 +48,9 @@ def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:
     """A random posture of all avatars."""
     rng = np.random.default_rng(seed)
     links, hinges = sum(len(a.links) for a in avatars), sum(a.hinge_count for a in avatars)
-    return TrackerSample(0.0, rng.normal(size=(links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=hinges))
+    return TrackerSample(
+        0.0, rng.normal(size=(links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=hinges)
+    )
 
 
 def test_rest_obeys_hinge_limits_and_is_a_valid_sample() -> None:
@@ -57,10 +62,14 @@ def test_rest_obeys_hinge_limits_and_is_a_valid_sample() -> None:
 @pytest.mark.parametrize(
     ("change", "part"),
     [
-        ({"time": math.nan}, "tracker time"), ({"positions": np.zeros((4, 3))}, "(4, 3)"), ({"angles": np.zeros(2)}, "(2,)"),
-        ({"positions": np.full((5, 3), math.nan)}, "tracker positions"), ({"angles": np.array([0.0, math.inf, 0.0])}, "tracker angles"),
+        ({"time": math.nan}, "tracker time"),
+        ({"positions": np.zeros((4, 3))}, "(4, 3)"),
+        ({"angles": np.zeros(2)}, "(2,)"),
+        ({"positions": np.full((5, 3), math.nan)}, "tracker positions"),
+        ({"angles": np.array([0.0, math.inf, 0.0])}, "tracker angles"),
         ({"rotations": np.tile([2.0, 0.0, 0.0, 0.0], (5, 1))}, "tracker rotation of link 0 is [2.0, 0.0, 0.0, 0.0]"),
-        ({"rotations": np.zeros((5, 4))}, "length 1"), ({"rotations": np.ones((5, 3))}, "(5, 3)"),
+        ({"rotations": np.zeros((5, 4))}, "length 1"),
+        ({"rotations": np.ones((5, 3))}, "(5, 3)"),
         ({"rotations": np.full((5, 4), math.nan)}, "tracker rotations"),
     ],
 )

@@ -29,14 +29,21 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def bone(
-    name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: tuple[tuple[Vector, float, float], ...],
+    name: str,
+    parent: str | None,
+    anchor: Vector,
+    centre: Vector,
+    radii: Vector,
+    hinges: tuple[tuple[Vector, float, float], ...],
     lean: float = 0.0,
 ) -> Link:
     """A link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
     pieces = (Piece(ellipsoid_hull(radii), centre),)
     joint = Hinges(tuple(Hinge(*hinge) for hinge in hinges)) if hinges else Free()
     w, x, y, z = (float(value) for value in rotation.from_axis_angle(X, lean))
-    return Link(name, parent, joint, pieces, solid(pieces, 1.0 + 50.0 * float(np.prod(radii))), anchor=anchor, orientation=(w, x, y, z))
+    return Link(
+        name, parent, joint, pieces, solid(pieces, 1.0 + 50.0 * float(np.prod(radii))), anchor=anchor, orientation=(w, x, y, z)
+    )
 
 
 def hinged_avatar() -> Avatar:
@@ -51,12 +58,37 @@ def hinged_avatar() -> Avatar:
     for side, s in (("left", 1.0), ("right", -1.0)):
         links += [
             bone(f"{side}_upper_arm", "chest", (0, 0.20 * s, 0.28), (0, 0, -0.15), (0.045, 0.045, 0.15), wide, lean=1.0 * s),
-            bone(f"{side}_forearm", f"{side}_upper_arm", (0, 0, -0.30), (0, 0, -0.13), (0.04, 0.04, 0.13), ((Y, -2.5, 0.0), (Z, -1.4, 1.4))),
-            bone(f"{side}_hand", f"{side}_forearm", (0, 0, -0.27), (0, 0, -0.09), (0.02, 0.045, 0.09), ((X, -1.2, 1.2), (Y, -0.5, 0.5))),
-            bone(f"{side}_thigh", "pelvis", (0, 0.10 * s, -0.06), (0, 0, -0.21), (0.07, 0.07, 0.21), ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8))),
+            bone(
+                f"{side}_forearm",
+                f"{side}_upper_arm",
+                (0, 0, -0.30),
+                (0, 0, -0.13),
+                (0.04, 0.04, 0.13),
+                ((Y, -2.5, 0.0), (Z, -1.4, 1.4)),
+            ),
+            bone(
+                f"{side}_hand",
+                f"{side}_forearm",
+                (0, 0, -0.27),
+                (0, 0, -0.09),
+                (0.02, 0.045, 0.09),
+                ((X, -1.2, 1.2), (Y, -0.5, 0.5)),
+            ),
+            bone(
+                f"{side}_thigh",
+                "pelvis",
+                (0, 0.10 * s, -0.06),
+                (0, 0, -0.21),
+                (0.07, 0.07, 0.21),
+                ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8)),
+            ),
             bone(f"{side}_shin", f"{side}_thigh", (0, 0, -0.43), (0, 0, -0.20), (0.05, 0.05, 0.20), ((Y, 0.0, 2.4),)),
             bone(
-                f"{side}_foot", f"{side}_shin", (0, 0, -0.43), (0.06, 0, -0.03), (0.12, 0.045, 0.035),
+                f"{side}_foot",
+                f"{side}_shin",
+                (0, 0, -0.43),
+                (0.06, 0, -0.03),
+                (0.12, 0.045, 0.035),
                 ((X, -0.5, 0.5), (Y, -0.7, 0.7), (Z, -0.5, 0.5)),
             ),
         ]
@@ -137,6 +169,7 @@ def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterato
     """One stretch of hostile motion."""
     home, links = at.home, at.scene.links
     balls = np.array([isinstance(link.joint, Ball) for link in links])
+    roots = [k for k, link in enumerate(links) if isinstance(link.joint, Free)]
     limits = np.array([(h.lower, h.upper) for link in links if isinstance(link.joint, Hinges) for h in link.joint.hinges])
     targets = [np.array(body.position) for body in furniture()]
     positions, rotations, angles = home.positions.copy(), home.rotations.copy(), home.angles.copy()
@@ -148,11 +181,11 @@ def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterato
     for k in range(frames):
         jump = k % 12 == 0
         if kind == "teleport" and jump:
-            positions[0] = rng.uniform(ROOM[0] - 1.0, ROOM[1] + 1.0)
+            positions[roots] = rng.uniform(ROOM[0] - 1.0, ROOM[1] + 1.0, (len(roots), 3))
         if kind == "furniture" and jump:
-            positions[0] = targets[rng.integers(len(targets))] + rng.normal(size=3) * 0.1
+            positions[roots] = [targets[k] + rng.normal(size=3) * 0.1 for k in rng.integers(len(targets), size=len(roots))]
         if kind in ("teleport", "furniture") and jump:
-            rotations[0] = rotation.normalised(rng.normal(size=4))
+            rotations[roots] = rotation.normalised(rng.normal(size=(len(roots), 4)))
         if kind in ("teleport", "furniture", "tangle") and jump:
             angles = rng.uniform(limits[:, 0] - 1.2, limits[:, 1] + 1.2)
             rotations[balls] = rotation.normalised(rng.normal(size=(int(balls.sum()), 4)))
@@ -160,8 +193,8 @@ def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterato
             angles = 1.5 * np.sin(phase + rate * k * DT / 1.5)
             rotations[balls] = rotation.from_axis_angle(axes, 1.5 * np.sin(ball_rate * k * DT / 1.5))[balls]
         if kind == "drive":
-            positions[0] = positions[0] + heading * speed * DT
-            rotations[0] = rotation.multiply(rotations[0], rotation.from_axis_angle(Z, 0.1))
+            positions[roots] += heading * speed * DT
+            rotations[roots] = rotation.multiply(rotations[roots], rotation.from_axis_angle(Z, 0.1))
         yield TrackerSample(k * DT, positions.copy(), rotations.copy(), angles.copy())
 
 
@@ -209,8 +242,10 @@ def ball_excess(scene: Scene, record: FrameRecord) -> float:
     """Largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
     worst, first = -np.inf, len(scene.bodies)
     turns = Rotation.from_quat(record.shown.orientations[first:], scalar_first=True)
+    start = 0
     for avatar in scene.avatars:
-        index = {link.name: k for k, link in enumerate(avatar.links)}
+        index = {link.name: start + k for k, link in enumerate(avatar.links)}
+        start += len(avatar.links)
         for link in avatar.links:
             if isinstance(link.joint, Ball) and link.joint.limits is not None and link.parent is not None:
                 rest_turn = Rotation.from_quat(link.orientation, scalar_first=True)

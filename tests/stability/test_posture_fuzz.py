@@ -64,7 +64,8 @@ def run(name: str, seed: int, frames: int, away: int = 60, home: int = 90, judge
             if not verdict.deepest == 0.0:
                 report.overlaps.append((frame, kind, verdict.pairs or verdict.faults))
         for found, value, most in (
-            (report.outside, outside_room(at.scene, record), 0.0), (report.hinges, hinge_excess(at.scene, record), 0.0),
+            (report.outside, outside_room(at.scene, record), 0.0),
+            (report.hinges, hinge_excess(at.scene, record), 0.0),
             (report.balls, ball_excess(at.scene, record), ROUNDING),
         ):
             if not value <= most:

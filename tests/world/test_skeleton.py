@@ -22,8 +22,10 @@ def mixed() -> Avatar:
     return Avatar(
         "m",
         (
-            Link("root", None, Free(), PIECES, MASS), Link("a", "root", Ball(LIMITS), PIECES, MASS, anchor=(0.0, 0.0, 1.0)),
-            Link("b", "a", Hinges((Hinge(X, -1.0, 0.5), Hinge(Y, -2.0, 2.0))), PIECES, MASS), Link("c", "b", Rigid(), PIECES, MASS),
+            Link("root", None, Free(), PIECES, MASS),
+            Link("a", "root", Ball(LIMITS), PIECES, MASS, anchor=(0.0, 0.0, 1.0)),
+            Link("b", "a", Hinges((Hinge(X, -1.0, 0.5), Hinge(Y, -2.0, 2.0))), PIECES, MASS),
+            Link("c", "b", Rigid(), PIECES, MASS),
             Link("d", "root", Hinges((Hinge(Z, 0.0, 1.0),)), PIECES, MASS),
         ),
     )

@@ -17,9 +17,7 @@ from tests.stability.hostile import hinged_avatar, walls
 
 AVATAR = hinged_avatar()
 OFF_CENTRE = (Piece(Box((0.1, 0.2, 0.3)), (0.4, -0.3, 0.2)),)
-CRATE = simulated(
-    "crate", OFF_CENTRE, "wood", solid(OFF_CENTRE, 1.0), (1.0, 0.5, 2.0), (0.5, 0.5, -0.5, 0.5)
-)
+CRATE = simulated("crate", OFF_CENTRE, "wood", solid(OFF_CENTRE, 1.0), (1.0, 0.5, 2.0), (0.5, 0.5, -0.5, 0.5))
 
 
 def random_sample(seed: int) -> TrackerSample:
@@ -58,7 +56,9 @@ def test_samples_of_any_layout_are_made_fit_for_the_kernels() -> None:
     sample = random_sample(1)
     frozen = sample.positions.copy()
     frozen.flags.writeable = False
-    odd = replace(sample, positions=frozen, rotations=np.asfortranarray(sample.rotations), angles=sample.angles.astype(np.float32))
+    odd = replace(
+        sample, positions=frozen, rotations=np.asfortranarray(sample.rotations), angles=sample.angles.astype(np.float32)
+    )
     for array in sample_arrays(odd):
         assert array.dtype == np.float64 and array.flags.c_contiguous and array.flags.writeable
     assert sample_arrays(sample)[0] is sample.positions

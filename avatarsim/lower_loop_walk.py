@@ -1,0 +1,95 @@
+"""The last step of Algorithm 1 in the lower loop: walk back towards the last checked state until nothing overlaps."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+from avatarsim.lower_loop_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
+from avatarsim.posture.chain import Chains
+from avatarsim.posture.into_limits import into_limits
+from avatarsim.posture.kinematics import forward
+from avatarsim.separate.overlaps import answer_for, find_overlaps
+from avatarsim.separate.walk_back import interpolate, narrowed
+from avatarsim.spatial.vec3 import along, put_row, row, sub
+from avatarsim.world.geometry import Geometry, Poses, place
+from avatarsim.world.skeleton import Posture, Skeleton
+
+CHAINS_HIT: Final = 0
+AVATARS_HIT: Final = 1
+EVERYTHING: Final = 2
+"""What is walked back, the least first: the chains that overlap, their whole avatars, all that moved in this frame."""
+
+
+@kernel
+def choose_links(
+    chains: Chains, hit: NDArray[np.bool_], first_link: int, level: int, chosen_out: NDArray[np.bool_]
+) -> None:
+    """Mark the links that are walked back at this level, from the bodies that are ``hit``; earlier marks stay."""
+    nl = chosen_out.shape[0]
+    if level == CHAINS_HIT:
+        chosen_out[:] = False
+        for c in range(chains.first.shape[0] - 1):
+            caught = False
+            for at in range(chains.first[c], chains.first[c + 1]):
+                caught = caught or hit[first_link + chains.link[at]]
+            for at in range(chains.first[c], chains.first[c + 1]):
+                chosen_out[chains.link[at]] = chosen_out[chains.link[at]] or caught
+        return
+    for link in range(nl):
+        if level == EVERYTHING:
+            chosen_out[link] = True
+        elif hit[first_link + link] or chosen_out[link]:
+            for other in range(nl):
+                chosen_out[other] = chosen_out[other] or chains.root[other] == chains.root[link]
+
+
+@kernel
+def walk_back(
+    geo: Geometry, skel: Skeleton, precision: float, posture_out: Posture, poses_out: Poses, memory_out: PaperMemory
+) -> None:
+    """Show the state farthest from the last checked one that bisection finds free, walking back as few links as will do.
+
+    ``memory.present`` and ``memory.end`` hold the state that overlaps. First each level is tried at the checked state itself;
+    the first one that is free there is bisected to ``precision``, a share of the way. If even the checked state of everything
+    is not free (something else moved into it), it is shown all the same and START_OVERLAPS is counted.
+    """
+    m = memory_out
+    m.counts[WALKED_BACK] += 1
+    level, fraction, low, high, found_level, last = CHAINS_HIT, 0.0, 0.0, 1.0, False, False
+    choose_links(m.chains, m.overlaps.hit, skel.first, level, m.chosen)
+    while True:
+        interpolate(skel, m.checked, m.present, fraction, m.chosen, posture_out)
+        if fraction > 0.0:
+            # not at 0: the last checked state is shown again bit for bit
+            into_limits(skel, posture_out)
+        m.counts[FORWARDS] += 1
+        forward(geo, skel, posture_out, m.none, poses_out, m.axes)
+        for body in range(skel.first):
+            if level == EVERYTHING and m.given_way[body]:
+                start, way = row(m.start, body), sub(row(m.end, body), row(m.start, body))
+                put_row(poses_out.position, body, start if fraction == 0.0 else along(start, fraction, way))
+                place(geo, poses_out, body)
+                # where it began, its own contacts are not this loop's business
+                answer_for(geo.wanted, body, skel.first, fraction > 0.0, m.overlaps.ours)
+        if last:
+            # the same bits as when they were found free
+            m.counts[HELD] += 1 if low == 0.0 else 0
+            return
+        m.counts[WALK_TESTS] += 1
+        is_free = find_overlaps(geo, poses_out, m.overlaps) == 0
+        if found_level:
+            low, high = narrowed(low, high, is_free)
+        elif is_free:
+            found_level = True
+        elif level == EVERYTHING:
+            m.counts[START_OVERLAPS] += 1
+            m.counts[HELD] += 1
+            return
+        else:
+            level += 1
+            choose_links(m.chains, m.overlaps.hit, skel.first, level, m.chosen)
+            continue
+        last = high - low <= precision
+        fraction = low if last else 0.5 * (low + high)
