@@ -7,7 +7,7 @@ from avatarsim.coupling_loop import Coupling
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import make_events
 from avatarsim.posture.follow import follow
-from avatarsim.posture.workspace import COUNT_NAMES, ready_memory
+from avatarsim.posture.workspace import COUNT_NAMES, ready_memory, was_held
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.stage_clock import StageClock
@@ -49,11 +49,8 @@ class Frames:
             if self.effects.coupling:
                 with self.clock.stage("coupling"):
                     self.coupling.pull(self.target, dt)
-            with self.clock.stage("posture"):
-                follow(
-                    world.geometry, world.skeleton, self.target.posture, self.posture_settings, world.posture, world.poses,
-                    self.memory,
-                )
+            self.memory.counts[:] = 0
+            self.follow_target()
         if self.effects.dynamics:
             with self.clock.stage("motion"):
                 self.status = advance(
@@ -61,7 +58,18 @@ class Frames:
                 )
             if self.effects.coupling:
                 self.coupling.receive(self.motion.received)
+                if was_held(self.memory) and self.motion.moving.any():
+                    # what was in the way may have moved on within this frame: do not wait for the next one
+                    self.follow_target()
         self.begun, self.time = self.time, self.time + dt
+
+    def follow_target(self) -> None:
+        """Lower loop: driven bodies go towards the tracker, every state certified."""
+        world = self.world
+        with self.clock.stage("posture"):
+            follow(
+                world.geometry, world.skeleton, self.target.posture, self.posture_settings, world.posture, world.poses, self.memory
+            )
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""

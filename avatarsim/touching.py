@@ -81,6 +81,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                     if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i]):
                         outcome = NO_ROOM
                         break
+                    contacts.face[k] = found.face[0]
                     contacts.restitution[k] = dynamics.restitution[a, b]
                     contacts.friction[k] = dynamics.friction[a, b]
                     contacts.key[k] = (sa * pieces + sb) * 8 + i

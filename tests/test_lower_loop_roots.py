@@ -7,6 +7,8 @@ from avatarsim.lower_loop_roots import couple_roots, settle_roots
 from avatarsim.settings import CouplingSettings
 from avatarsim.world.skeleton import BALL, FREE
 
+pytestmark = [pytest.mark.nojit]
+
 KIND = np.array([FREE, BALL], dtype=np.int64)
 MASS = np.array([0.4, 1.0])
 EQ_6 = CouplingSettings()

@@ -14,6 +14,8 @@ from avatarsim.world.geometry import place
 from tests.posture.arms import RADIUS, arm, ball_hand, planar
 from tests.posture.loops import Loop
 
+pytestmark = [pytest.mark.nojit]
+
 WALL = fixed("wall", (Piece(Box((4.0, 1.0, 4.0)), (0.0, 1.0, 0.0)),), "wood")
 """Fills y from 0.5 to 1.5."""
 NO_ROUNDS = {"rounds": 0, "couple": 0}

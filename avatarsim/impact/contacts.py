@@ -26,6 +26,7 @@ class Contacts(NamedTuple):
     """Contact points k < used[0]; those of one pair of bodies stand together.
 
     body (cap, 2) A and B; key (cap) names the point from one segment to the next; driven (cap) one of the above;
+    face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
     gap (cap) [m]; restitution, friction (cap); bend (cap, 3) acceleration of A's point seen from B's that needs no force [m/s^2];
     ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg];
@@ -38,6 +39,7 @@ class Contacts(NamedTuple):
     body: Index
     key: Index
     driven: Index
+    face: Index
     frame: Array
     arm_a: Array
     arm_b: Array
@@ -55,7 +57,8 @@ def make_contacts(cap: int = ROOM) -> Contacts:
     """Allocate room for ``cap`` contact points."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
-        driven=np.zeros(cap, np.int64), frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
+        driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
+        frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
         gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)),
     )
@@ -77,6 +80,7 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     contacts.body[k, 0] = a
     contacts.body[k, 1] = b
     contacts.driven[k] = driven
+    contacts.face[k] = 0
     t = perpendicular(n)
     put_row(contacts.frame[k], 0, n)
     put_row(contacts.frame[k], 1, t)

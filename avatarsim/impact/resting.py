@@ -52,7 +52,7 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
     """Fill ``bend``: how A's contact point accelerates as seen from B's [m/s^2] without any force.
 
     A corner that pivots moves on a circle, w x (w x r), and two balls that roll on each other on another: |v_t|^2 / distance
-    along n.
+    along n. What slides with u over a face that turns with w meets or leaves it by 2 (w x n) . u (Coriolis).
     """
     for k in range(contacts.used[0]):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
@@ -68,6 +68,10 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
             across = norm(tangential_velocity(n, sub(row(linear, a), row(linear, b))))
             distance = norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k]
             bend = scale(n, across * across / distance)
+        if contacts.face[k] != 0:
+            n, w = axis(contacts, k, 0), row(angular, a if contacts.face[k] == 1 else b)
+            slip = tangential_velocity(n, velocity_at(contacts, k, linear, angular))
+            bend = along(bend, 2.0 * dot(cross(w, n), slip), n)
         put_row(contacts.bend, k, bend)
 
 

@@ -38,12 +38,18 @@ EQUAL = 1e-12
 """Relative to the shapes' size: points closer than this are the same point."""
 
 
+NOBODY, FACE_OF_A, FACE_OF_B = 0, 1, 2
+"""Whose face a contact normal belongs to and turns with."""
+
+
 class Manifold(NamedTuple):
-    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m]; the rest are polygons (u, v, height)."""
+    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], whose face the normal belongs to (1):
+    one of NOBODY, FACE_OF_A, FACE_OF_B; the rest are polygons (u, v, height)."""
 
     on_a: Array
     on_b: Array
     gap: Array
+    face: NDArray[np.int64]
     loose: Array
     face_a: Array
     face_b: Array
@@ -55,7 +61,8 @@ def make_manifold() -> Manifold:
     """Allocate; one per thread."""
     room, both = (FEATURE_ROOM, 3), (2 * FEATURE_ROOM + 8, 3)
     return Manifold(
-        np.zeros((MANIFOLD_POINTS, 3)), np.zeros((MANIFOLD_POINTS, 3)), np.zeros(MANIFOLD_POINTS), np.zeros(room), np.zeros(room),
+        np.zeros((MANIFOLD_POINTS, 3)), np.zeros((MANIFOLD_POINTS, 3)), np.zeros(MANIFOLD_POINTS),
+        np.zeros(1, np.int64), np.zeros(room), np.zeros(room),
         np.zeros(room), np.zeros(both), np.zeros(both),
     )
 
@@ -105,7 +112,10 @@ def manifold(
     """
     lone_a = shapes.kind[a] != POINTS or shapes.start[a + 1] - shapes.start[a] == 1
     lone_b = shapes.kind[b] != POINTS or shapes.start[b + 1] - shapes.start[b] == 1
+    found.face[0] = NOBODY
     if lone_a or lone_b:
+        if lone_a != lone_b:
+            found.face[0] = FACE_OF_B if lone_a else FACE_OF_A
         return only_witness(found, on_a, on_b, gap), n
     size = max(shapes.size[a], shapes.size[b])
     # everything nearer than the band takes part, however deep the deepest point has dipped
@@ -115,6 +125,8 @@ def manifold(
     origin = scale(add(on_a, on_b), 0.5)
     corners_a = feature(vertices, shapes, a, -1.0, n, u, v, origin, tolerance, found.loose, found.face_a)
     corners_b = feature(vertices, shapes, b, 1.0, n, u, v, origin, tolerance, found.loose, found.face_b)
+    if corners_a >= 3 or corners_b >= 3:
+        found.face[0] = FACE_OF_B if corners_b >= 3 else FACE_OF_A
     if corners_a < 2 or corners_b < 2:
         if corners_a >= 3 or corners_b >= 3:
             n = tilted(n, u, v, found.face_b, corners_b) if corners_b >= 3 else tilted(n, u, v, found.face_a, corners_a)

@@ -12,7 +12,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 MARGIN = 5e-4
-"""Added to every box [m]. Above the bands in which bodies touch (1e-6, driven ones 4e-4); smaller: more sweeps for bodies that tremble; larger: more pairs."""
+"""Added to every box [m]. Above the bands in which bodies touch (1e-6, driven ones 4e-4); smaller: more sweeps for bodies that
+tremble; larger: more pairs."""
 
 SMALL_TURN = 0.3
 """Turns below this [rad] grow the box by the way of the farthest point; larger ones by the whole ball around the body."""

@@ -51,8 +51,7 @@ def follow(
     geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
 ) -> None:
-    """Bring the posture towards the tracker's by at most `settings.steps` certified steps."""
-    memory_out.counts[:] = 0
+    """Bring the posture towards the tracker's by at most `settings.steps` certified steps; the work adds to the counts."""
     notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)

@@ -16,6 +16,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.world.world import build
 
+pytestmark = [pytest.mark.nojit]
+
 CENTRE, RADIUS = 0.1, 0.3
 
 

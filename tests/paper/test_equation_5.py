@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from avatarsim.posture.joint_plane import joint_turn
 from avatarsim.spatial import rotation
 
+pytestmark = [pytest.mark.nojit]
+
 coordinate = st.floats(-2.0, 2.0)
 point = st.tuples(coordinate, coordinate, coordinate)
 ORIGIN, Z = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)

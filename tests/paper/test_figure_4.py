@@ -10,6 +10,8 @@ from avatarsim.start_check import overlapping_pairs
 from tests.posture.arms import ball_hand
 from tests.posture.loops import Loop
 
+pytestmark = [pytest.mark.nojit]
+
 RADIUS = 0.1
 TABLE = (Piece(Box((1.0, 1.0, 0.1)), (0.0, 0.0, -0.05)), Piece(Box((0.1, 1.0, 1.0)), (-0.55, 0.0, 0.0)))
 

@@ -13,6 +13,8 @@ from avatarsim.spatial.tangent import columns
 from avatarsim.world.skeleton import Posture
 from tests.posture.arms import arm, ball_hand, limited_ball, planar, world_of
 
+pytestmark = [pytest.mark.nojit]
+
 HAND = ball_hand(0.1)
 ARM = arm((0.4, 0.3), [limited_ball(), planar((-0.5, 2.0))[0]], at=(5.0, 0.0, 0.0))
 RATE = 30.0

@@ -75,8 +75,8 @@ def test_standing_still_is_always_accepted_however_narrow() -> None:
         assert failures(found, 0.0) == 0
 
 
-@pytest.mark.parametrize("gap", [1e-4, 1e-2, 1.0, 5.0])
-@pytest.mark.parametrize("degree", [*range(6), None])
+@pytest.mark.parametrize("gap", [1e-5, 1e-2, 5.0])
+@pytest.mark.parametrize("degree", [0, 4, None])
 def test_a_nan_fails_near_and_far(degree: int | None, gap: float) -> None:
     """A pose that is no pose is never proved apart from anything, not even where no box is near."""
     found = little(hand_scene((-0.051 - gap, 0.0, 0.0), panel()))

@@ -10,6 +10,8 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 from tests.posture.arms import arm, ball_hand, planar, world_of
 
+pytestmark = [pytest.mark.nojit]
+
 DOT = Piece(Sphere(0.05))
 
 

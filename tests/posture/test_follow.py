@@ -182,6 +182,17 @@ def test_a_body_that_starts_at_rest_on_the_floor_can_leave_it(gap: float, shape:
     assert link_error(scene, record, above) < 1e-9
 
 
+@pytest.mark.parametrize("sink", [0.0, 0.002, 0.1])
+def test_a_body_that_starts_at_rest_on_the_floor_can_slide_on_it(sink: float) -> None:
+    """The tracker moves sideways and never up: what touches exactly has to find its own way off the floor."""
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 1.0))),), "wood", (0.0, 0.0, -0.5))
+    scene = hand_scene((0.0, 0.0, 0.1), floor, shape=(Piece(Box((0.2, 0.2, 0.2))),))
+    go = ride(scene)
+    for _ in range(30):
+        go.frame(at(scene.first_sample, (0.3, 0.1, 0.1 - sink)))
+    assert go.place("hand") == pytest.approx([0.3, 0.1, 0.1], abs=0.01)
+
+
 def test_a_wedge_with_a_trembling_tracker() -> None:
     """A hull pressed into a V-shaped groove stays apart from both sides for hundreds of frames."""
 

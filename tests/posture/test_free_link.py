@@ -17,6 +17,8 @@ from avatarsim.spatial import rotation
 from avatarsim.world.geometry import place
 from tests.posture.arms import RADIUS, arm, planar, world_of
 
+pytestmark = [pytest.mark.nojit]
+
 LENGTHS, DEPTH = (0.4, 0.3, 0.2), 0.02
 WALL_FROM = 0.25
 """[m] the wall fills everything in y beyond this."""

@@ -68,6 +68,8 @@ def test_taking_a_step_leads_where_the_trial_was(seed: int) -> None:
     found = random_world(seed)
     geo, skel, posture, _ = found.parts
     step = np.random.default_rng(seed).normal(size=skel.first_dof[-1])
+    # hinges end inside their limits, as every step of the solver does
+    step = np.clip(posture.angle + step, *skel.limits.T) - posture.angle
     forward(geo, skel, posture, step, found.memory.trial, found.memory.trial_axes)
     tried, axes = found.memory.trial.vertices.copy(), found.memory.trial_axes.copy()
     taken = copied(posture)

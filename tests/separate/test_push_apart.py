@@ -12,6 +12,8 @@ from avatarsim.separate.push_apart import STAY, lengthened, push_apart
 from avatarsim.world.geometry import place
 from tests.posture.arms import ball_hand, world_of
 
+pytestmark = [pytest.mark.nojit]
+
 SCRATCH = make_scratch()
 RADIUS, DEPTH = 0.2, 0.05
 

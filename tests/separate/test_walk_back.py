@@ -8,6 +8,8 @@ from avatarsim.spatial import rotation
 from avatarsim.world.skeleton import Posture
 from tests.posture.arms import arm, ball_hand, limited_ball, planar, world_of
 
+pytestmark = [pytest.mark.nojit]
+
 AVATARS = (ball_hand(0.1), arm((0.4, 0.3), [limited_ball(), planar((-0.5, 2.0))[0]], at=(3.0, 0.0, 0.0)))
 ALL = np.ones(3, dtype=np.bool_)
 
