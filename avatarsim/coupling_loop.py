@@ -11,12 +11,11 @@ from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
 from avatarsim.posture.kinematics import forward
 from avatarsim.settings import CouplingSettings
-from avatarsim.spatial.tangent import Columns, columns, put_columns, rotation_vector, turned
+from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Velocities
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
-from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 Array = NDArray[np.float64]
@@ -101,12 +100,12 @@ class Coupling:
         self._before = Poses(*(array.copy() for array in world.poses))
         self._now = Poses(*(array.copy() for array in world.poses))
 
-    def pull(self, target: Target, dt: float) -> None:
+    def pull(self, target: Posture, dt: float) -> None:
         """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies."""
         world = self.world
         self._before, self._now = self._now, self._before
-        forward(world.geometry, world.skeleton, target.posture, self._still, self._now, self._axes)
-        relax(world.skeleton, self.mass, self.settings, dt, self.offset, self.rate, target.posture.root)
+        forward(world.geometry, world.skeleton, target, self._still, self._now, self._axes)
+        relax(world.skeleton, self.mass, self.settings, dt, self.offset, self.rate, target.root)
         tracked_velocities(world.skeleton, self._before, self._now, self.rate, dt, world.velocities)
 
     def receive(self, impulses: Array) -> None:

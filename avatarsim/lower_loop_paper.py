@@ -37,11 +37,10 @@ from avatarsim.posture.chain import Chains, shuffle
 from avatarsim.posture.cyclic_coordinate_descent import REACHED, joints_of
 from avatarsim.posture.free_link import free_link, link_contacts
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.paper_settings import PaperSettings
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
 from avatarsim.separate.push_apart import push_apart
 from avatarsim.separate.who_gives_way import SIMULATED, shares
-from avatarsim.settings import AttractionSettings, CouplingSettings
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.vec3 import Rows, add, dot, put_row, row
 from avatarsim.world.geometry import Geometry, Poses, place
 from avatarsim.world.skeleton import FREE, Posture, Skeleton

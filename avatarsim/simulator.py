@@ -1,7 +1,7 @@
 """The native engine: a scene in, one record per frame out."""
 
 from collections.abc import Mapping
-from typing import TypeVar, get_type_hints
+from typing import get_type_hints
 
 import numpy as np
 
@@ -11,26 +11,39 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.settings import Chosen
 from avatarsim.start_check import require_free
 from avatarsim.world.world import build, shown_poses
 
-PRESETS = ("default",)
+PRESETS = ("default", "paper")
+"""`default`: every state certified; `paper`: the paper's equations as printed."""
+
+METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
+"""The groups of settings that each method reads."""
 
 
-Chosen = TypeVar("Chosen", PostureSettings, CouplingSettings)
+def choose(method: str, options: Mapping[str, object]) -> Chosen:
+    """The method's settings with those fields replaced that `options` names, checked for name, type and finiteness."""
+    chosen, left = Chosen(), dict(options)
+    known: list[str] = []
+    for group in METHOD_SETTINGS[method]:
+        defaults = getattr(chosen, group)
+        fields = get_type_hints(type(defaults))
+        known += fields
+        replaced = {name: number(name, left.pop(name), kind) for name, kind in fields.items() if name in left}
+        chosen = chosen._replace(**{group: defaults._replace(**replaced)})
+    for name in left:
+        raise UnknownName(f"option of avatarsim, preset {method}", name, known)
+    return chosen
 
 
-def override(defaults: Chosen, options: Mapping[str, object]) -> Chosen:
-    """`defaults` with those fields replaced that `options` names, checked for type and finiteness."""
-    chosen = {}
-    for name, kind in get_type_hints(type(defaults)).items():
-        if name in options:
-            value = options[name]
-            if not isinstance(value, (int, float)) or isinstance(value, bool) or not np.isfinite(value) or value < 0:
-                raise InvalidInput(f"option {name}", value, "a finite number, 0 or more")
-            chosen[name] = kind(value)
-    return defaults._replace(**chosen)
+def number(name: str, value: object, kind: type[float] | type[int]) -> float:
+    """`value` as a number of `kind`, 0 or more."""
+    if not isinstance(value, (int, float)) or isinstance(value, bool) or not np.isfinite(value) or value < 0:
+        raise InvalidInput(f"option {name}", value, "a finite number, 0 or more")
+    if kind is int and value != int(value):
+        raise InvalidInput(f"option {name}", value, "a whole number, 0 or more")
+    return kind(value)
 
 
 class AvatarsimEngine:
@@ -42,7 +55,7 @@ class AvatarsimEngine:
 
     def __init__(self) -> None:
         self._frames: Frames | None = None
-        self._settings = Settings()
+        self._settings, self._chosen = Settings(), Chosen()
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """What this engine leaves out of `scene`."""
@@ -55,8 +68,11 @@ class AvatarsimEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force."""
-        frames = self._running()
-        return {"method": self._settings.preset, **frames.posture_settings._asdict(), **frames.coupling_settings._asdict()}
+        self._running()
+        in_force: dict[str, object] = {"method": self._settings.preset}
+        for group in METHOD_SETTINGS[self._settings.preset]:
+            in_force |= getattr(self._chosen, group)._asdict()
+        return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the world; the first pose must be free of overlap."""
@@ -64,18 +80,12 @@ class AvatarsimEngine:
             raise UnknownName("preset of avatarsim", settings.preset, PRESETS)
         if not (np.isfinite(dt) and 0.0 < dt <= 1.0):
             raise InvalidInput("frame time [s]", dt, "above 0 and at most 1")
-        known = (*PostureSettings._fields, *CouplingSettings._fields)
-        for name in settings.options:
-            if name not in known:
-                raise UnknownName("option of avatarsim", name, known)
+        chosen = choose(settings.preset, settings.options)
         world = build(scene)
         require_free(world)
-        self._settings = settings
+        self._settings, self._chosen = settings, chosen
         self._frames = Frames(
-            world,
-            override(PostureSettings(), settings.options),
-            override(CouplingSettings(), settings.options),
-            record_inside=settings.record_inside, time_stages=settings.time_stages,
+            world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )
         return self._record({}, {}, ())
 

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.lower_loop_memory import COUNT_NAMES
 from avatarsim.paper_loop import PaperLoop
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere

@@ -70,8 +70,13 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
             bend = scale(n, across * across / distance)
         if contacts.face[k] != 0:
             n, w = axis(contacts, k, 0), row(angular, a if contacts.face[k] == 1 else b)
-            slip = tangential_velocity(n, velocity_at(contacts, k, linear, angular))
-            bend = along(bend, 2.0 * dot(cross(w, n), slip), n)
+            if ball[a] + ball[b] == 1:
+                # a ball's spin does not move its contact point: its centre is what the face meets or leaves
+                u, d = sub(row(linear, a), row(linear, b)), sub(row(contacts.arm_b, k), row(contacts.arm_a, k))
+                bend = scale(n, 2.0 * dot(cross(w, n), u) + dot(cross(w, cross(w, n)), d))
+            else:
+                slip = tangential_velocity(n, velocity_at(contacts, k, linear, angular))
+                bend = along(bend, 2.0 * dot(cross(w, n), slip), n)
         put_row(contacts.bend, k, bend)
 
 

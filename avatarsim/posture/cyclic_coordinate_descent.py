@@ -10,7 +10,7 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.joint_plane import joint_turn
 from avatarsim.posture.limits import has_cone, inside_cone
 from avatarsim.posture.link_pose import pose_link
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import (
     about,
     columns,

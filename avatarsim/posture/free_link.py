@@ -13,7 +13,7 @@ from avatarsim.posture.cyclic_coordinate_descent import NO_GOAL, descend, reach_
 from avatarsim.posture.end_effector import end_effector, goal_of
 from avatarsim.posture.limits import has_cone, inside_cone
 from avatarsim.posture.link_pose import pose_link
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import Columns, columns, product, put_columns, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, neg, norm, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses

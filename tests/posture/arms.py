@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.posture.cyclic_coordinate_descent import reach_goal
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.joint import Ball, Hinge, Hinges, Joint, SwingTwist

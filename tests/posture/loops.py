@@ -8,7 +8,7 @@ import numpy as np
 from avatarsim.lower_loop_memory import make_paper_memory
 from avatarsim.lower_loop_paper import follow_as_printed
 from avatarsim.posture.limits import cone_excess, has_cone
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.tracker import rest

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from avatarsim.posture.cyclic_coordinate_descent import NO_GOAL, OUT_OF_SWEEPS, REACHED, SINGULAR, STUCK
 from avatarsim.posture.limits import cone_excess
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import columns
 from reference.closed_form_reach import reach_angles, reach_shortfall
 from tests.posture.arms import BENDING, arm, limited_ball, planar, reach, three_axes, world_of

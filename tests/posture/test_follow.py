@@ -3,12 +3,12 @@
 import subprocess
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import Settings
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -21,44 +21,11 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from reference.judge import Judge
 from tests.posture.little_worlds import X, Y, at, hand, hand_scene, panel, piece
-from tests.stability.hostile import DT, ball_excess, hinge_excess, hinged_avatar, humanoid_trial, link_error
+from tests.posture.ride import ride
+from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
 
 ROOT = [sys.executable, "-c"]
 CUBE = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
-
-
-@dataclass
-class Ride:
-    """An engine that is driven frame by frame under the eyes of the judge."""
-
-    scene: Scene
-    engine: AvatarsimEngine
-    judge: Judge
-    record: FrameRecord
-
-    def frame(self, sample: TrackerSample) -> FrameRecord:
-        """One frame; overlap and limits are exact zeros, in every frame."""
-        self.record = self.engine.advance(sample, DT)
-        shown = self.record.shown
-        verdict = self.judge.overlaps(shown.positions, shown.orientations)
-        assert verdict.deepest == 0.0, (shown.time, verdict.pairs)
-        assert hinge_excess(self.scene, self.record) <= 0.0
-        assert ball_excess(self.scene, self.record) <= 1e-9
-        return self.record
-
-    def error(self, sample: TrackerSample) -> float:
-        """Distance [m] of links from the sample."""
-        return link_error(self.scene, self.record, sample)
-
-    def place(self, name: str) -> np.ndarray:
-        """Where a body is shown."""
-        return self.record.shown.positions[self.scene.names.index(name)]
-
-
-def ride(scene: Scene, **options: object) -> Ride:
-    """A loaded engine."""
-    engine = AvatarsimEngine()
-    return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(options=options), DT))
 
 
 def arm() -> Avatar:

@@ -9,7 +9,7 @@ from avatarsim.posture.chain import chains_of
 from avatarsim.posture.cyclic_coordinate_descent import NO_GOAL, REACHED
 from avatarsim.posture.free_link import free_link, link_contacts
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.paper_settings import PaperSettings
+from avatarsim.settings import PaperSettings
 from avatarsim.scene.body import fixed
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.shape import Box, Piece

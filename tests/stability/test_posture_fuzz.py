@@ -116,11 +116,9 @@ def main() -> None:
     for seed in chosen.seeds:
         r = run(chosen.avatar, seed, chosen.frames, judge_every=chosen.judge_every)
         p50, p99 = np.percentile(r.micros[5:], [50, 99])
-        print(
-            f"{chosen.avatar} seed {seed}: {r.frames} frames, {len(r.overlaps)} overlaps, {len(r.outside)} outside, {len(r.hinges)} hinge excess, "
-            f"{len(r.balls)} ball excess, {len(r.not_finite)} not finite, {r.returns} returns, {r.late} late, {len(r.stuck)} stuck, "
-            f"closest {r.closest:.3g} m, p50 {p50:.0f} us, p99 {p99:.0f} us"
-        )
+        excess = f"{len(r.hinges)} hinge excess, {len(r.balls)} ball excess, {len(r.not_finite)} not finite"
+        print(f"{chosen.avatar} seed {seed}: {r.frames} frames, {len(r.overlaps)} overlaps, {len(r.outside)} outside, {excess},")
+        print(f"    {r.returns} returns, {r.late} late, {len(r.stuck)} stuck, closest {r.closest:.3g} m, {p50:.0f} / {p99:.0f} us")
         for title in ("overlaps", "outside", "hinges", "balls", "not_finite", "stuck"):
             for found in getattr(r, title)[:5]:
                 print("   ", title, found)
