@@ -3,16 +3,16 @@
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 """
 
-from avatarsim.checked_loop import CheckedLoop
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import make_events
-from avatarsim.paper_loop import PaperLoop
-from avatarsim.recorded_events import snapshots
+from avatarsim.loops.checked import CheckedLoop
+from avatarsim.loops.paper import PaperLoop
+from avatarsim.loops.recorded_events import snapshots
+from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
+from avatarsim.loops.upper_memory import COUNT_NAMES, Switches, make_memory
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.stage_clock import StageClock
-from avatarsim.upper_loop import DONE, STATUS_NAMES, advance
-from avatarsim.upper_loop_memory import COUNT_NAMES, Switches, make_memory
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 

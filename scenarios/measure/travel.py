@@ -1,5 +1,7 @@
 """Did what was pushed go anywhere? An engine whose hand meets nothing overlaps nothing."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from avatarsim.scene.scene import Scene
@@ -14,7 +16,7 @@ def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     The way is the straight distance of the last state shown, or of the farthest finite one. Empty if nothing is stated.
     """
     stated = scenario.expects.get("travel")
-    if not stated:
+    if not isinstance(stated, Mapping):
         return {}
     missing = 0.0
     for name, least in stated.items():

@@ -7,7 +7,7 @@ from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.motion.manifold import make_manifold, manifold
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
-from tests.upper_loop_world import World, slab, thing
+from tests.loops.upper_world import World, slab, thing
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from avatarsim.motion.near import boxes_near, grow, turn_within
 from avatarsim.scene.shape import Box
-from tests.upper_loop_world import GRAVITY, World, ball, slab, thing
+from tests.loops.upper_world import GRAVITY, World, ball, slab, thing
 
 
 def test_a_grown_box_holds_the_whole_flight() -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from avatarsim.motion.path import FREE
 from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, earliest_touch, time_of_impact
 from avatarsim.scene.shape import Box, Ellipsoid
-from tests.upper_loop_world import World, ball, slab, thing
+from tests.loops.upper_world import World, ball, slab, thing
 
 
 @given(st.floats(1e-9, 1.0), st.floats(-10.0, 10.0), st.floats(-20.0, 20.0))

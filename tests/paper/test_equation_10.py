@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
-from tests.upper_loop_world import World, ball, slab
+from tests.loops.upper_world import World, ball, slab
 
 vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 

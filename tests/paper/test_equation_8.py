@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.impact.relative_velocity import velocity_after
 from avatarsim.scene.shape import Box
-from tests.upper_loop_world import G, World, ball, slab, thing
+from tests.loops.upper_world import G, World, ball, slab, thing
 
 RATES = (30.0, 60.0, 240.0, 1000.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.lower_loop_memory import (
+from avatarsim.loops.paper_memory import (
     GAVE_WAY,
     HELD,
     ITERATIONS,

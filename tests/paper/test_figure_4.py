@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.lower_loop_memory import CANCELLED, HELD, ROUNDS, WALKED_BACK
+from avatarsim.loops.paper_memory import CANCELLED, HELD, ROUNDS, WALKED_BACK
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.start_check import overlapping_pairs

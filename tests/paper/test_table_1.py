@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.material import TABLE_1
-from tests.upper_loop_world import G, World, ball, slab
+from tests.loops.upper_world import G, World, ball, slab
 
 PRINTED = {
     ("wood", "wood"): (0.3, 0.3), ("wood", "human"): (0.2, 0.2), ("wood", "metal"): (0.2, 0.1),

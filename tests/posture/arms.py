@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from avatarsim.posture.cyclic_coordinate_descent import reach_goal
 from avatarsim.posture.kinematics import forward
-from avatarsim.settings import PaperSettings
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.joint import Ball, Hinge, Hinges, Joint, SwingTwist
@@ -15,6 +14,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.settings import PaperSettings
 from avatarsim.spatial import rotation
 from avatarsim.world.world import World, build
 

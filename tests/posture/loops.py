@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from avatarsim.lower_loop_memory import make_paper_memory
-from avatarsim.lower_loop_paper import follow_as_printed
+from avatarsim.loops.paper_memory import make_paper_memory
+from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.posture.limits import cone_excess, has_cone
-from avatarsim.settings import PaperSettings
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.tracker import rest
-from avatarsim.settings import AttractionSettings, CouplingSettings
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.tangent import columns
 from avatarsim.world.skeleton import HINGES, Posture
 from tests.posture.arms import world_of

@@ -9,10 +9,10 @@ from avatarsim.posture.chain import chains_of
 from avatarsim.posture.cyclic_coordinate_descent import NO_GOAL, REACHED
 from avatarsim.posture.free_link import free_link, link_contacts
 from avatarsim.posture.kinematics import forward
-from avatarsim.settings import PaperSettings
 from avatarsim.scene.body import fixed
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.shape import Box, Piece
+from avatarsim.settings import PaperSettings
 from avatarsim.spatial import rotation
 from avatarsim.world.geometry import place
 from tests.posture.arms import RADIUS, arm, planar, world_of

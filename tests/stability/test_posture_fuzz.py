@@ -118,7 +118,7 @@ def main() -> None:
         p50, p99 = np.percentile(r.micros[5:], [50, 99])
         excess = f"{len(r.hinges)} hinge excess, {len(r.balls)} ball excess, {len(r.not_finite)} not finite"
         print(f"{chosen.avatar} seed {seed}: {r.frames} frames, {len(r.overlaps)} overlaps, {len(r.outside)} outside, {excess},")
-        print(f"    {r.returns} returns, {r.late} late, {len(r.stuck)} stuck, closest {r.closest:.3g} m, {p50:.0f} / {p99:.0f} us")
+        print(f"    {r.returns} returns, {r.late} late, {len(r.stuck)} stuck, gap {r.closest:.3g} m, {p50:.0f} / {p99:.0f} us")
         for title in ("overlaps", "outside", "hinges", "balls", "not_finite", "stuck"):
             for found in getattr(r, title)[:5]:
                 print("   ", title, found)

@@ -7,11 +7,11 @@ from avatarsim.impact.contacts import Contacts, axis, push, velocity_at, weigh
 from avatarsim.impact.masses import Masses, to_world
 from avatarsim.impact.resting import STAND_OFF
 from avatarsim.kernel import kernel
+from avatarsim.loops.touching import find_contacts
+from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.free_rotation import spun
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import add, dot, norm, put_row, row, scale
-from avatarsim.touching import find_contacts
-from avatarsim.upper_loop_memory import Memory
 from avatarsim.world.dynamics import Dynamics
 from avatarsim.world.geometry import Geometry, Poses, place
 

@@ -5,10 +5,10 @@ from avatarsim.impact.events import APPROACH, IMPACT, Events, record
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, resolve_impact, settle
 from avatarsim.impact.resting import SOLVED, SWEEPS, curvature, hold
 from avatarsim.kernel import kernel
+from avatarsim.loops.touching import recall_forces, remember_forces
+from avatarsim.loops.upper_memory import CONTACTS, DONE, GUARDED, IMPACTS, OUT_OF_IMPACTS, SOLVES, UNSOLVED, Memory, Switches
 from avatarsim.motion.path import FREE, HELD, STILL
 from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
-from avatarsim.touching import recall_forces, remember_forces
-from avatarsim.upper_loop_memory import CONTACTS, DONE, GUARDED, IMPACTS, OUT_OF_IMPACTS, SOLVES, UNSOLVED, Memory, Switches
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Poses
 

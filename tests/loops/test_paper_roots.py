@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.lower_loop_roots import couple_roots, settle_roots
+from avatarsim.loops.paper_roots import couple_roots, settle_roots
 from avatarsim.settings import CouplingSettings
 from avatarsim.world.skeleton import BALL, FREE
 

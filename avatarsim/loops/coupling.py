@@ -62,7 +62,9 @@ def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, rate: Array, d
 
 
 @kernel
-def relax(skel: Skeleton, mass: Array, settings: CouplingSettings, dt: float, offset_out: Array, rate_out: Array, root_out: Array) -> None:
+def relax(
+    skel: Skeleton, mass: Array, settings: CouplingSettings, dt: float, offset_out: Array, rate_out: Array, root_out: Array
+) -> None:
     """Eq. 6 over dt for the offset of every free root, which then displaces its target."""
     for link in range(skel.kind.shape[0]):
         x, v = row(offset_out, link), row(rate_out, link)

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.impact.events import make_events
+from avatarsim.loops.upper import advance
+from avatarsim.loops.upper_memory import Switches, make_memory
 from avatarsim.scene.avatar import Avatar, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.material import Contact, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
-from avatarsim.upper_loop import advance
-from avatarsim.upper_loop_memory import Switches, make_memory
 from avatarsim.world.dynamics import dynamics, velocities
 from avatarsim.world.geometry import geometry, poses
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.coupling_loop import give, tracked_velocities
-from avatarsim.lower_loop_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
-from avatarsim.lower_loop_paper import follow_as_printed
+from avatarsim.loops.coupling import give, tracked_velocities
+from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
+from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Posture
@@ -38,7 +38,7 @@ class PaperLoop:
             tracked_velocities(world.skeleton, self._before, world.poses, self._no_rate, dt, world.velocities)
 
     def receive(self, impulses: Array, target: Posture, others_move: bool) -> None:
-        """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; as printed, nothing moves again."""
+        """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
         give(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def counts(self) -> dict[str, int]:

@@ -10,16 +10,10 @@ from avatarsim.impact.events import Events
 from avatarsim.impact.impact_queue import collect
 from avatarsim.impact.masses import to_world
 from avatarsim.kernel import kernel
-from avatarsim.motion.near import keeps_promise
-from avatarsim.motion.path import HELD, STILL, move_along
-from avatarsim.motion.time_of_impact import BROKEN as PATH_BROKEN
-from avatarsim.motion.time_of_impact import CLEAR, time_of_impact
-from avatarsim.responding import impacts, segment
-from avatarsim.spatial.tangent import columns, put_columns
-from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.touching import BROKEN, NO_ROOM, find_contacts
-from avatarsim.unsqueeze import unsqueeze
-from avatarsim.upper_loop_memory import (
+from avatarsim.loops.responding import impacts, segment
+from avatarsim.loops.touching import BROKEN, NO_ROOM, find_contacts
+from avatarsim.loops.unsqueeze import unsqueeze
+from avatarsim.loops.upper_memory import (
     AUDITED,
     DONE,
     NOT_FINITE,
@@ -33,7 +27,13 @@ from avatarsim.upper_loop_memory import (
     Memory,
     Switches,
 )
-from avatarsim.waking import begin, sweep_pairs
+from avatarsim.loops.waking import begin, sweep_pairs
+from avatarsim.motion.near import keeps_promise
+from avatarsim.motion.path import HELD, STILL, move_along
+from avatarsim.motion.time_of_impact import BROKEN as PATH_BROKEN
+from avatarsim.motion.time_of_impact import CLEAR, time_of_impact
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 

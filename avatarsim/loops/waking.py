@@ -2,12 +2,12 @@
 
 from avatarsim.collide.status import NOT_FINITE as SWEEP_NOT_FINITE
 from avatarsim.kernel import kernel
+from avatarsim.loops.touching import SIMULATED
+from avatarsim.loops.upper_memory import DONE, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
 from avatarsim.motion.near import near_pairs, stands, wake_beside
 from avatarsim.motion.path import STILL
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.touching import SIMULATED
-from avatarsim.upper_loop_memory import DONE, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from avatarsim.lower_loop_memory import COUNT_NAMES
-from avatarsim.paper_loop import PaperLoop
-from avatarsim.settings import PaperSettings
+from avatarsim.loops.paper import PaperLoop
+from avatarsim.loops.paper_memory import COUNT_NAMES
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.settings import AttractionSettings, CouplingSettings
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.start_check import overlapping_pairs
 from avatarsim.world.skeleton import Posture
 from tests.posture.arms import ball_hand, world_of

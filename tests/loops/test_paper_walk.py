@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from avatarsim.lower_loop_memory import GAVE_WAY, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK
-from avatarsim.lower_loop_walk import AVATARS_HIT, CHAINS_HIT, EVERYTHING, choose_links
+from avatarsim.loops.paper_memory import GAVE_WAY, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK
+from avatarsim.loops.paper_walk import AVATARS_HIT, CHAINS_HIT, EVERYTHING, choose_links
 from avatarsim.posture.chain import Chains
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid

@@ -9,11 +9,11 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, Contacts, add_contact
 from avatarsim.kernel import kernel
+from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.manifold import manifold
 from avatarsim.motion.time_of_impact import TOUCH
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row, scale, sub
-from avatarsim.upper_loop_memory import Memory
 from avatarsim.world.dynamics import Dynamics
 from avatarsim.world.geometry import Geometry, Poses
 
@@ -43,7 +43,7 @@ def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:
 def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: int, memory: Memory) -> tuple[int, float]:
     """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs that somebody moves in.
 
-    A driven body keeps a stand-off from everything, so it reaches farther, by DRIVEN_TOUCH: what it cannot come nearer to, it hits.
+    A driven body keeps a stand-off from everything, so it touches from DRIVEN_TOUCH on: what it cannot come nearer to, it hits.
 
     Returns (outcome, smallest gap [m], inf without contacts).
     """

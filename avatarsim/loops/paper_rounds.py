@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, CONVERGED
 from avatarsim.kernel import kernel
-from avatarsim.lower_loop_memory import (
+from avatarsim.loops.paper_memory import (
     BAD,
     BENT,
     CANCELLED,
@@ -30,8 +30,8 @@ from avatarsim.lower_loop_memory import (
     UNCHECKED,
     PaperMemory,
 )
-from avatarsim.lower_loop_roots import couple_roots, settle_roots
-from avatarsim.lower_loop_walk import walk_back
+from avatarsim.loops.paper_roots import couple_roots, settle_roots
+from avatarsim.loops.paper_walk import walk_back
 from avatarsim.posture.attraction import attract, share_of_way
 from avatarsim.posture.chain import Chains, shuffle
 from avatarsim.posture.cyclic_coordinate_descent import REACHED, joints_of
@@ -167,7 +167,7 @@ def follow_as_printed(
     """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal lets them.
 
     Bodies that are no links are obstacles; simulated ones are moved only where driven ones could not part from them. Counts
-    and statuses are in ``memory_out.counts`` (`lower_loop_memory.COUNT_NAMES`, `STATUS_NAMES`).
+    and statuses are in ``memory_out.counts`` (`paper_memory.COUNT_NAMES`, `STATUS_NAMES`).
     """
     m, counts = memory_out, memory_out.counts
     counts[:] = 0

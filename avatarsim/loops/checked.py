@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.coupling_loop import Coupling
+from avatarsim.loops.coupling import Coupling
 from avatarsim.posture.follow import follow
 from avatarsim.posture.workspace import COUNT_NAMES, ready_memory, was_held
 from avatarsim.settings import CouplingSettings, PostureSettings

@@ -40,7 +40,7 @@ body was pushed because the driven one could not part from it."""
 
 
 class PaperMemory(NamedTuple):
-    """Memory of `lower_loop_paper.follow_as_printed` for nl links with nd degrees of freedom among nb bodies.
+    """Memory of `paper_rounds.follow_as_printed` for nl links with nd degrees of freedom among nb bodies.
 
     chains, overlaps   of posture and separate
     order, random      order of the chains in this frame; state (1) of its generator

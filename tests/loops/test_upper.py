@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from avatarsim.loops.upper_memory import NOT_FINITE, SEARCHES, SEGMENTS
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid
-from avatarsim.upper_loop_memory import NOT_FINITE, SEARCHES, SEGMENTS
-from tests.upper_loop_world import G, World, ball, hand, slab, thing
+from tests.loops.upper_world import G, World, ball, hand, slab, thing
 
 NO_GRAVITY = (0.0, 0.0, 0.0)
 ON_SLAB = 0.1 + 2e-8

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
-from avatarsim.lower_loop_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
+from avatarsim.loops.paper_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
 from avatarsim.posture.chain import Chains
 from avatarsim.posture.into_limits import into_limits
 from avatarsim.posture.kinematics import forward
