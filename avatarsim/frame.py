@@ -8,6 +8,7 @@ from avatarsim.impact.events import make_events
 from avatarsim.loops.checked import CheckedLoop
 from avatarsim.loops.paper import PaperLoop
 from avatarsim.loops.recorded_events import snapshots
+from avatarsim.loops.tracked import TrackedLoop
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
 from avatarsim.loops.upper_memory import COUNT_NAMES, Switches, make_memory
 from avatarsim.scene.tracker import TrackerSample
@@ -20,19 +21,24 @@ EVENTS_KEPT = 256
 """Most events of one frame that a recording keeps (two per impact); more are counted."""
 
 
+def lower_loop(world: World, method: str, chosen: Chosen, seed: int) -> CheckedLoop | PaperLoop | TrackedLoop:
+    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
+    if not world.scene.effects.overlap_removal:
+        return TrackedLoop(world)
+    if method == "paper":
+        return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
+    return CheckedLoop(world, chosen.posture, chosen.coupling)
+
+
 class Frames:
     """The stages of a frame over one world, in order, each only if the scene calls for its effect."""
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock, self.record = world, world.scene.effects, StageClock(time_stages), record
         self.begun, self.time, self.status = 0.0, 0.0, DONE
-        if self.effects.overlap_removal:
+        if world.scene.avatars:
             self.target = Target(world)
-            self.lower: CheckedLoop | PaperLoop = (
-                PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-                if method == "paper"
-                else CheckedLoop(world, chosen.posture, chosen.coupling)
-            )
+            self.lower = lower_loop(world, method, chosen, seed)
         if self.effects.dynamics:
             on = self.effects
             self.motion = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic)
@@ -43,7 +49,7 @@ class Frames:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
         world = self.world
         self.clock.frame()
-        if self.effects.overlap_removal:
+        if world.scene.avatars:
             self.target.read(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target.posture, dt)
@@ -59,14 +65,14 @@ class Frames:
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""
-        counts = self.lower.counts() if self.effects.overlap_removal else {}
+        counts = self.lower.counts() if self.world.scene.avatars else {}
         if self.effects.dynamics:
             counts |= zip(COUNT_NAMES, self.motion.counts.tolist(), strict=True)
         return counts
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
-        statuses = self.lower.statuses() if self.effects.overlap_removal else {}
+        statuses = self.lower.statuses() if self.world.scene.avatars else {}
         return statuses if self.status == DONE else {**statuses, f"motion {STATUS_NAMES[self.status]}": 1}
 
     def inside(self) -> tuple[Snapshot, ...]:

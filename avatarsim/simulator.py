@@ -3,20 +3,22 @@
 from collections.abc import Mapping
 from typing import get_type_hints
 
-import numpy as np
-
 import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.frame import Frames
+from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
-from avatarsim.start_check import require_free
+from avatarsim.start_check import require_free, require_within_limits
 from avatarsim.world.world import build, shown_poses
 
 PRESETS = ("default", "paper")
 """`default`: every state certified; `paper`: the paper's equations as printed."""
+
+MOST = 1e9
+"""Largest value of any option: a billion of anything here is a slip of the hand."""
 
 METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
 """The groups of settings that each method reads."""
@@ -37,13 +39,20 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
     return chosen
 
 
+def frame_time(dt: float) -> None:
+    """Refuse a frame time that no simulation can mean."""
+    if not 0.0 < as_number(dt) <= 1.0:
+        raise InvalidInput("frame time [s]", dt, "a number above 0 and at most 1")
+
+
 def number(name: str, value: object, kind: type[float] | type[int]) -> float:
     """`value` as a number of `kind`, 0 or more."""
-    if not isinstance(value, (int, float)) or isinstance(value, bool) or not np.isfinite(value) or value < 0:
-        raise InvalidInput(f"option {name}", value, "a finite number, 0 or more")
-    if kind is int and value != int(value):
-        raise InvalidInput(f"option {name}", value, "a whole number, 0 or more")
-    return kind(value)
+    found = as_number(value)
+    if not 0.0 <= found <= MOST:
+        raise InvalidInput(f"option {name}", value, f"a number from 0 to {MOST:g}")
+    if kind is int and found != int(found):
+        raise InvalidInput(f"option {name}", value, f"a whole number from 0 to {MOST:g}")
+    return kind(found)
 
 
 class AvatarsimEngine:
@@ -78,10 +87,10 @@ class AvatarsimEngine:
         """Build the world; the first pose must be free of overlap."""
         if settings.preset not in PRESETS:
             raise UnknownName("preset of avatarsim", settings.preset, PRESETS)
-        if not (np.isfinite(dt) and 0.0 < dt <= 1.0):
-            raise InvalidInput("frame time [s]", dt, "above 0 and at most 1")
+        frame_time(dt)
         chosen = choose(settings.preset, settings.options)
         world = build(scene)
+        require_within_limits(world)
         require_free(world)
         self._settings, self._chosen = settings, chosen
         self._frames = Frames(
@@ -92,6 +101,7 @@ class AvatarsimEngine:
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """One rendered frame."""
         frames = self._running()
+        frame_time(dt)
         frames.frame(sample, dt)
         return self._record(frames.counts(), frames.statuses(), frames.inside())
 

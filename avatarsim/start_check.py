@@ -2,7 +2,10 @@
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.errors import StartOverlaps
+from avatarsim.errors import InvalidScene, StartOverlaps
+from avatarsim.posture.limits import cone_excess, has_cone
+from avatarsim.spatial.tangent import columns
+from avatarsim.world.skeleton import BALL, HINGES
 from avatarsim.world.world import World
 
 TOUCHING = 1e-9
@@ -26,6 +29,22 @@ def overlapping_pairs(world: World) -> list[tuple[str, str, float]]:
             if depth > TOUCHING:
                 found.append((names[a], names[b], depth))
     return found
+
+
+def require_within_limits(world: World) -> None:
+    """Raise InvalidScene when the first posture is beyond a joint limit: it could not be shown."""
+    skel = world.skeleton
+    for i, link in enumerate(world.scene.links):
+        if skel.kind[i] == HINGES:
+            for j in range(skel.first_dof[i], skel.first_dof[i + 1]):
+                angle, (low, high) = world.posture.angle[j], skel.limits[j]
+                if not low <= angle <= high:
+                    raise InvalidScene(f"start angle of a hinge of {link.name} [rad]", float(angle), f"{low:g} to {high:g}")
+        elif skel.kind[i] == BALL and has_cone(skel, i):
+            excess = cone_excess(skel, i, columns(world.posture.turn, i))
+            if not excess <= 0.0:
+                thing = f"start rotation of {link.name} beyond its swing and twist limits [rad]"
+                raise InvalidScene(thing, float(excess), "0 or less")
 
 
 def require_free(world: World) -> None:

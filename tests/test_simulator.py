@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine, FrameRecord, Settings
-from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, StartOverlaps, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps, UnknownName
+from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
@@ -51,7 +53,7 @@ def test_an_unknown_option_is_named_and_the_known_ones_listed() -> None:
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, "fast", None, True])
 @pytest.mark.parametrize("name", ["stand_off", "steps", "spring"])
 def test_options_are_finite_numbers(name: str, value: object) -> None:
-    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a finite number, 0 or more"):
+    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a (whole )?number from 0 to"):
         loaded(**{name: value})
 
 
@@ -71,7 +73,7 @@ def test_a_larger_stand_off_leaves_more_air() -> None:
 
 @pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, 1.5])
 def test_frame_times_at_load(dt: float) -> None:
-    with pytest.raises(InvalidInput, match=r"frame time \[s\] is .*; valid: above 0 and at most 1"):
+    with pytest.raises(InvalidInput, match=r"frame time \[s\] is .*; valid: a number above 0 and at most 1"):
         AvatarsimEngine().load(SCENE, Settings(), dt)
 
 
@@ -218,3 +220,42 @@ def test_bodies_that_stand_still_are_shown_where_they_were_put() -> None:
         record = engine.advance(at(SCENE.first_sample, (0.5, 0.2, 0.1)), DT)
     assert record.shown.positions[0].tolist() == [0.0, 0.0, 0.0] and record.shown.orientations[0].tolist() == [1.0, 0.0, 0.0, 0.0]
     assert not record.shown.velocities[0].any()
+
+
+def test_a_start_beyond_a_hinge_limit_is_refused_by_name() -> None:
+    limb = Link("limb", "root", Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
+    start = replace(rest((avatar,)), angles=np.array([1.5]))
+    with pytest.raises(InvalidScene, match=r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"):
+        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=start), Settings(), DT)
+
+
+def test_a_start_beyond_a_swing_limit_is_refused_by_name() -> None:
+    limits = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))
+    limb = Link("limb", "root", Ball(limits), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
+    turned = np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])
+    with pytest.raises(InvalidScene, match="start rotation of limb beyond its swing and twist limits .* is 0.3"):
+        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=replace(rest((avatar,)), rotations=turned)), Settings(), DT)
+
+
+def test_without_overlap_removal_the_tracker_is_shown_as_it_is() -> None:
+    engine = AvatarsimEngine()
+    engine.load(replace(SCENE, narrow=("overlap_removal",)), Settings(), DT)
+    inside = at(SCENE.first_sample, (0.5, 0.0, 0.0))
+    assert np.array_equal(engine.advance(inside, DT).shown.positions[1], inside.positions[0])
+    with pytest.raises(InvalidSample):
+        engine.advance(replace(inside, positions=np.full((1, 3), np.nan)), DT)
+
+
+def test_a_sample_at_no_time_is_refused() -> None:
+    with pytest.raises(InvalidSample, match="tracker time"):
+        loaded().advance(replace(SCENE.first_sample, time=np.nan), DT)
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_every_preset_runs_and_says_its_settings(preset: str) -> None:
+    engine = AvatarsimEngine()
+    engine.load(SCENE, Settings(preset=preset), DT)
+    record = engine.advance(at(SCENE.first_sample, (0.5, 0.0, 0.0)), DT)
+    assert record.shown.positions[1, 0] < -0.05 and engine.settings_as_run()["method"] == preset

@@ -9,6 +9,7 @@ proposes, two supports decide. Every test is written so that a NaN fails it.
 from math import inf
 
 from avatarsim.collide.gjk import gjk
+from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.support import gap_along
 from avatarsim.kernel import kernel
@@ -20,6 +21,13 @@ from avatarsim.world.geometry import Geometry, Poses
 
 FAR = 0.02
 """[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
+
+
+ROUNDING = 1e-12
+"""[m] by which a gap may shrink without anybody having moved."""
+
+TOUCHING = 1e-9
+"""[m] a start that overlaps by no more than this is accepted, and must not be a trap: from there every way apart is free."""
 
 
 @kernel
@@ -49,7 +57,7 @@ def cached_axis_holds(geo: Geometry, poses: Poses, memory_out: Memory, i: int, a
         memory_out.counts[SUPPORTS] += 1
         pairs.axis_gap[i, b] = gap_along(poses.vertices, geo.shapes, a, b, n)
         pairs.axis_stamp[i, b] = pairs.marks[NOW]
-    if not (pairs.axis_gap[i, b] > 0.0):
+    if not (pairs.axis_gap[i, b] > -TOUCHING):
         return False
     memory_out.counts[SUPPORTS] += 1
     return gap_along(memory_out.trial.vertices, geo.shapes, a, b, n) >= least
@@ -76,6 +84,9 @@ def checked_direction(geo: Geometry, poses: Poses, i: int, a: int, b: int, memor
     pairs = memory_out.pairs
     if pairs.nearest_stamp[i, b] != pairs.marks[NOW]:
         gap, n, _ = nearest_direction(geo, poses, axis_of(memory_out, i, b), a, b, FAR, memory_out)
+        if not (dot(n, n) > 0.5):
+            # cores that touch exactly have no nearest direction, but the one of least depth
+            _, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, axis_of(memory_out, i, b), memory_out.scratch)
         remember_nearest(memory_out, i, b, gap, n)
     n = (pairs.nearest[i, b, 0], pairs.nearest[i, b, 1], pairs.nearest[i, b, 2])
     return pairs.nearest_gap[i, b], n
@@ -96,9 +107,9 @@ def remember_nearest(memory_out: Memory, i: int, b: int, gap: float, n: Vec3) ->
 
 @kernel
 def apart_along(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, memory_out: Memory) -> bool:
-    """Whether the pair is apart along n."""
+    """Whether the pair is apart along n, or touches to rounding."""
     memory_out.counts[SUPPORTS] += 1
-    return gap_along(poses.vertices, geo.shapes, a, b, n) > 0.0
+    return gap_along(poses.vertices, geo.shapes, a, b, n) > -TOUCHING
 
 
 @kernel
@@ -135,5 +146,5 @@ def accepted_gap(settings: PostureSettings, gap_now: float) -> float:
     standing still must always be acceptable.
     """
     if gap_now < 2.0 * settings.least_gap:
-        return max(0.5 * gap_now, min(settings.wedged_gap, 0.9 * gap_now))
+        return max(0.0, max(0.5 * gap_now, min(settings.wedged_gap, gap_now - ROUNDING)))
     return settings.least_gap

@@ -76,6 +76,18 @@ def list_near_bodies(skel: Skeleton, memory_out: Memory) -> None:
 
 
 @kernel
+def is_no_pose(skel: Skeleton, memory: Memory) -> bool:
+    """Whether a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be asked."""
+    trial, total = memory.trial, 0.0
+    for b in range(skel.first, trial.position.shape[0]):
+        for i in range(3):
+            total += abs(trial.position[b, i])
+            for k in range(3):
+                total += abs(trial.rotation[b, i, k])
+    return not (total < inf)
+
+
+@kernel
 def certify_pair(
     geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, settings: PostureSettings, memory_out: Memory
 ) -> bool:
@@ -114,6 +126,9 @@ def certify(
     swept, hulls, pairs = memory_out.swept, memory_out.swept_hulls, memory_out.pairs
     nb, failed = geo.first_shape.shape[0] - 1, 0
     pairs.marks[FAILED] = 0
+    if is_no_pose(skel, memory_out):
+        memory_out.touched[:] = True
+        return 1
     for link in range(skel.first, nb):
         for other in range(pairs.marks[NEARBY] + nb - link - 1):
             k = pairs.near[other] if other < pairs.marks[NEARBY] else link + 1 + other - pairs.marks[NEARBY]

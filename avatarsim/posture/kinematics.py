@@ -57,4 +57,4 @@ def take(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
             put_columns(posture_out.turn, link, straightened(frame))
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
-                posture_out.angle[j] += step[j]
+                posture_out.angle[j] = min(max(posture_out.angle[j] + step[j], skel.limits[j, 0]), skel.limits[j, 1])

@@ -1,11 +1,9 @@
 """What to do when the avatar is stuck although the user's own posture is free: forget, then untie by a stated jump."""
 
-from math import inf
-
 from avatarsim.collide.support import gap_along
 from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import nearest_direction
-from avatarsim.posture.certify import boxes_meet, certify_pair, sweep_boxes
+from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
 from avatarsim.posture.goal import aim
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.workspace import ADDING, LISTED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
@@ -78,15 +76,17 @@ def tracker_is_reachable(
         memory_out.rows.x[j] = memory_out.goal.full[j]
     try_step(geo, skel, posture, memory_out)
     memory_out.flags[ADDING] = 0.0
+    if is_no_pose(skel, memory_out):
+        return False
     sweep_boxes(geo, skel, poses, settings.least_gap, memory_out)
-    trial, hulls, swept = memory_out.trial, memory_out.swept_hulls, memory_out.swept
+    hulls, swept = memory_out.swept_hulls, memory_out.swept
     nb = geo.first_shape.shape[0] - 1
     for link in range(skel.first, nb):
         for k in range(nb):
             between_links = k >= skel.first
             if (between_links and k <= link) or not geo.wanted[link, k]:
                 continue
-            if not boxes_meet(trial.hulls if between_links else hulls, link, k):
+            if not boxes_meet(hulls, link, k):
                 continue
             for a in range(geo.first_shape[link], geo.first_shape[link + 1]):
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
@@ -103,8 +103,6 @@ def tracker_is_reachable(
 def apart_at_trial(geo: Geometry, a: int, b: int, least: float, memory_out: Memory) -> bool:
     """Whether two links are proved apart by `least` [m] at the trial, whatever lies between."""
     trial = memory_out.trial
-    if not boxes_meet(trial.boxes, a, b):
-        return True
     seed = sub(row(trial.vertices, geo.shapes.start[a]), row(trial.vertices, geo.shapes.start[b]))
-    gap, n, _ = nearest_direction(geo, trial, seed, a, b, inf, memory_out)
+    gap, n, _ = nearest_direction(geo, trial, seed, a, b, 2.0 * least, memory_out)
     return gap >= least and gap_along(trial.vertices, geo.shapes, a, b, n) >= least

@@ -23,6 +23,9 @@ LISTED_CAP = 64
 FAILED_CAP = 64
 """Most failed pairs that are remembered by name; further ones are only counted."""
 
+LEAST_WEIGHT = 1e-6
+"""Weights are divided by: 0 would give steps that are no numbers."""
+
 MERIT_WINDOW = 8
 """Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
 
@@ -153,9 +156,12 @@ def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: P
     roots = np.zeros(len(weight), dtype=bool)
     for link in np.flatnonzero(skel.kind == FREE).tolist():
         roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True
-    typical = np.median(weight[~roots]) if (~roots).any() else np.median(weight[roots])
-    floored: Array = np.maximum(weight / typical, settings.stiffness_floor)
-    floored[roots] *= settings.root_weight
+    # degrees that move no vertex weigh nothing: they are left out of the median and get the floor
+    moving = weight > 0.0
+    joints = weight[~roots & moving] if (~roots & moving).any() else weight[moving]
+    typical = float(np.median(joints)) if len(joints) else 1.0
+    floored: Array = np.maximum(weight / typical, max(settings.stiffness_floor, LEAST_WEIGHT))
+    floored[roots] *= max(settings.root_weight, LEAST_WEIGHT)
     return floored
 
 

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Quaternion, Vector, distinct, positive, unit_quaternion, vector
+from avatarsim.scene.checks import Quaternion, Vector, distinct, positive, unit_quaternion, vector, within
 from avatarsim.scene.joint import Free, Hinges, Joint
 from avatarsim.scene.mass import Mass
-from avatarsim.scene.shape import Piece
+from avatarsim.scene.shape import Piece, reach
 from avatarsim.spatial import rotation
 
 
@@ -32,13 +34,19 @@ class Link:
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
 
 
+PLAUSIBLE_SIZE = (0.01, 20.0)
+"""Span [m] of an avatar, unless its author says otherwise: from a fingertip to a giant. Millimetres or centimetres taken for
+metres fall outside, and would otherwise run without complaint and be wrong."""
+
+
 @dataclass(frozen=True)
 class Avatar:
     """A tree of links, parents before children, driven by a tracker.
 
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap
     because they do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body
-    feels in an impact; by default the link's own mass.
+    feels in an impact; by default the link's own mass. `size_range` [m] is what its `span` must be in: a human of
+    1.7 km was meant in millimetres.
     """
 
     name: str
@@ -46,6 +54,7 @@ class Avatar:
     chains: tuple[str, ...] = ()
     ignore: tuple[tuple[str, str], ...] = ()
     coupled_mass: float | None = None
+    size_range: tuple[float, float] = PLAUSIBLE_SIZE
 
     def __post_init__(self) -> None:
         if not self.links:
@@ -65,6 +74,19 @@ class Avatar:
                 raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
+        low, high = self.size_range
+        within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
+
+    @property
+    def span(self) -> float:
+        """Twice the farthest that a piece can be from the root's joint with all limbs stretched [m]."""
+        way: dict[str, float] = {}
+        farthest = 0.0
+        for link in self.links:
+            before = 0.0 if link.parent is None else way[link.parent] + float(np.linalg.norm(link.anchor))
+            way[link.name] = before
+            farthest = max(farthest, before + max((reach(piece) for piece in link.pieces), default=0.0))
+        return 2.0 * farthest
 
     @property
     def hinge_count(self) -> int:

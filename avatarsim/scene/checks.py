@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,18 +14,30 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 
-def positive(thing: str, value: float, error: type[InvalidInput] = InvalidScene) -> float:
+def as_number(value: object) -> float:
+    """`value` as a float; nan, which no range holds, if it is no number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        return math.nan
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def positive(thing: str, value: object, error: type[InvalidInput] = InvalidScene) -> float:
     """`value` as a float, or an error that says it must be finite and above 0."""
-    if not (isinstance(value, (int, float, np.floating)) and math.isfinite(value) and value > 0.0):
+    number = as_number(value)
+    if not 0.0 < number < math.inf:
         raise error(thing, value, "a finite number above 0")
-    return float(value)
+    return number
 
 
-def within(thing: str, value: float, low: float, high: float, error: type[InvalidInput] = InvalidScene) -> float:
+def within(thing: str, value: object, low: float, high: float, error: type[InvalidInput] = InvalidScene) -> float:
     """`value` as a float, or an error that states the closed interval [low, high]."""
-    if not (math.isfinite(value) and low <= value <= high):
+    number = as_number(value)
+    if not low <= number <= high:
         raise error(thing, value, f"a finite number from {low:g} to {high:g}")
-    return float(value)
+    return number
 
 
 def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: type[InvalidInput] = InvalidScene) -> Array:
@@ -41,15 +54,28 @@ def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: ty
     return array
 
 
+def listed(value: object) -> list[object]:
+    """The parts of a vector; a value without parts is its own only part, which no shape fits."""
+    return list(value) if isinstance(value, Iterable) else [value]
+
+
+def pair(thing: str, value: object) -> tuple[object, object]:
+    """Two parts, not yet checked themselves."""
+    parts = listed(value)
+    if len(parts) != 2:
+        raise InvalidScene(thing, value, "two numbers")
+    return parts[0], parts[1]
+
+
 def vector(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
     """A finite 3-vector as a tuple."""
-    x, y, z = finite_array(thing, tuple(value), (3,), error)
+    x, y, z = finite_array(thing, cast(ArrayLike, listed(value)), (3,), error)
     return float(x), float(y), float(z)
 
 
 def unit_vector(thing: str, value: Iterable[float]) -> Vector:
     """A finite, non-zero 3-vector, scaled to length 1."""
-    array = finite_array(thing, tuple(value), (3,))
+    array = finite_array(thing, cast(ArrayLike, listed(value)), (3,))
     length = float(np.linalg.norm(array))
     if not length > 1e-12:
         raise InvalidScene(thing, array.tolist(), "a vector of non-zero length")
@@ -59,7 +85,7 @@ def unit_vector(thing: str, value: Iterable[float]) -> Vector:
 
 def unit_quaternion(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Quaternion:
     """A quaternion (w, x, y, z) of length 1 to 1e-6, normalised to rounding."""
-    array = finite_array(thing, tuple(value), (4,), error)
+    array = finite_array(thing, cast(ArrayLike, listed(value)), (4,), error)
     length = float(np.linalg.norm(array))
     if not abs(length - 1.0) <= 1e-6:
         raise error(thing, array.tolist(), "a quaternion (w, x, y, z) of length 1, to 1e-6")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Vector, finite_array, unit_vector, within
+from avatarsim.scene.checks import Vector, finite_array, pair, unit_vector, within
 
 PI = float(np.pi)
 MANY_TURNS = 64.0 * PI
@@ -83,10 +83,8 @@ class SwingTwist:
         object.__setattr__(self, "centre", unit_vector("swing centre", self.centre))
         # at a swing of pi the twist is undefined: stay clear of it
         within("swing limit [rad]", self.swing, 0.0, 0.95 * PI)
-        low, high = self.twist
-        within("lower twist limit [rad]", low, -PI, PI)
-        within("upper twist limit [rad]", high, -PI, PI)
-        if not low <= high:
+        low, high = pair("twist limits [rad]", self.twist)
+        if not within("lower twist limit [rad]", low, -PI, PI) <= within("upper twist limit [rad]", high, -PI, PI):
             raise InvalidScene("twist limits (lower, upper) [rad]", self.twist, "lower at most upper")
 
 

@@ -60,7 +60,7 @@ class Ellipsoid:
 
 @dataclass(frozen=True, eq=False)
 class ConvexHull:
-    """Convex hull of `vertices` (n, 3) [m], n >= 4; points inside the hull are dropped at construction."""
+    """Convex hull of `vertices` (n, 3) [m], n >= 4. Points inside the hull are harmless and cost time."""
 
     vertices: NDArray[np.float64] = field(repr=False)
 
@@ -93,6 +93,22 @@ class Piece:
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", vector("piece position", self.position, InvalidShape))
         object.__setattr__(self, "orientation", unit_quaternion("piece orientation", self.orientation, InvalidShape))
+
+
+def reach(piece: Piece) -> float:
+    """A bound of the farthest distance [m] of the piece from the origin of its body, exact for spheres at the origin."""
+    shape = piece.shape
+    if isinstance(shape, Sphere):
+        extent = shape.radius
+    elif isinstance(shape, Capsule):
+        extent = shape.radius + 0.5 * shape.length
+    elif isinstance(shape, Box):
+        extent = 0.5 * float(np.linalg.norm(shape.size))
+    elif isinstance(shape, Ellipsoid):
+        extent = max(shape.radii)
+    else:
+        extent = float(np.linalg.norm(shape.vertices, axis=1).max())
+    return extent + float(np.linalg.norm(piece.position))
 
 
 def ellipsoid_hull(radii: Vector, vertices: int = 52) -> ConvexHull:

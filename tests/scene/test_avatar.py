@@ -66,3 +66,15 @@ def test_hinges_are_counted_over_all_links() -> None:
     assert Avatar("a", (ROOT, link("b", "root", hinged), link("c", "b"), link("d", "c", Hinges((Hinge(AXIS),))))).hinge_count == 3
     assert rigid_avatar("hand", BALL, MASS).hinge_count == 0
     assert Avatar("post", (link("base", None, Rigid()),)).hinge_count == 0
+
+
+def test_a_human_of_nearly_two_kilometres_is_refused_unless_it_is_meant() -> None:
+    giant = Link("root", None, Free(), (Piece(Sphere(850.0)),), MASS)
+    with pytest.raises(InvalidScene, match=r"span \[m\] of avatar a .* is 1700.0; valid: a finite number from 0.01 to 20"):
+        Avatar("a", (giant,))
+    assert Avatar("a", (giant,), size_range=(1000.0, 2000.0)).span == 1700.0
+
+
+def test_the_span_adds_up_limbs() -> None:
+    arm = Link("b", "root", Ball(), BALL, MASS, anchor=(0.0, 0.5, 0.0))
+    assert math.isclose(Avatar("a", (ROOT, arm)).span, 2.0 * (0.5 + 0.1))

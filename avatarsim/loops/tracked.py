@@ -1,0 +1,37 @@
+"""The raw tracker's posture, shown as it is: what an author gets who switches overlap removal off."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.posture.kinematics import forward
+from avatarsim.world.skeleton import Posture
+from avatarsim.world.world import World
+
+Array = NDArray[np.float64]
+
+
+class TrackedLoop:
+    """The driven bodies of a world where the user is, in whatever stands there."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        degrees = int(world.skeleton.first_dof[-1])
+        self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
+
+    def follow(self, target: Posture, dt: float) -> None:
+        """Take the tracker's posture over."""
+        world = self.world
+        for mine, theirs in zip(world.posture, target, strict=True):
+            np.copyto(mine, theirs)
+        forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
+
+    def receive(self, impulses: Array, target: Posture, others_move: bool) -> None:
+        """Impulses (nb, 3) [N s] change nothing: the user does not give way."""
+
+    def counts(self) -> dict[str, int]:
+        """No work worth counting."""
+        return {}
+
+    def statuses(self) -> dict[str, int]:
+        """Nothing can fail."""
+        return {}
