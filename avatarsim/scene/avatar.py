@@ -75,7 +75,8 @@ class Avatar:
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
         low, high = self.size_range
-        within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
+        if any(link.pieces for link in self.links):
+            within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
 
     @property
     def span(self) -> float:
