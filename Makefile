@@ -8,6 +8,9 @@
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
 
+# Kernels are compiled once per version of the sources, in parallel and with progress shown; later this takes half a second.
+COMPILED := $(VENV_PYTHON) -m avatarsim
+
 # Any Python that runs at all can start the set-up, which then looks for a supported one: shims can exist and fail.
 SET_UP = @for python in "$$PYTHON" python3 python3.11 python3.12 python3.13 python; do \
 	  if "$$python" -c '' 2>/dev/null; then exec "$$python" .setup/choose_python.py; fi; done; \
@@ -28,21 +31,25 @@ $(READY): FORCE
 endif
 
 compare: $(READY)  ## every scenario in every engine, the report, the verdict table (FULL=1: full lengths, every preset)
+	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
 
 check: $(READY)  ## the gate: fails when the engine leaves more overlap than a scenario allows
+	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios check
 
 sweep: $(READY)  ## accuracy against time, for many settings of every engine
 	@$(VENV_PYTHON) -m scenarios sweep
 
 bench: $(READY)  ## time per frame only
+	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios bench
 
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write
 
 test: $(READY)  ## every test; then a slice with the kernels as plain Python, and one with index checks
+	@$(COMPILED)
 	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -m nojit
 	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck

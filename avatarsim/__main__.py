@@ -1,0 +1,23 @@
+"""`python -m avatarsim`: compile the kernels ahead of their first use."""
+
+import argparse
+import sys
+
+from avatarsim.compile_ahead import PARTS, compile_everything, compile_part
+
+
+def main() -> int:
+    """0 when everything is compiled."""
+    parser = argparse.ArgumentParser(
+        prog="python -m avatarsim", description="Compile the engine's kernels now instead of at their first use; kept on disk."
+    )
+    parser.add_argument("--part", choices=PARTS, help="only this part, in this process")
+    part = parser.parse_args().part
+    if part is None:
+        return 0 if compile_everything() else 1
+    compile_part(part)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,106 @@
+"""Compile the kernels before they are needed: once per version of the sources, in parallel, with progress shown."""
+
+import fcntl
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.engine import Settings
+from avatarsim.kernel import ROOT, cache_folder, config
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+
+PARTS = ("posture", "motion", "paper", "together")
+"""What is compiled, each in a process of its own; the last one adds what joins the others and runs after them."""
+
+AT_ONCE = 2
+"""Compilers at once: the third part is short, and memory grows by half a gigabyte per compiler."""
+
+Say = Callable[[str], None]
+
+
+def part_scene(part: str) -> tuple[Scene, str]:
+    """A small scene that calls every kernel of a part, and the preset to run it with."""
+    ball = (Piece(Sphere(0.05)),)
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
+    loose = simulated("ball", ball, "wood", solid(ball, 0.2), (0.0, 0.0, 0.2))
+    links = (
+        Link("root", None, Free(), ball, solid(ball, 1.0)),
+        Link("limb", "root", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.2)),
+        Link("tip", "limb", Hinges((Hinge((1.0, 0.0, 0.0), -1.0, 1.0),)), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.2)),
+    )
+    avatars = () if part == "motion" else (Avatar("a", links, chains=("tip",)),)
+    start = rest(avatars)
+    start.positions[:] = (0.5, 0.5, 0.5)
+    bodies = (floor, loose) if part in ("motion", "together") else (floor,)
+    return Scene(part, bodies, avatars, start=start), "paper" if part == "paper" else "default"
+
+
+def compile_part(part: str) -> None:
+    """Load the part's scene and run two frames of it; numba keeps on disk what it compiles on the way."""
+    scene, preset = part_scene(part)
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(preset=preset), 1.0 / 60.0)
+    first = scene.first_sample
+    for k in range(1, 3):
+        lower = first.positions - np.array([0.0, 0.0, 0.3 * k])
+        engine.advance(TrackerSample(k / 60.0, lower, first.rotations, first.angles), 1.0 / 60.0)
+    engine.close()
+
+
+def compiled_stamp() -> Path | None:
+    """The file that says that everything is compiled for these very sources; None where nothing can be kept."""
+    folder = None if config.DISABLE_JIT else cache_folder(str(ROOT / "simulator.py"))
+    return folder / "everything-compiled" if folder else None
+
+
+@contextmanager
+def turn(stamp: Path) -> Iterator[None]:
+    """Wait until no other process compiles the same thing."""
+    with (stamp.parent / "compiling").open("w") as latch:
+        fcntl.flock(latch, fcntl.LOCK_EX)
+        yield
+
+
+def compile_everything(say: Say = print) -> bool:
+    """Compile what is not compiled yet; False if a part failed, which then compiles when it is first used."""
+    stamp = compiled_stamp()
+    if stamp is None or stamp.exists():
+        return True
+    say("compiling the engine's kernels: once, one to two minutes on 2 cores")
+    with turn(stamp):
+        if stamp.exists():
+            return True
+        started, good = time.monotonic(), True
+        for group in (PARTS[:-1], PARTS[-1:]):
+            good = run_parts(list(group), say, started) and good
+        if good:
+            stamp.touch()
+    return good
+
+
+def run_parts(waiting: list[str], say: Say, started: float) -> bool:
+    """Compile parts in child processes, AT_ONCE at a time; False if one of them failed."""
+    running: dict[str, subprocess.Popen[bytes]] = {}
+    good = True
+    while waiting or running:
+        while waiting and len(running) < AT_ONCE:
+            part = waiting.pop(0)
+            running[part] = subprocess.Popen([sys.executable, "-m", "avatarsim", "--part", part], cwd=ROOT.parent)
+        time.sleep(0.1)
+        for part in [name for name, child in running.items() if child.poll() is not None]:
+            code = running.pop(part).returncode
+            say(f"  {part}: {'compiled' if code == 0 else f'failed with code {code}'} after {time.monotonic() - started:.0f} s")
+            good = good and code == 0
+    return good
