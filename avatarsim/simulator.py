@@ -102,7 +102,8 @@ class AvatarsimEngine:
         """One rendered frame."""
         frames = self._running()
         frame_time(dt)
-        frames.frame(sample, dt)
+        # a whole number would compile every kernel again, for integers
+        frames.frame(sample, float(dt))
         return self._record(frames.counts(), frames.statuses(), frames.inside())
 
     def close(self) -> None:

@@ -1,34 +1,50 @@
-"""Time and calls per stage of a frame. Off, it costs one test per stage."""
+"""Time and calls per stage of a frame. Off, it costs one count per stage."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from time import perf_counter_ns
+from types import TracebackType
 
-STAGES = ("coupling", "posture", "separate", "motion")
-"""The stages of a frame, in the order of the paper's Figure 3."""
+STAGES = ("coupling", "posture", "motion")
+"""The stages of a frame that are timed apart."""
+
+
+class Stage:
+    """Counts the calls of one stage since it was made, and its nanoseconds since the frame began when `timing`."""
+
+    def __init__(self, timing: bool) -> None:
+        self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
+
+    def __enter__(self) -> None:
+        self.calls += 1
+        if self.timing:
+            self._start = perf_counter_ns()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.timing:
+            self.ns += perf_counter_ns() - self._start
 
 
 class StageClock:
-    """Counts calls of each stage since it was made, and sums nanoseconds per frame when `timing`."""
+    """One `Stage` per name."""
 
     def __init__(self, timing: bool) -> None:
         self.timing = timing
-        self.calls = dict.fromkeys(STAGES, 0)
-        self.ns: dict[str, int] = {}
+        self.stages = {name: Stage(timing) for name in STAGES}
 
     def frame(self) -> None:
         """Begin a frame: forget the last one's times."""
-        self.ns = {}
+        for stage in self.stages.values():
+            stage.ns = 0
 
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Around one stage."""
-        self.calls[name] += 1
-        if not self.timing:
-            yield
-            return
-        start = perf_counter_ns()
-        try:
-            yield
-        finally:
-            self.ns[name] = self.ns.get(name, 0) + perf_counter_ns() - start
+    def stage(self, name: str) -> Stage:
+        """The stage, to be used in a `with`."""
+        return self.stages[name]
+
+    @property
+    def calls(self) -> dict[str, int]:
+        """Calls per stage since the clock was made."""
+        return {name: stage.calls for name, stage in self.stages.items()}
+
+    @property
+    def ns(self) -> dict[str, int]:
+        """Nanoseconds per stage of this frame; empty unless timing."""
+        return {name: stage.ns for name, stage in self.stages.items() if stage.ns} if self.timing else {}

@@ -17,10 +17,10 @@ APPROACH, IMPACT = 0, 1
 
 
 class Events(NamedTuple):
-    """Events k < min(count[0], cap) in order: time (cap) [s] since the frame began, kind, the pair whose impact it is (cap, 2);
+    """Events k < min(kept[0], cap) in order: time (cap) [s] since the frame began, kind, the pair whose impact it is (cap, 2);
     position (cap, nb, 3), rotation (cap, nb, 3, 3), linear and angular velocity (cap, nb, 3) of all bodies."""
 
-    count: Index  # type: ignore[assignment]  # hides tuple.count, which nobody calls on this
+    kept: Index
     time: Array
     kind: Index
     pair: Index
@@ -43,8 +43,8 @@ def record(
     events: Events, kind: int, time: float, a: int, b: int, position: Array, rotation: Array, linear: Array, angular: Array
 ) -> None:
     """Append one event; the count goes on when there is no room, so that the loss shows."""
-    k = events.count[0]
-    events.count[0] = k + 1
+    k = events.kept[0]
+    events.kept[0] = k + 1
     if k >= events.time.shape[0]:
         return
     events.time[k], events.kind[k] = time, kind

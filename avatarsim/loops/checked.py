@@ -1,39 +1,77 @@
 """Method `default` as the frame sees it: the checked lower loop with its springs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from avatarsim.loops.coupling import Coupling
+from avatarsim.kernel import kernel
+from avatarsim.loops.coupling import give, make_springs, pull
+from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs
 from avatarsim.posture.follow import follow
-from avatarsim.posture.workspace import COUNT_NAMES, ready_memory, was_held
+from avatarsim.posture.workspace import COUNT, COUNT_NAMES, ready_memory
 from avatarsim.settings import CouplingSettings, PostureSettings
-from avatarsim.world.skeleton import Posture
+from avatarsim.world.arena import Array, Index, opening, packed, yes
+from avatarsim.world.opened import (
+    opened_dynamics,
+    opened_geometry,
+    opened_poses,
+    opened_posture,
+    opened_skeleton,
+    opened_velocities,
+)
+from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
-Array = NDArray[np.float64]
+BAD = ("bad_queries", "rows_dropped", "resyncs")
+"""Counts that say that something did not end well."""
+
+NOTHING_RECEIVED, NOBODY = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+
+
+@kernel
+def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering: bool, received: Array, moving: Index) -> None:
+    """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
+
+    Not answering: springs act for dt [s], then `follow`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go into
+    the springs; what stood in the way may have moved on (`moving`, nb): then `follow` does not wait a frame. Both in one kernel,
+    since each kernel that calls `follow` compiles all of it again.
+    """
+    o = opening(world)
+    geometry, dynamics, poses, velocities = opened_geometry(o), opened_dynamics(o), opened_poses(o), opened_velocities(o)
+    skeleton, posture = opened_skeleton(o), opened_posture(o)
+    tracker = opened_posture(opening(target))
+    o = opening(kept)
+    coupled, springs = yes(o), opened_springs(o)
+    if answering:
+        if coupled:
+            give(skeleton, received, dynamics.inverse_mass, springs.rate)
+        if not moving.any():
+            return
+    settings, memory = opened_settings(o), opened_memory(o)
+    if not answering:
+        if coupled:
+            pull(geometry, skeleton, dt, tracker, velocities, springs)
+        memory.counts[:] = 0
+    elif memory.rows.size[COUNT] == 0:
+        return
+    follow(geometry, skeleton, tracker, settings, posture, poses, memory)
 
 
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
     def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings) -> None:
-        self.world, self.settings = world, settings
-        self.memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
-        self.coupling = Coupling(world, coupling) if world.scene.effects.coupling else None
+        self.world = world
+        memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
+        springs = make_springs(world.skeleton, world.dynamics, world.poses, coupling)
+        kept = (world.scene.effects.coupling, springs, settings, memory)
+        self._kept, (_, _, _, self.memory) = packed(kept)
 
-    def follow(self, target: Posture, dt: float) -> None:
+    def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the springs displace by their offsets."""
-        if self.coupling is not None:
-            self.coupling.pull(target, dt)
-        self.memory.counts[:] = 0
-        self._step(target)
+        follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, NOBODY)
 
-    def receive(self, impulses: Array, target: Posture, others_move: bool) -> None:
-        """Impulses (nb, 3) [N s] go into the springs. What stood in the way may have moved on: then do not wait a frame."""
-        if self.coupling is not None:
-            self.coupling.receive(impulses)
-        if others_move and was_held(self.memory):
-            self._step(target)
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+        """Impulses (nb, 3) [N s] go into the springs; a driven body held by what is `moving` (nb) now goes on."""
+        follow_opened(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""
@@ -42,8 +80,4 @@ class CheckedLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""
         counts = self.counts()
-        return {name: counts[name] for name in ("bad_queries", "rows_dropped", "resyncs") if counts[name]}
-
-    def _step(self, target: Posture) -> None:
-        world = self.world
-        follow(world.geometry, world.skeleton, target, self.settings, world.posture, world.poses, self.memory)
+        return {name: counts[name] for name in BAD if counts[name]}

@@ -4,6 +4,8 @@ In free motion there is no offset and no lag. A collision changes the velocity o
 spring brings it back, by the exact solution for any frame time.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,12 +15,12 @@ from avatarsim.posture.kinematics import forward
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, norm, put_row, row, scale, sub
-from avatarsim.world.dynamics import Velocities
-from avatarsim.world.geometry import Poses
+from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
-from avatarsim.world.world import World
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 TOP_SPEED = 30.0
 """[m/s] fastest that a driven body hits anything; a tracker that teleports would shoot objects away at any speed."""
@@ -28,6 +30,24 @@ TOP_SPIN = 60.0
 
 AT_REST = 1e-9
 """[m, m/s] offset and rate below this are set to zero, so that a coupling at rest costs and shows nothing."""
+
+
+class Springs(NamedTuple):
+    """The springs of all avatars of a world.
+
+    offset, rate (nl, 3) of the roots [m], [m/s]; mass (nl) [kg]; still (nd) no step, axes (nd, 3) of no further use;
+    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1).
+    """
+
+    settings: CouplingSettings
+    offset: Array
+    rate: Array
+    mass: Array
+    still: Array
+    axes: Array
+    one: Poses
+    other: Poses
+    turn: Index
 
 
 @kernel
@@ -90,26 +110,24 @@ def give(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) 
             put_row(rate_out, root, add(row(rate_out, root), scale(row(received, b), inverse_mass[b])))
 
 
-class Coupling:
-    """The springs of all avatars of a world."""
+@kernel
+def pull(geo: Geometry, skel: Skeleton, dt: float, target_out: Posture, velocities_out: Velocities, springs_out: Springs) -> None:
+    """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies."""
+    springs_out.turn[0] = 1 - springs_out.turn[0]
+    if springs_out.turn[0] == 1:
+        before, now = springs_out.one, springs_out.other
+    else:
+        before, now = springs_out.other, springs_out.one
+    forward(geo, skel, target_out, springs_out.still, now, springs_out.axes)
+    relax(skel, springs_out.mass, springs_out.settings, dt, springs_out.offset, springs_out.rate, target_out.root)
+    tracked_velocities(skel, before, now, springs_out.rate, dt, velocities_out)
 
-    def __init__(self, world: World, settings: CouplingSettings) -> None:
-        self.world, self.settings = world, settings
-        links, degrees = len(world.skeleton.kind), int(world.skeleton.first_dof[-1])
-        self.offset, self.rate = np.zeros((links, 3)), np.zeros((links, 3))
-        self.mass = 1.0 / world.dynamics.inverse_mass[world.skeleton.first :]
-        self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
-        self._before = Poses(*(array.copy() for array in world.poses))
-        self._now = Poses(*(array.copy() for array in world.poses))
 
-    def pull(self, target: Posture, dt: float) -> None:
-        """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies."""
-        world = self.world
-        self._before, self._now = self._now, self._before
-        forward(world.geometry, world.skeleton, target, self._still, self._now, self._axes)
-        relax(world.skeleton, self.mass, self.settings, dt, self.offset, self.rate, target.root)
-        tracked_velocities(world.skeleton, self._before, self._now, self.rate, dt, world.velocities)
-
-    def receive(self, impulses: Array) -> None:
-        """Take over the impulses (nb, 3) [N s] that driven bodies got in this frame."""
-        give(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.rate)
+def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: CouplingSettings) -> Springs:
+    """Springs at rest, for driven bodies that stand at `poses`."""
+    links, degrees = len(skel.kind), int(skel.first_dof[-1])
+    one, other = (Poses(*(array.copy() for array in poses)) for _ in range(2))
+    return Springs(
+        settings, np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :], np.zeros(degrees),
+        np.zeros((degrees, 3)), one, other, np.zeros(1, dtype=np.int64),
+    )

@@ -8,10 +8,11 @@ from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_m
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.world.geometry import Poses
-from avatarsim.world.skeleton import Posture
+from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
 class PaperLoop:
@@ -25,19 +26,19 @@ class PaperLoop:
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
 
-    def follow(self, target: Posture, dt: float) -> None:
+    def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture; links then have the velocity of the way that they were shown to go."""
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
         follow_as_printed(
-            world.geometry, world.skeleton, target, dt, self.settings, self.coupling, self.attraction,
+            world.geometry, world.skeleton, target.posture, dt, self.settings, self.coupling, self.attraction,
             world.posture, world.poses, self.memory,
         )
         if world.scene.effects.dynamics:
             tracked_velocities(world.skeleton, self._before, world.poses, self._no_rate, dt, world.velocities)
 
-    def receive(self, impulses: Array, target: Posture, others_move: bool) -> None:
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
         give(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 

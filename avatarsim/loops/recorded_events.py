@@ -11,7 +11,7 @@ from avatarsim.world.world import World
 def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...]:
     """One snapshot per recorded event; `begun` [s] is when the frame began."""
     kept = []
-    for k in range(min(int(events.count[0]), len(events.time))):
+    for k in range(min(int(events.kept[0]), len(events.time))):
         positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
         write_shown(events.position[k], events.rotation[k], world.centres, positions, orientations)
         name = "approach" if events.kind[k] == APPROACH else "impact"

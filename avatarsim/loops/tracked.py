@@ -4,10 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.posture.kinematics import forward
-from avatarsim.world.skeleton import Posture
+from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 
 class TrackedLoop:
@@ -18,14 +19,14 @@ class TrackedLoop:
         degrees = int(world.skeleton.first_dof[-1])
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
 
-    def follow(self, target: Posture, dt: float) -> None:
+    def follow(self, target: Target, dt: float) -> None:
         """Take the tracker's posture over."""
         world = self.world
-        for mine, theirs in zip(world.posture, target, strict=True):
+        for mine, theirs in zip(world.posture, target.posture, strict=True):
             np.copyto(mine, theirs)
         forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
 
-    def receive(self, impulses: Array, target: Posture, others_move: bool) -> None:
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] change nothing: the user does not give way."""
 
     def counts(self) -> dict[str, int]:

@@ -108,7 +108,7 @@ def advance(
     Returns:
         A status (see DONE); DONE is 0.
     """
-    events.count[0] = 0
+    events.kept[0] = 0
     if begin(geometry, dynamics, poses, velocities, memory, switches.sleeping) == 0:
         return DONE
     bodies, contacts, status = memory.moving.shape[0], memory.contacts, DONE

@@ -198,8 +198,3 @@ def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, 
     forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
     memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
     return memory
-
-
-def was_held(memory: Memory) -> bool:
-    """Whether something stood in the way of the last step."""
-    return bool(memory.rows.size[COUNT] > 0)

@@ -2,9 +2,23 @@
 
 from math import isfinite
 
+from avatarsim.kernel import kernel
 from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.world.arena import Array, Index, index_line, opening, packed
 from avatarsim.world.doors import read_sample
+from avatarsim.world.opened import opened_posture
+from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import World, posture_of, sample_arrays
+
+
+@kernel
+def read_opened(positions: Array, rotations: Array, angles: Array, target: Index) -> bool:
+    """`read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
+    o = opening(target)
+    posture, incoming, hinges = opened_posture(o), opened_posture(o), index_line(o)[0]
+    if not read_sample(positions, rotations, angles, hinges, incoming):
+        return False
+    return read_sample(positions, rotations, angles, hinges, posture)
 
 
 class Target:
@@ -12,15 +26,15 @@ class Target:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.posture = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
-        self._incoming = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
+        first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
+        incoming = Posture(*(array.copy() for array in first))
+        self.words, (self.posture, _, self._hinges) = packed((first, incoming, world.hinges))
 
     def read(self, sample: TrackerSample) -> None:
         """Check the sample and take it over."""
         positions, rotations, angles = sample_arrays(sample)
         fits = positions.shape == self.posture.root.shape and rotations.shape == (len(positions), 4)
-        good = fits and angles.shape == self.world.hinges.shape and isfinite(sample.time)
-        if not (good and read_sample(positions, rotations, angles, self.world.hinges, self._incoming)):
+        good = fits and angles.shape == self._hinges.shape and isfinite(sample.time)
+        if not (good and read_opened(positions, rotations, angles, self.words)):
             # the slow check knows what is wrong and says it
             checked(sample, self.world.scene.avatars)
-        self.posture, self._incoming = self._incoming, self.posture

@@ -10,6 +10,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
+from avatarsim.world.arena import packed
 from avatarsim.world.doors import read_sample, write_shown
 from avatarsim.world.dynamics import Dynamics, Velocities, dynamics, velocities
 from avatarsim.world.geometry import Geometry, Poses, geometry, poses
@@ -20,10 +21,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Arrays built once from a scene. `centres` (nb, 3) are centres of mass in body frames, the origin of simulated bodies;
-    `hinges` the degree of freedom of every hinge angle in a TrackerSample."""
+    """Arrays built once from a scene; `words` is the arena that the next six are views of.
+
+    `centres` (nb, 3) are centres of mass in body frames, the origin of simulated bodies; `hinges` the degree of freedom of every
+    hinge angle in a TrackerSample.
+    """
 
     scene: Scene
+    words: NDArray[np.int64]
     geometry: Geometry
     skeleton: Skeleton
     dynamics: Dynamics
@@ -44,10 +49,14 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
     """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
-    return (
-        np.require(sample.positions, np.float64, ["C", "W"]), np.require(sample.rotations, np.float64, ["C", "W"]),
-        np.require(sample.angles, np.float64, ["C", "W"]),
-    )
+    return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
+
+
+def _ready(array: Array) -> Array:
+    # np.require finds this out in three times the time
+    if type(array) is np.ndarray and array.flags.carray and array.dtype == np.float64:
+        return array
+    return np.require(array, np.float64, ["C", "W"])
 
 
 def build(scene: Scene) -> World:
@@ -64,8 +73,11 @@ def build(scene: Scene) -> World:
         [np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4), link_orientation]
     )
     placed = poses(geo, position + rotation.rotate(orientation, centres), orientation)
-    posture = posture_of(skel, hinges, scene.first_sample)
-    return World(scene, geo, skel, dynamics(scene), placed, velocities(scene), posture, centres, hinges)
+    # in the order in which kernels open them: simulated bodies need neither the skeleton nor the posture
+    words, (geo, masses, placed, speeds, skel, posture) = packed(
+        (geo, dynamics(scene), placed, velocities(scene), skel, posture_of(skel, hinges, scene.first_sample))
+    )
+    return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
 
 
 def shown_poses(world: World) -> tuple[Array, Array]:

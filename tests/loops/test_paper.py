@@ -10,7 +10,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.start_check import overlapping_pairs
-from avatarsim.world.skeleton import Posture
+from avatarsim.world.target import Target
 from tests.posture.arms import ball_hand, world_of
 
 pytestmark = [pytest.mark.nojit]
@@ -28,8 +28,10 @@ def hand_before(*bodies):
 
 
 def target(loop, x):
-    wanted = Posture(*(array.copy() for array in loop.world.posture))
-    wanted.root[0] = (x, 0.0, 0.0)
+    wanted = Target(loop.world)
+    for mine, theirs in zip(wanted.posture, loop.world.posture, strict=True):
+        mine[:] = theirs
+    wanted.posture.root[0] = (x, 0.0, 0.0)
     return wanted
 
 
@@ -56,7 +58,7 @@ def test_an_impulse_displaces_the_hand_and_the_spring_brings_it_back():
     loop.follow(target(loop, 0.0), DT)
     impulses = np.zeros((2, 3))
     impulses[1] = (0.0, -0.2, 0.0)
-    loop.receive(impulses, target(loop, 0.0), False)
+    loop.receive(impulses, np.zeros(2, dtype=np.int64), target(loop, 0.0))
     # eq. 6, critically damped with 0.4 kg: y = v t e^(-50 t), v = -0.2 / 0.4
     for frame in range(1, 10):
         loop.follow(target(loop, 0.0), DT)

@@ -1,0 +1,85 @@
+"""What the checked lower loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
+
+from avatarsim.collide.scratch import Scratch
+from avatarsim.kernel import kernel
+from avatarsim.loops.coupling import Springs
+from avatarsim.posture.workspace import Goal, Memory, PairMemory, Rows
+from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.world.arena import (
+    Opening,
+    cube,
+    flag_grid,
+    flag_line,
+    grid,
+    index_grid,
+    index_line,
+    line,
+    real,
+    triples,
+    vectors,
+    whole,
+)
+from avatarsim.world.opened import opened_poses, opened_posture
+
+
+@kernel
+def opened_scratch(o: Opening) -> Scratch:
+    """The next Scratch."""
+    return Scratch(
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], index_grid(o)[0], line(o)[0], triples(o)[0], triples(o)[0], vectors(o)[0],
+        line(o)[0], index_line(o)[0], index_line(o)[0], triples(o)[0], index_line(o)[0], line(o)[0], vectors(o)[0],
+    )
+
+
+@kernel
+def opened_goal(o: Opening) -> Goal:
+    """The next Goal."""
+    return Goal(
+        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o), line(o)[0]
+    )
+
+
+@kernel
+def opened_rows(o: Opening) -> Rows:
+    """The next Rows."""
+    return Rows(
+        grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0], grid(o)[0], index_grid(o)[0], line(o)[0], line(o)[0],
+        index_line(o)[0],
+    )
+
+
+@kernel
+def opened_pairs(o: Opening) -> PairMemory:
+    """The next PairMemory."""
+    return PairMemory(
+        cube(o)[0], grid(o)[0], index_grid(o)[0], cube(o)[0], grid(o)[0], index_grid(o)[0], flag_grid(o)[0], index_grid(o)[0],
+        index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
+    )
+
+
+@kernel
+def opened_memory(o: Opening) -> Memory:
+    """The next Memory of the posture solver."""
+    return Memory(
+        opened_poses(o), vectors(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], line(o)[0], opened_goal(o), opened_rows(o),
+        opened_pairs(o), flag_line(o)[0], line(o)[0], index_line(o)[0], opened_scratch(o),
+    )
+
+
+@kernel
+def opened_settings(o: Opening) -> PostureSettings:
+    """The next PostureSettings."""
+    return PostureSettings(
+        real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), real(o),
+        real(o), real(o), whole(o), whole(o),
+    )
+
+
+@kernel
+def opened_springs(o: Opening) -> Springs:
+    """The next Springs."""
+    settings = CouplingSettings(real(o), real(o))
+    return Springs(
+        settings, vectors(o)[0], vectors(o)[0], line(o)[0], line(o)[0], vectors(o)[0], opened_poses(o), opened_poses(o),
+        index_line(o)[0],
+    )

@@ -1,0 +1,72 @@
+"""What the upper loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
+
+from avatarsim.impact.contacts import Contacts
+from avatarsim.impact.events import Events
+from avatarsim.impact.masses import Masses
+from avatarsim.kernel import kernel
+from avatarsim.loops.opened_checked import opened_scratch
+from avatarsim.loops.upper_memory import Memory, Switches
+from avatarsim.motion.free_rotation import Series
+from avatarsim.motion.manifold import Manifold
+from avatarsim.motion.path import Paths
+from avatarsim.world.arena import Opening, cube, flag_grid, grid, index_grid, index_line, line, matrices, stack, vectors, yes
+from avatarsim.world.opened import opened_poses
+
+
+@kernel
+def opened_masses(o: Opening) -> Masses:
+    """The next Masses."""
+    return Masses(line(o)[0], matrices(o)[0])
+
+
+@kernel
+def opened_paths(o: Opening) -> Paths:
+    """The next Paths."""
+    return Paths(
+        index_line(o)[0], vectors(o)[0], vectors(o)[0], index_line(o)[0], matrices(o)[0], matrices(o)[0], line(o)[0],
+        vectors(o)[0], vectors(o)[0],
+    )
+
+
+@kernel
+def opened_contacts(o: Opening) -> Contacts:
+    """The next Contacts."""
+    return Contacts(
+        index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], matrices(o)[0], vectors(o)[0],
+        vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], line(o)[0], grid(o)[0], vectors(o)[0],
+    )
+
+
+@kernel
+def opened_manifold(o: Opening) -> Manifold:
+    """The next Manifold."""
+    return Manifold(
+        vectors(o)[0], vectors(o)[0], line(o)[0], index_line(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0],
+    )
+
+
+@kernel
+def opened_memory(o: Opening) -> Memory:
+    """The next Memory of the upper loop."""
+    return Memory(
+        vectors(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], opened_masses(o),
+        opened_masses(o), matrices(o)[0], line(o)[0], line(o)[0], opened_poses(o), opened_paths(o),
+        Series(vectors(o)[0], vectors(o)[0], grid(o)[0]), opened_contacts(o), opened_manifold(o), opened_scratch(o),
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], flag_grid(o)[0], index_line(o)[0],
+        index_grid(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
+    )
+
+
+@kernel
+def opened_events(o: Opening) -> Events:
+    """The next Events."""
+    return Events(
+        index_line(o)[0], line(o)[0], index_line(o)[0], index_grid(o)[0], cube(o)[0], stack(o)[0], cube(o)[0], cube(o)[0]
+    )
+
+
+@kernel
+def opened_switches(o: Opening) -> Switches:
+    """The next Switches."""
+    return Switches(yes(o), yes(o), yes(o), yes(o), yes(o))

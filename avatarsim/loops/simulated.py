@@ -1,0 +1,53 @@
+"""The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
+
+from avatarsim.engine import Snapshot
+from avatarsim.impact.events import make_events
+from avatarsim.kernel import kernel
+from avatarsim.loops.opened_upper import opened_events, opened_memory, opened_switches
+from avatarsim.loops.recorded_events import snapshots
+from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
+from avatarsim.loops.upper_memory import COUNT_NAMES, Switches, make_memory
+from avatarsim.world.arena import Index, opening, packed
+from avatarsim.world.opened import opened_dynamics, opened_geometry, opened_poses, opened_velocities
+from avatarsim.world.world import World
+
+EVENTS_KEPT = 256
+"""Most events of one frame that a recording keeps (two per impact); more are counted."""
+
+
+@kernel
+def advance_opened(world: Index, kept: Index, dt: float) -> int:
+    """`advance` on the arenas of a world and of its upper loop."""
+    o = opening(world)
+    geometry, dynamics, poses, velocities = opened_geometry(o), opened_dynamics(o), opened_poses(o), opened_velocities(o)
+    o = opening(kept)
+    memory, events, switches = opened_memory(o), opened_events(o), opened_switches(o)
+    return advance(geometry, dynamics, poses, velocities, dt, memory, events, switches)
+
+
+class SimulatedLoop:
+    """The simulated bodies of a world."""
+
+    def __init__(self, world: World, *, paper: bool, record: bool) -> None:
+        self.world, self.record, self.status = world, record, DONE
+        on = world.scene.effects
+        switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
+        memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic)
+        events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
+        self._kept, (self.memory, self.events, _) = packed((memory, events, switches))
+
+    def advance(self, dt: float) -> None:
+        """Pass `dt` seconds."""
+        self.status = advance_opened(self.world.words, self._kept, dt)
+
+    def counts(self) -> dict[str, int]:
+        """Work done in the last frame."""
+        return dict(zip(COUNT_NAMES, self.memory.counts.tolist(), strict=True))
+
+    def statuses(self) -> dict[str, int]:
+        """What did not end well in the last frame."""
+        return {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+
+    def inside(self, begun: float) -> tuple[Snapshot, ...]:
+        """Events of the last frame, which began at `begun` [s], if they are recorded."""
+        return snapshots(self.world, self.events, begun) if self.record else ()

@@ -1,0 +1,48 @@
+"""The tuples of a world again, inside a kernel, from the arena that holds them: fields in order, see `arena`."""
+
+from avatarsim.kernel import kernel
+from avatarsim.world.arena import Opening, flag_grid, grid, index_line, line, matrices, vectors, whole
+from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.shapes import Shapes
+from avatarsim.world.skeleton import Posture, Skeleton
+
+
+@kernel
+def opened_geometry(o: Opening) -> Geometry:
+    """The next Geometry."""
+    shapes = Shapes(index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0])
+    return Geometry(shapes, vectors(o)[0], index_line(o)[0], index_line(o)[0], flag_grid(o)[0])
+
+
+@kernel
+def opened_dynamics(o: Opening) -> Dynamics:
+    """The next Dynamics."""
+    return Dynamics(index_line(o)[0], line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0])
+
+
+@kernel
+def opened_poses(o: Opening) -> Poses:
+    """The next Poses."""
+    return Poses(vectors(o)[0], matrices(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0])
+
+
+@kernel
+def opened_velocities(o: Opening) -> Velocities:
+    """The next Velocities."""
+    return Velocities(vectors(o)[0], vectors(o)[0])
+
+
+@kernel
+def opened_skeleton(o: Opening) -> Skeleton:
+    """The next Skeleton."""
+    return Skeleton(
+        whole(o), index_line(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0],
+        grid(o)[0], grid(o)[0], matrices(o)[0], flag_grid(o)[0],
+    )
+
+
+@kernel
+def opened_posture(o: Opening) -> Posture:
+    """The next Posture."""
+    return Posture(vectors(o)[0], matrices(o)[0], line(o)[0])

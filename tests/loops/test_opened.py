@@ -1,0 +1,85 @@
+"""Frames through the arenas against the same kernels called one by one on plain arrays: every bit is the same."""
+
+import numpy as np
+import pytest
+
+from avatarsim.impact.events import make_events
+from avatarsim.loops.checked import CheckedLoop
+from avatarsim.loops.coupling import give, make_springs, pull
+from avatarsim.loops.simulated import SimulatedLoop
+from avatarsim.loops.upper import advance
+from avatarsim.loops.upper_memory import Switches
+from avatarsim.loops.upper_memory import make_memory as make_upper_memory
+from avatarsim.posture.follow import follow
+from avatarsim.posture.workspace import COUNT, ready_memory
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.settings import Chosen
+from avatarsim.world.target import Target
+from avatarsim.world.world import build, posture_of
+from scenarios import catalog
+from tests.world.test_arena import leaves
+
+CHOSEN = Chosen()
+
+
+class Plain:
+    """The frame of method `default` on arrays that stand alone."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.world = world = build(scene)
+        self.geo, self.skel, self.dyn = plain(world.geometry), plain(world.skeleton), plain(world.dynamics)
+        self.poses, self.velocities, self.posture = plain(world.poses), plain(world.velocities), plain(world.posture)
+        on = scene.effects
+        self.coupled = on.coupling
+        self.lower = ready_memory(self.geo, self.skel, self.posture, self.poses, CHOSEN.posture)
+        self.springs = make_springs(self.skel, self.dyn, self.poses, CHOSEN.coupling)
+        self.upper = make_upper_memory(self.geo, self.dyn, self.poses, on.gyroscopic)
+        self.events = make_events(len(scene.names), 64)
+        self.switches = Switches(on.gyroscopic, on.continuous, on.sleeping, False, True)
+
+    def frame(self, sample: TrackerSample, dt: float) -> None:
+        """One frame."""
+        target = posture_of(self.skel, self.world.hinges, sample)
+        if self.coupled:
+            pull(self.geo, self.skel, dt, target, self.velocities, self.springs)
+        self.lower.counts[:] = 0
+        follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
+        advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
+        if self.coupled:
+            give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.rate)
+            if self.upper.moving.any() and self.lower.rows.size[COUNT] > 0:
+                follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
+
+
+def plain(tree: tuple) -> tuple:
+    """Nested tuples over copies of the arrays; nothing in a world is an alias."""
+    parts = [plain(b) if isinstance(b, tuple) else b.copy() if isinstance(b, np.ndarray) else b for b in tree]
+    return type(tree)(*parts)
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "last"), [("hand_over_table", 455, 500), ("hand_over_table", 780, 880), ("mocap_walk_wall", 40, 90)]
+)
+def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str, first: int, last: int) -> None:
+    scenario = catalog.get(name)
+    scene = scenario.build()
+    motion = (scenario.short_motion or scenario.motion)(scene, 0)
+    apart, world = Plain(scene), build(scene)
+    target, lower = Target(world), CheckedLoop(world, CHOSEN.posture, CHOSEN.coupling)
+    upper = SimulatedLoop(world, paper=False, record=True)
+    worked = 0
+    for k in range(first, last):
+        sample = motion(k)
+        apart.frame(sample, scenario.dt)
+        target.read(sample)
+        lower.follow(target, scenario.dt)
+        upper.advance(scenario.dt)
+        if scene.effects.coupling:
+            lower.receive(upper.memory.received, upper.memory.moving, target)
+        mine = (world.poses, world.velocities, world.posture, lower.memory, upper.memory)
+        theirs = (apart.poses, apart.velocities, apart.posture, apart.lower, apart.upper)
+        for a, b in zip(leaves(mine), leaves(theirs), strict=True):
+            assert a.tobytes() == b.tobytes()
+        worked += int(lower.memory.counts.sum())
+    assert worked > 0

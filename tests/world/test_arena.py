@@ -1,0 +1,142 @@
+"""Packed tuples share one memory, keep order and aliases, and kernels find them again; frames come out bit for bit the same."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import AvatarsimError
+from avatarsim.impact.events import make_events
+from avatarsim.loops import opened_checked, opened_upper
+from avatarsim.loops.coupling import make_springs
+from avatarsim.loops.upper_memory import Switches
+from avatarsim.loops.upper_memory import make_memory as make_upper_memory
+from avatarsim.posture.workspace import make_memory
+from avatarsim.scene.body import simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.world import arena, opened
+from avatarsim.world.arena import opening, packed
+from avatarsim.world.world import World, build
+from tests.posture.little_worlds import mixed_avatar, panel
+
+ROOT = Path(__file__).parents[2]
+CRATE = (Piece(Box((0.1, 0.2, 0.3))),)
+SCENE = Scene(
+    "s", (panel(x=9.0), simulated("crate", CRATE, "wood", solid(CRATE, 1.0), (5.0, 0.0, 0.0))), (mixed_avatar(),)
+)
+
+
+def leaves(tree: object) -> list:
+    """All arrays and numbers of nested tuples, in order."""
+    return [leaf for branch in tree for leaf in leaves(branch)] if isinstance(tree, tuple) else [tree]
+
+
+def same_memory(a: object, b: object) -> bool:
+    """Two arrays are one, or two numbers are equal and of one kind."""
+    if not isinstance(a, np.ndarray):
+        return bool(a == b) and isinstance(b, (bool, np.bool_)) == isinstance(a, bool)
+    assert isinstance(b, np.ndarray)
+    at = a.__array_interface__["data"][0] == b.__array_interface__["data"][0]
+    return (at or a.size == 0) and a.shape == b.shape and a.dtype == b.dtype and a.strides == b.strides
+
+
+def parts(world: World, cap: int = 3) -> dict[str, tuple]:
+    """What is packed in the engine, by the name of what opens it."""
+    geo, skel, dyn, poses = world.geometry, world.skeleton, world.dynamics, world.poses
+    return {
+        "geometry": geo, "dynamics": dyn, "poses": poses, "velocities": world.velocities, "skeleton": skel,
+        "posture": world.posture, "checked memory": make_memory(geo, skel, poses),
+        "settings": PostureSettings(steps=7, merit=0.5), "springs": make_springs(skel, dyn, poses, CouplingSettings(3.0, 4.0)),
+        "upper memory": make_upper_memory(geo, dyn, poses),
+        "events": make_events(len(geo.first_shape) - 1, cap), "switches": Switches(False, True, False, True, False),
+    }
+
+
+OPEN = {
+    "geometry": opened.opened_geometry, "dynamics": opened.opened_dynamics, "poses": opened.opened_poses,
+    "velocities": opened.opened_velocities, "skeleton": opened.opened_skeleton, "posture": opened.opened_posture,
+    "checked memory": opened_checked.opened_memory, "settings": opened_checked.opened_settings,
+    "springs": opened_checked.opened_springs, "upper memory": opened_upper.opened_memory, "events": opened_upper.opened_events,
+    "switches": opened_upper.opened_switches,
+}
+
+
+def test_a_packed_tuple_is_the_same_tuple_in_one_memory() -> None:
+    for name, part in parts(build(SCENE)).items():
+        words, views = packed(part)
+        assert type(views) is type(part), name
+        for mine, theirs in zip(leaves(part), leaves(views), strict=True):
+            if isinstance(mine, np.ndarray):
+                assert np.array_equal(mine, theirs) and theirs.dtype == mine.dtype and theirs.flags.carray
+                assert np.shares_memory(words, theirs) or not mine.size
+                assert not np.shares_memory(mine, theirs)
+            else:
+                assert mine is theirs
+
+
+def test_no_two_arrays_overlap_unless_they_were_one() -> None:
+    one, other = np.arange(5.0), np.arange(5.0)
+    _, (a, b, c, d) = packed((one, other, one, np.ones(3, dtype=bool)))
+    c[:] = 7.0
+    assert (a == 7.0).all() and (b == other).all() and d.all()
+    d[:] = False
+    assert (a == 7.0).all() and (b == other).all()
+
+
+def test_aliases_of_the_upper_loop_live_on() -> None:
+    world = build(SCENE)
+    memory = make_upper_memory(world.geometry, world.dynamics, world.poses)
+    assert memory.strike.inverse_inertia is memory.hold.inverse_inertia
+    views = packed((memory,))[1][0]
+    assert same_memory(views.strike.inverse_inertia, views.hold.inverse_inertia)
+    assert same_memory(views.round, views.paths.round)
+
+
+@pytest.mark.parametrize(
+    "bad", [np.zeros(3, dtype=np.float32), np.zeros((1, 1, 1, 1, 1)), np.zeros(()), np.zeros(2, dtype=np.int32)]
+)
+def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
+    with pytest.raises(AvatarsimError, match="an arena holds no array of"):
+        packed((bad,))
+
+
+def test_an_array_that_is_not_in_c_order_is_laid_out_in_c_order() -> None:
+    turned = np.arange(6.0).reshape(2, 3).T
+    view = packed((turned,))[1][0]
+    assert (view == turned).all() and view.flags.c_contiguous
+
+
+def test_the_world_is_packed() -> None:
+    world = build(SCENE)
+    for part in (world.geometry, world.dynamics, world.poses, world.velocities, world.skeleton, world.posture):
+        assert all(np.shares_memory(world.words, leaf) for leaf in leaves(part) if isinstance(leaf, np.ndarray) and leaf.size)
+
+
+def open_everything() -> None:
+    """Every opening in plain Python, where what is opened can be looked at: a compiled kernel may not hand it out."""
+    world = build(SCENE)
+    for cap in (0, 3):
+        for name, part in parts(world, cap).items():
+            words, views = packed((np.zeros(7), part, 5))
+            o = opening(words)
+            arena.line(o)
+            found = OPEN[name](o)
+            assert type(found) is type(part), name
+            assert all(map(same_memory, leaves(views[1]), leaves(found))), name
+            assert len(leaves(found)) == len(leaves(part)) and arena.whole(o) == 5, name
+    words, _ = packed((2.5, True, False, np.zeros((2, 3, 4, 5))))
+    o = opening(words)
+    assert arena.real(o) == 2.5 and arena.yes(o) and not arena.yes(o) and arena.stack(o)[0].shape == (2, 3, 4, 5)
+
+
+def test_what_is_opened_is_what_was_packed_field_by_field() -> None:
+    code = "from tests.world.test_arena import open_everything; open_everything()"
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
