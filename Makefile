@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test check sweep bench report lint lock clean FORCE
+.PHONY: help setup compare test check bench report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -37,9 +37,6 @@ compare: $(READY)  ## every scenario in every engine, the report, the verdict ta
 check: $(READY)  ## the gate: fails when the engine leaves more overlap than a scenario allows
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios check
-
-sweep: $(READY)  ## accuracy against time, for many settings of every engine
-	@$(VENV_PYTHON) -m scenarios sweep
 
 bench: $(READY)  ## time per frame only
 	@$(COMPILED)

@@ -259,3 +259,15 @@ def test_every_preset_runs_and_says_its_settings(preset: str) -> None:
     engine.load(SCENE, Settings(preset=preset), DT)
     record = engine.advance(at(SCENE.first_sample, (0.5, 0.0, 0.0)), DT)
     assert record.shown.positions[1, 0] < -0.05 and engine.settings_as_run()["method"] == preset
+
+
+@pytest.mark.parametrize(
+    ("what", "value"), [("positions", "abc"), ("positions", None), ("rotations", [[1.0]]), ("angles", "x"), ("time", "x"), ("time", None)]
+)
+def test_a_sample_of_words_is_refused_and_the_next_good_one_works(what: str, value: object) -> None:
+    engine = loaded()
+    with pytest.raises(InvalidSample, match="tracker"):
+        engine.advance(replace(SCENE.first_sample, **{what: value}), DT)
+    with pytest.raises(InvalidSample, match="tracker sample is None"):
+        engine.advance(None, DT)
+    assert engine.advance(SCENE.first_sample, DT).shown.time == pytest.approx(DT)

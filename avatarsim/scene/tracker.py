@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidSample
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.checks import finite_array
+from avatarsim.scene.checks import as_number, finite_array
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.spatial import rotation
 
@@ -32,9 +33,11 @@ class TrackerSample:
 
 def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
     """`sample` if it is finite, fits the avatars and its rotations have length 1; a typed error otherwise."""
+    if not isinstance(sample, TrackerSample):
+        raise InvalidSample("tracker sample", sample, "a TrackerSample")
     links = sum(len(avatar.links) for avatar in avatars)
     hinges = sum(avatar.hinge_count for avatar in avatars)
-    if not np.isfinite(sample.time):
+    if not isfinite(as_number(sample.time)):
         raise InvalidSample("tracker time [s]", sample.time, "a finite number")
     finite_array("tracker positions", sample.positions, (links, 3), InvalidSample)
     rotations = finite_array("tracker rotations", sample.rotations, (links, 4), InvalidSample)

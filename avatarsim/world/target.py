@@ -2,7 +2,9 @@
 
 from math import isfinite
 
+from avatarsim.errors import InvalidSample
 from avatarsim.kernel import kernel
+from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.world.arena import Array, Index, index_line, opening, packed
 from avatarsim.world.doors import read_sample
@@ -32,9 +34,14 @@ class Target:
 
     def read(self, sample: TrackerSample) -> None:
         """Check the sample and take it over."""
-        positions, rotations, angles = sample_arrays(sample)
+        try:
+            positions, rotations, angles = sample_arrays(sample)
+        except (AttributeError, TypeError, ValueError) as error:
+            checked(sample, self.world.scene.avatars)
+            raise InvalidSample("tracker sample", sample, "a TrackerSample of numbers") from error
         fits = positions.shape == self.posture.root.shape and rotations.shape == (len(positions), 4)
-        good = fits and angles.shape == self._hinges.shape and isfinite(sample.time)
+        good = fits and angles.shape == self._hinges.shape and isfinite(as_number(sample.time))
         if not (good and read_opened(positions, rotations, angles, self.words)):
             # the slow check knows what is wrong and says it
             checked(sample, self.world.scene.avatars)
+            raise InvalidSample("tracker sample", sample, "finite, and quaternions of length 1")

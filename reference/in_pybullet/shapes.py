@@ -10,12 +10,9 @@ from numpy.typing import NDArray
 from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
+from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
 
 Array = NDArray[np.float64]
-
-ELLIPSOID_VERTICES = 162
-"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest
-radius."""
 
 
 def xyzw(quaternion: Array | Quaternion) -> list[float]:

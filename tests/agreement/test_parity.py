@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 
 from avatarsim.engine import Engine, FrameRecord, Settings
@@ -14,8 +13,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
-from reference.in_pybullet.engine import PybulletEngine
 from reference.raw_tracker import RawTracker
+from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import (
     FRAME,
     anchored,
@@ -29,7 +28,6 @@ from tests.agreement.scenes import (
     pressed,
 )
 
-ENGINES = pytest.mark.parametrize("engine", [MujocoEngine(), PybulletEngine()], ids=["mujoco", "pybullet"])
 PRESETS = pytest.mark.parametrize("preset", ["default", "tuned"])
 
 
@@ -70,6 +68,7 @@ def test_mujoco_has_the_stated_masses_and_inertias() -> None:
         assert np.abs(axes @ np.diag(model.body_inertia[k]) @ axes.T - body.mass.inertia).max() <= 1e-15
 
 
+@needs_pybullet
 @pytest.mark.parametrize("scene", [bodies_of_all_shapes(), Scene("all", avatars=(every_joint(),))], ids=["bodies", "avatar"])
 def test_pybullet_has_the_stated_masses_and_inertias(scene: Scene) -> None:
     engine = PybulletEngine()
@@ -104,6 +103,7 @@ def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
         assert model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
 
 
+@needs_pybullet
 def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
     """A tiny ball outside every vertex is as far away as it should be, to the 0.1 mm of Bullet's own measurement."""
     scene = bodies_of_all_shapes()

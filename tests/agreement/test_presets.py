@@ -9,14 +9,12 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.presets import presets as mujoco_presets
-from reference.in_pybullet.engine import PybulletEngine
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judge import Judge
 from reference.presets import Kind, kind_of
 from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, arm, ball_on_slab, bent, chain, hand_over_table, nobody, pressed, swung
-
-ENGINES = pytest.mark.parametrize("engine", [MujocoEngine(), PybulletEngine()], ids=["mujoco", "pybullet"])
 
 
 def overlap_and_offset(engine: Engine, preset: str, scene: Scene, samples: list[TrackerSample]) -> tuple[float, float]:
@@ -49,6 +47,7 @@ def test_tuned_arm_at_the_wall_overlaps_less_in_mujoco() -> None:
     assert tuned < 1e-5
 
 
+@needs_pybullet
 def test_tuned_arm_in_pybullet_is_closer_to_the_tracker_while_the_way_is_free() -> None:
     """By default it overlaps the wall no more (0 against 0.05 mm), as contacts act before bodies meet and motors of any
     force push. So tuned does not win on overlap here; it wins on offset before the wall is reached, twenty times over."""
@@ -111,6 +110,7 @@ def test_unknown_words_are_refused_by_mujoco(option: dict[str, object]) -> None:
         MujocoEngine().load(ball_on_slab(), Settings("tuned", option), FRAME)
 
 
+@needs_pybullet
 def test_unknown_words_are_refused_by_pybullet() -> None:
     with pytest.raises(UnknownName):
         PybulletEngine().load(hand_over_table(), Settings("tuned", {"drive": "magic"}), FRAME)

@@ -1,7 +1,6 @@
 """Each trap that would silently falsify the comparison, sprung on purpose: the adapters must not fall into it."""
 
 import numpy as np
-import pybullet
 import pytest
 
 from avatarsim.engine import Engine, Settings, Snapshot
@@ -12,8 +11,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
-from reference.in_pybullet.engine import PybulletEngine
 from reference.judge import Judge
+from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import (
     FRAME,
     arm,
@@ -28,8 +27,6 @@ from tests.agreement.scenes import (
     sliding_box,
     swung,
 )
-
-ENGINES = pytest.mark.parametrize("engine", [MujocoEngine(), PybulletEngine()], ids=["mujoco", "pybullet"])
 
 
 def bounce(engine: Engine, preset: str, options: dict[str, object], frames: int = 40) -> tuple[float, str]:
@@ -47,6 +44,7 @@ def bounce(engine: Engine, preset: str, options: dict[str, object], frames: int 
     return (float(speeds[after] / -speeds[:after].min()) if after else 0.0), record.state_hash()
 
 
+@needs_pybullet
 def test_1_breaking_threshold_left_behind_by_others_does_not_matter() -> None:
     """It is global to the process and outlives resetSimulation and disconnect."""
     _, fresh = bounce(PybulletEngine(), "default", {})
@@ -79,12 +77,14 @@ def resting_gap(options: dict[str, object], preset: str) -> float:
     return float(record.shown.positions[1, 2]) - 0.05
 
 
+@needs_pybullet
 def test_3_hulls_are_not_inflated_when_tuned() -> None:
     """By default two hulls rest 2 mm apart: a margin of 1 mm on each."""
     assert resting_gap({}, "default") > 1.5e-3
     assert abs(resting_gap({}, "tuned")) < 5e-5
 
 
+@needs_pybullet
 @pytest.mark.parametrize("per_second", [240, 1000, 4000])
 def test_4_and_5_bounce_survives_small_steps(per_second: int) -> None:
     """Contacts that act early stop a ball, and position correction throws it: neither happens when tuned."""
@@ -92,6 +92,7 @@ def test_4_and_5_bounce_survives_small_steps(per_second: int) -> None:
     assert ratio == pytest.approx(0.3, abs=0.01)
 
 
+@needs_pybullet
 def test_4_default_loses_the_bounce_at_small_steps() -> None:
     """The trap is real."""
     ratio, _ = bounce(PybulletEngine(), "default", {"dt": 1.0 / 4000.0})
@@ -138,7 +139,7 @@ def test_8_hinge_limits_hold_when_tuned() -> None:
     assert excess["tuned"] < 0.5
 
 
-@pytest.mark.parametrize("engine", [MujocoEngine(), PybulletEngine()], ids=["mujoco", "pybullet"])
+@ENGINES
 def test_10_friction_is_the_same_in_all_directions(engine: Engine) -> None:
     """The pyramid of MuJoCo's default slides 41 % too far on the diagonal."""
     lengths = []
@@ -154,6 +155,7 @@ def test_10_friction_is_the_same_in_all_directions(engine: Engine) -> None:
     assert lengths == pytest.approx([stop, stop], rel=0.02)
 
 
+@needs_pybullet
 def test_11_stated_inertias_stay_in_the_multibody_solver() -> None:
     """Told an inertia, a body outside that solver loses its mass and turns to NaN."""
     scene = bodies_of_all_shapes()
@@ -169,6 +171,7 @@ def test_11_stated_inertias_stay_in_the_multibody_solver() -> None:
     engine.close()
 
 
+@needs_pybullet
 def test_12_pybullet_replays_from_the_start() -> None:
     """saveState and restoreState are not exact to the bit, and are not used; a run from the start is."""
     assert bounce(PybulletEngine(), "tuned", {})[1] == bounce(PybulletEngine(), "tuned", {})[1]
@@ -185,6 +188,7 @@ def test_a_diverged_mujoco_is_shown_as_such() -> None:
     assert any(name.startswith("BAD") for name in record.statuses)
 
 
+@needs_pybullet
 def test_links_come_back_in_the_scene_s_order() -> None:
     """Bullet numbers the links of a tree depth first, whatever order they are given in; see also the parity tests."""
     engine = PybulletEngine()
