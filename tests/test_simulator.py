@@ -262,7 +262,8 @@ def test_every_preset_runs_and_says_its_settings(preset: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("what", "value"), [("positions", "abc"), ("positions", None), ("rotations", [[1.0]]), ("angles", "x"), ("time", "x"), ("time", None)]
+    ("what", "value"),
+    [("positions", "abc"), ("positions", None), ("rotations", [[1.0]]), ("angles", "x"), ("time", "x"), ("time", None)],
 )
 def test_a_sample_of_words_is_refused_and_the_next_good_one_works(what: str, value: object) -> None:
     engine = loaded()
