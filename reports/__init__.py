@@ -9,8 +9,8 @@ PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
 def write_report(run_dir: Path) -> None:
     """Write index.html, summary.md and junit.xml beside `run_dir`/results.json.
 
-    Earlier ones are removed first: after an error no page is left that looks finished. Raises InvalidFile when
-    results.json is missing, truncated or of another schema.
+    All three are made before one of them is replaced. Raises InvalidFile when results.json is missing, truncated or of
+    another schema; what stands in the folder then stays as it is.
     """
     from reports.junit import junit
     from reports.load import load
@@ -18,8 +18,6 @@ def write_report(run_dir: Path) -> None:
     from reports.summary import summary
     from reports.verdict import verdict
 
-    for name in (PAGE, SUMMARY, JUNIT):
-        (run_dir / name).unlink(missing_ok=True)
     results = load(run_dir)
     judged = verdict(results)
     texts = {SUMMARY: summary(results, judged), JUNIT: junit(judged), PAGE: page(results, judged)}

@@ -163,16 +163,28 @@ def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...],
 
 
 def _lost_cells(block: Block, line: Line) -> list[Loss]:
-    """Every column in which another engine (the raw tracker aside) did better than our line, beyond a draw."""
+    """Every column in which another engine did better than our line, beyond a draw. Neither the raw tracker nor another
+    preset of our own engine is a rival."""
     lost = []
+    aside = {RAW_TRACKER, engine_of(line.run)}
     for index, (column, cell) in enumerate(zip(COLUMNS, line.cells, strict=True)):
-        draw = TIME_DRAW if column.unit == "us" else MEASURE_DRAW
-        if cell.row is None or cell.ratio is None or not cell.ratio > draw:
+        ratios = {o.run: o.cells[index].ratio for o in block.lines if engine_of(o.run) not in aside}
+        ranked = {run: ratio for run, ratio in ratios.items() if ratio is not None}
+        if cell.row is None or cell.ratio is None or not ranked:
             continue
-        rivals = [o for o in block.lines if o is not line and not o.run.startswith(RAW_TRACKER + "/") and o.cells[index].best]
+        least = min(ranked.values())
+        behind = cell.ratio / least
+        if not behind > (TIME_DRAW if column.unit == "us" else MEASURE_DRAW):
+            continue
+        rivals = [o for o in block.lines if ranked.get(o.run) == least]
         theirs = ", ".join(f"{o.run} {quantity(o.cells[index].value, cell.row.unit)}" for o in rivals)
-        lost.append(Loss(block.scene, cell.row.metric, quantity(cell.value, cell.row.unit), theirs, "behind", cell.ratio))
+        lost.append(Loss(block.scene, cell.row.metric, quantity(cell.value, cell.row.unit), theirs, "behind", behind))
     return lost
+
+
+def engine_of(run: str) -> str:
+    """The engine of "engine/preset"."""
+    return run.partition("/")[0]
 
 
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:

@@ -1,6 +1,10 @@
 """Engines by name: four that the project knows, and whatever joined through the entry-point group."""
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from importlib import import_module, metadata
+from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
@@ -17,6 +21,8 @@ GATED = ("avatarsim", "default")
 """The engine and preset that carry bounds unless `check --engine` names another."""
 BASELINE = "tracker"
 """The engine without contact handling: its overlap is how large the problem is."""
+PRESETS = {"mujoco": ("default", "tuned"), "pybullet": ("default", "tuned")}
+"""Presets of engines whose package may be missing, so that every row that is missing then can be named."""
 EXTRA = "compare"
 """The extra that brings the packages of the engines we compare with."""
 
@@ -29,6 +35,22 @@ def known() -> dict[str, str]:
     return {**BUILT_IN, **{name: joined[name] for name in sorted(joined) if name not in BUILT_IN}}
 
 
+@contextmanager
+def hushed() -> Iterator[None]:
+    """Drop what is written to both streams, by C too: one engine greets on the error stream, amid the progress."""
+    kept = [os.dup(1), os.dup(2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        for stream, copy in enumerate(kept, 1):
+            os.dup2(copy, stream)
+            os.close(copy)
+        os.close(nowhere)
+
+
 def opened(name: str) -> Engine:
     """A fresh engine. Raises UnknownName, MissingPackage when it needs a package that is not installed, and ImportError when a
     module of its own is missing."""
@@ -37,7 +59,9 @@ def opened(name: str) -> Engine:
         raise UnknownName("engine", name, paths)
     module, _, attribute = paths[name].partition(":")
     try:
-        made = getattr(import_module(module), attribute)()
+        # only in processes of the harness, and never a stranger's complaints
+        with hushed() if name in BUILT_IN and parent_process() is not None else nullcontext():
+            made = getattr(import_module(module), attribute)()
     except ImportError as error:
         if (error.name or module).partition(".")[0] == module.partition(".")[0]:
             # a hole in the engine itself is a fault, which no installing mends

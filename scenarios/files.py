@@ -54,7 +54,15 @@ def plain(value: object) -> object:
 
 
 def run_folder(out: Path, command: str) -> Path:
-    """A new folder below `out`, named by the time and the command, and `out`/latest leading to it."""
+    """A new folder below `out`, named by the time and the command. Raises InvalidInput where none can be made."""
+    try:
+        return _new_folder(out, command)
+    except OSError as error:
+        why = error.strerror or type(error).__name__
+        raise InvalidInput("--out", str(out), f"a folder in which one can be made ({why.lower()})") from error
+
+
+def _new_folder(out: Path, command: str) -> Path:
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     out.mkdir(parents=True, exist_ok=True)
     for attempt in range(1000):

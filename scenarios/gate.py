@@ -21,14 +21,17 @@ EVERYWHERE = (
 )
 """Bounds of every scene, whether or not it states them."""
 
-HELD, FAILED, USAGE, INCOMPLETE, NOTHING = 0, 1, 2, 3, 5
+HELD, FAILED, USAGE, INCOMPLETE, NOTHING, STOPPED = 0, 1, 2, 3, 5, 130
 MEANINGS = {
     HELD: "all bounds held",
     FAILED: "a gated bound failed",
     USAGE: "wrong usage",
     INCOMPLETE: "an engine is missing or crashed, or something was not measured",
     NOTHING: "the filter matched no scene",
+    STOPPED: "stopped before the end",
 }
+UNGATED = "nothing was gated"
+"""What code 0 means when no bound was put to the test."""
 """Exit codes. A failed bound wins over an incomplete comparison."""
 
 Ceilings = Mapping[str, Mapping[str, float]]
@@ -118,6 +121,12 @@ def exit_code(rows: Iterable[Row]) -> int:
     if "fail" in statuses:
         return FAILED
     return INCOMPLETE if statuses & {"crashed", "not-measured"} else HELD
+
+
+def meaning(code: int, rows: Iterable[Row], gated: frozenset[tuple[str, str]]) -> str:
+    """`code` in words. Where no bound met a gated engine and preset, none has held either."""
+    tested = any((row.engine, row.preset) in gated and (row.bound is not None or row.status == "refused") for row in rows)
+    return MEANINGS[code] if tested or code != HELD else UNGATED
 
 
 def presets_of(name: str, presets: tuple[str, ...], asked: Iterable[str]) -> list[str]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError
+from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
-from scenarios.engines import BASELINE, opened
+from scenarios.engines import BASELINE, PRESETS, opened
 from scenarios.gate import Ceilings, exit_code, rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
@@ -23,7 +23,7 @@ from scenarios.timing import Clocked, timed_pass
 
 @dataclass(frozen=True)
 class Offer:
-    """What one engine offers: its presets, the default first; or why it cannot be opened."""
+    """What one engine offers: its presets, the default first; or why it cannot be opened, with the presets known all the same."""
 
     presets: tuple[str, ...] = ()
     trouble: str = ""
@@ -34,6 +34,10 @@ def offer(name: str) -> Offer:
     """Open engine `name` only to ask for its presets."""
     try:
         return Offer(tuple(opened(name).presets))
+    except MissingPackage as error:
+        # the only package whose absence can be beyond the user's power: there is not a wheel for every system
+        said = f"{name} is not installed: `make setup` says why" if error.package == "pybullet" == name else str(error)
+        return Offer(PRESETS.get(name, ()), said)
     except AvatarsimError as error:
         return Offer(trouble=str(error))
     except Exception as error:

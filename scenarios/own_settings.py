@@ -1,11 +1,16 @@
 """Settings that a user brings for an engine: each adds a row of its own beside the engine's presets."""
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile, UnknownName
+
+
+NAME = re.compile(r"[A-Za-z0-9_.=-]+")
+"""What a row may be called: its name becomes part of file names, addresses and tables."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +39,8 @@ def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
         if not isinstance(tables, dict) or not all(isinstance(entry, dict) for entry in tables.values()):
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
         for name, entry in tables.items():
-            if "." in name or "/" in name:
-                raise InvalidFile(f"name of a row in {path}", name, "letters, digits, - and _: it becomes part of file names")
+            if not NAME.fullmatch(name):
+                raise InvalidFile(f"name of a row in {path}", name, "letters a to z, digits, - _ . =: it becomes part of file names")
             options = {key: value for key, value in entry.items() if key != "preset"}
             rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))
     return tuple(rows)

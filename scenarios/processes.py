@@ -2,11 +2,13 @@
 
 import multiprocessing
 import os
+import signal
 import sys
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -54,10 +56,26 @@ def one_thread() -> Iterator[None]:
                 os.environ[name] = value
 
 
+@contextmanager
+def deaf() -> Iterator[None]:
+    """No Ctrl-C while children are started, who inherit it: the terminal sends it to all, and only the parent may answer it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # it would lift the block if it were started within
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        # what came meanwhile reaches the parent here
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess, Connection]:
     """Start `target(connection, *arguments)` in a process of its own; returns it and this end of the connection."""
     here, there = multiprocessing.Pipe()
-    with one_thread():
+    with one_thread(), deaf():
         child = context().Process(target=target, args=(there, *arguments), daemon=True)
         child.start()
     there.close()
@@ -65,7 +83,10 @@ def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess,
 
 
 def quiet() -> None:
-    """Drop what this process prints: some engines greet from C on import, and tables belong to the parent. Errors stay."""
+    """Drop what this process prints: some engines greet from C on import, and tables belong to the parent. Errors stay.
+
+    Ctrl-C is left to the parent, which ends its children itself."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
@@ -81,11 +102,20 @@ def ended(child: BaseProcess) -> str:
 
 def _work(connection: Connection, function: Callable[[Task], Answer], task: Task) -> None:
     quiet()
+    said: tuple[str, object]
     try:
-        connection.send(("answer", function(task)))
+        said = "answer", function(task)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
-        connection.send(("raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"))
+        said = "raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"
+    try:
+        connection.send(said)
+    except ConnectionError:
+        # the parent has gone, and nobody is left to tell
+        return
+    except Exception as error:
+        with suppress(ConnectionError):
+            connection.send(("raised", f"{type(error).__name__}: {error} (its answer cannot travel)"))
 
 
 class Pool(Generic[Task, Answer]):

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
+from avatarsim import __version__
 from avatarsim.scene.scene import Scene
 
-PACKAGES = ("avatarsim", "numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
-"""Distributions whose versions can change a figure."""
+PACKAGES = ("numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
+"""Distributions beside our own, which runs uninstalled too, whose versions can change a figure."""
 
 ROOT = Path(__file__).resolve().parent.parent
 CODE = ("avatarsim", "reference", "scenarios")
@@ -33,7 +34,7 @@ def provenance(command: list[str]) -> dict[str, object]:
         "cpu": cpu(),
         "cpus": os.cpu_count() or 1,
         "code": code_hash(),
-        "versions": {name: version(name) for name in PACKAGES},
+        "versions": {"avatarsim": __version__, **{name: version(name) for name in PACKAGES}},
     }
 
 

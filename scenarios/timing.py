@@ -68,10 +68,12 @@ def _serve(connection: Connection, job: Job, frames: int) -> None:
         connection.send(("warm", time.perf_counter() - begun))
         while connection.recv():
             connection.send(("repeat", _repeat(job, frames)))
-    except EOFError:
+    except (EOFError, ConnectionError):
+        # the parent has gone
         return
     except Exception as error:
-        connection.send(("failed", described(error)))
+        with suppress(ConnectionError):
+            connection.send(("failed", described(error)))
 
 
 class _Seat:
@@ -109,6 +111,12 @@ class _Seat:
         self.hear()
         self.spent += time.monotonic() - begun
 
+    def drop(self) -> None:
+        """End the process at once: somebody stopped the run."""
+        self.child.kill()
+        self.child.join()
+        self.end.close()
+
     def leave(self) -> Clocked:
         """End the process and hand over what it gave."""
         with suppress(ConnectionError):
@@ -133,17 +141,21 @@ def timed_pass(jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambd
 
     `done` is called after each job's last turn."""
     frames = MOST_FRAMES if full else SHORT_FRAMES
-    seats = [_Seat(job, frames) for job in jobs]
+    seats: list[_Seat] = []
     try:
+        seats.extend(_Seat(job, frames) for job in jobs)
         for seat in seats:
             seat.hear()
         for _ in range(REPEATS):
             for seat in seats:
                 if not seat.note and (full or seat.spent < ENOUGH):
                     seat.turn()
-    finally:
-        clocked = []
+    except BaseException:
         for seat in seats:
-            clocked.append(seat.leave())
-            done()
+            seat.drop()
+        raise
+    clocked = []
+    for seat in seats:
+        clocked.append(seat.leave())
+        done()
     return clocked

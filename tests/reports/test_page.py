@@ -116,10 +116,18 @@ def test_every_value_nan_or_missing_is_never_held(run_dir: Write, results: Json)
         assert 'class="verdict held"' not in text
 
 
-def test_after_an_error_no_finished_page_is_left(run_dir: Write, results: Json) -> None:
+def test_damaged_results_cost_nothing_that_was_written_before(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     write_report(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "results.json"}
     (folder / "results.json").write_text("{")
     with pytest.raises(InvalidFile):
         write_report(folder)
-    assert [path.name for path in folder.iterdir()] == ["results.json"]
+    assert {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "results.json"} == before and before
+
+
+def test_a_folder_of_somebody_else_keeps_its_page(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("mine")
+    with pytest.raises(InvalidFile):
+        write_report(tmp_path)
+    assert (tmp_path / "index.html").read_text() == "mine"

@@ -91,3 +91,18 @@ def test_where_others_do_better_we_say_so(run_dir: Write, results: Json) -> None
     losses = verdict(load(run_dir(slow))).losses
     assert [(loss.what, loss.kind) for loss in losses] == [("frame_time_p95", "behind")]
     assert losses[0].theirs == "mujoco/default 304 µs" and losses[0].factor == pytest.approx(400.0 / 304.0)
+
+
+def test_another_preset_of_our_own_engine_is_no_rival(run_dir: Write, results: Json) -> None:
+    """Ours is 40 us, our other preset 20 us, another engine 30 us: what we lose is lost to the other engine."""
+    times = {"avatarsim/default": 40.0, "avatarsim/paper": 20.0, "mujoco/default": 30.0}
+    rows = only(results, "arm_wall")["rows"]
+    assert isinstance(rows, list)
+    rows = [r for r in rows if r["metric"] != "frame_time_p50"]
+    for run, value in times.items():
+        engine, preset = run.split("/")
+        rows.append(rows[-1] | {"engine": engine, "preset": preset, "metric": "frame_time_p50", "value": value, "unit": "us",
+                                "status": "info", "bound": None, "ceiling": None})
+    found = verdict(load(run_dir(results | {"rows": rows, "exit_code": 0})))
+    losses = [loss for loss in found.losses if loss.what == "frame_time_p50"]
+    assert [(loss.theirs, loss.factor) for loss in losses] == [("mujoco/default 30.0 \u00b5s", pytest.approx(40.0 / 30.0))]
