@@ -8,7 +8,6 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile, UnknownName
 
-
 NAME = re.compile(r"[A-Za-z0-9_.=-]+")
 """What a row may be called: its name becomes part of file names, addresses and tables."""
 
@@ -40,7 +39,8 @@ def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
         for name, entry in tables.items():
             if not NAME.fullmatch(name):
-                raise InvalidFile(f"name of a row in {path}", name, "letters a to z, digits, - _ . =: it becomes part of file names")
+                valid = "letters a to z, digits, - _ . =: it becomes part of file names"
+                raise InvalidFile(f"name of a row in {path}", name, valid)
             options = {key: value for key, value in entry.items() if key != "preset"}
             rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))
     return tuple(rows)
