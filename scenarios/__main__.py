@@ -9,7 +9,8 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import commands
 from scenarios.files import OUT
-from scenarios.gate import INCOMPLETE, USAGE
+from scenarios.gate import INCOMPLETE, STOPPED, USAGE
+from scenarios.resume import stoppable
 
 
 def parser() -> argparse.ArgumentParser:
@@ -50,12 +51,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     try:
-        return commands.COMMANDS[asked.command](asked, words)
-    except AvatarsimError as error:
-        code = INCOMPLETE if isinstance(error, MissingPackage) else USAGE
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
-        print(commands.last_line(code, None))
+        with stoppable():
+            code = commands.COMMANDS[asked.command](asked, words)
+            # here, where it can still be answered, and not at the interpreter's end
+            sys.stdout.flush()
         return code
+    except AvatarsimError as error:
+        code, said = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
+    except KeyboardInterrupt:
+        code, said = STOPPED, "stopped"
+    except BrokenPipeError:
+        # whoever was reading has read enough; the interpreter would complain of the same pipe again at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return INCOMPLETE
+    except OSError as error:
+        where = f" at {error.filename}" if error.filename else f" below {asked.resume or asked.out}"
+        code, said = INCOMPLETE, f"the system refused a file{where}: {error.strerror or error}"
+    print(said, file=sys.stderr)
+    commands.say_last(asked, code, None)
+    return code
 
 
 if __name__ == "__main__":

@@ -13,13 +13,14 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios import catalog
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
-from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, bounds_of, ceilings
+from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.harness import Run, offers
-from scenarios.job import Job, Outcome
+from scenarios.job import Job, Outcome, State
 from scenarios.metrics import FAMILIES, METRICS
 from scenarios.own_settings import OwnSettings, read
 from scenarios.provenance import provenance
 from scenarios.results import Row, is_time
+from scenarios.resume import earlier_run, how_to_go_on
 from scenarios.scenario import Scenario
 from scenarios.table import table
 
@@ -49,10 +50,13 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     for name in names:
         if name not in known():
             raise UnknownName("engine", name, known())
-    if asked.frames is not None and asked.frames < 1 or asked.jobs < 0:
-        raise InvalidInput("--jobs, --frames", (asked.jobs, asked.frames), "0 and 1 at least")
-    if asked.resume is not None and not asked.resume.is_dir():
-        raise InvalidInput("--resume", str(asked.resume), "the folder of an earlier run")
+    names = list(dict.fromkeys(names))
+    if asked.frames is not None and asked.frames < 1:
+        raise InvalidInput("--frames", asked.frames, "1 at least")
+    if asked.jobs < 0:
+        raise InvalidInput("--jobs", asked.jobs, "0 at least")
+    if asked.resume is not None:
+        earlier_run(asked.resume, asked.command)
     own = read(asked.settings, known()) if asked.settings else ()
     found = scenes(asked)
     offered = offers(names, asked.jobs) if found else {}
@@ -65,21 +69,26 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
         for row in rows:
             if row.name in offer.presets:
                 raise InvalidInput(f"name of a row in {asked.settings}", row.name, f"none of {name}'s own presets")
+            if offer.presets and row.base not in offer.presets:
+                raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.presets)
         presets[name] = [(preset, None) for preset in listed] + [(row.name, row) for row in rows]
     if asked.preset and found and not missing and not any(presets.values()):
         raise UnknownName("preset", ", ".join(asked.preset), {p for offer in offered.values() for p in offer.presets})
     jobs, ready = [], []
     for scene in found:
-        for seed in asked.seed:
+        for seed in dict.fromkeys(asked.seed):
             for name in names:
                 common = {"scenario": scene, "engine": name, "seed": seed, "full": asked.full, "frames": asked.frames}
+                if name in missing:
+                    state: State = "crashed" if offered[name].crashed else "not-measured"
+                    # a row at least, whatever was asked for: nobody knows what it would have had
+                    absent = [Job(**common, preset=preset) for preset, _ in presets[name] or [("default", None)]]
+                    jobs += absent
+                    ready += [Outcome(job, state, offered[name].trouble) for job in absent]
+                    continue
                 for preset, chosen in presets.get(name, []):
                     base, options = ("", {}) if chosen is None else (chosen.base, chosen.options)
                     jobs.append(Job(**common, preset=preset, base=base, options=options))
-                if name in missing:
-                    jobs.append(Job(**common, preset="default"))
-                    state = "crashed" if offered[name].crashed else "not-measured"
-                    ready.append(Outcome(jobs[-1], "crashed" if state == "crashed" else "not-measured", offered[name].trouble))
     firsts = {name: offer.presets[0] if offer.presets else "default" for name, offer in offered.items()}
     return Plan(found, jobs, ready, frozenset(firsts.items()))
 
@@ -104,27 +113,62 @@ def run(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, timed: bool, report: bool) -> int:
-    """Run a plan; results and report are written before anything is returned."""
+    """Run a plan; results and report are written before anything is returned, for what there is when somebody stops the run."""
     if not made.scenarios:
-        print(f"no scene matches {asked.filter!r}; there are: {', '.join(catalog.scenarios())}", file=sys.stderr)
-        print(last_line(NOTHING, None))
-        return NOTHING
-    limits = ceilings()
-    # resolved: `latest` may not come to lead to itself
-    folder = asked.resume.resolve() if asked.resume else run_folder(asked.out, asked.command)
-    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)))
-    ran.measure(made.ready, asked.jobs)
-    if timed:
-        ran.clock(asked.full)
-    code = ran.code()
-    ran.write(code)
-    if report and (trouble := reported(folder)):
-        ran.note, code = trouble, code or INCOMPLETE
-        ran.write(code)
-        print(trouble, file=sys.stderr)
-    point_latest(folder)
+        return nothing(asked)
+    ran = begun(asked, words, made, ceilings())
+    code = passes(asked, made, ran, timed)
+    if report:
+        try:
+            trouble = reported(ran.folder)
+        except KeyboardInterrupt:
+            # whoever asks while the report is being written does not want to wait for it
+            code, trouble = STOPPED, "the report was not written: stopped"
+        if trouble:
+            ran.note, code = trouble, code or INCOMPLETE
+            ran.write(None if code == STOPPED else code)
+            print(trouble, file=sys.stderr)
+    if ran.folder.parent == asked.out.resolve():
+        # the folder of a run that was resumed may lie anywhere, and beside it nothing is ours
+        point_latest(ran.folder)
     show(asked, ran.rows(), made.gated)
-    print(last_line(code, folder))
+    return finished(asked, made, ran, code)
+
+
+def nothing(asked: argparse.Namespace) -> int:
+    """The filter lets no scene through: say which there are."""
+    print(f"no scene matches {asked.filter!r}; there are: {', '.join(catalog.scenarios())}", file=sys.stderr)
+    say_last(asked, NOTHING, None)
+    return NOTHING
+
+
+def begun(asked: argparse.Namespace, words: Sequence[str], made: Plan, limits: Ceilings) -> Run:
+    """The run's folder, with a results.json that says that it has begun: from here on it can be resumed."""
+    folder = earlier_run(asked.resume, asked.command) if asked.resume else run_folder(asked.out, asked.command).resolve()
+    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)))
+    ran.write(None)
+    return ran
+
+
+def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool) -> int:
+    """Measure and time; the exit code so far, or that somebody stopped it, and what is known is written either way."""
+    try:
+        ran.measure(made.ready, asked.jobs)
+        if timed:
+            ran.clock(asked.full)
+        code = ran.code()
+    except KeyboardInterrupt:
+        code = STOPPED
+    # no code in the file: a run that was stopped has not ended
+    ran.write(None if code == STOPPED else code)
+    return code
+
+
+def finished(asked: argparse.Namespace, made: Plan, ran: Run, code: int) -> int:
+    """The last words of a run, and its code."""
+    if code == STOPPED:
+        print(how_to_go_on(ran.folder), file=sys.stderr)
+    say_last(asked, code, ran.folder, meaning(code, ran.rows(), made.gated))
     return code
 
 
@@ -146,23 +190,23 @@ def show(asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[
     print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows, gated))
 
 
-def last_line(code: int, folder: Path | None) -> str:
-    """How every command ends. Make turns each code above 0 into its own 2; here the real one can be read."""
+def say_last(asked: argparse.Namespace, code: int, folder: Path | None, means: str = "") -> None:
+    """How every command ends. Make turns each code above 0 into its own 2; here the real one can be read.
+
+    With `--json` it goes to the error stream: what reads the rows reads nothing else."""
     page = "none" if folder is None else str(folder / "index.html" if (folder / "index.html").exists() else folder)
-    return f"avatarsim: exit code {code} ({MEANINGS[code]}), report: {page}"
+    line = f"avatarsim: exit code {code} ({means or MEANINGS[code]}), report: {page}"
+    print(line, file=sys.stderr if asked.json else sys.stdout)
 
 
 def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """Frame times: both passes (only what ran through is timed), printed as microseconds per rendered frame."""
-    made = plan(asked, asked.engine or list(known()), False)
+    found = plan(asked, asked.engine or list(known()), False)
+    made = Plan(found.scenarios, found.jobs, found.ready, frozenset())
     if not made.scenarios:
-        return carried_out(asked, words, made, timed=True, report=False)
-    folder = run_folder(asked.out, asked.command)
-    ran = Run(folder, made.scenarios, made.jobs, frozenset(), {}, provenance(list(words)))
-    ran.measure(made.ready, asked.jobs)
-    ran.clock(asked.full)
-    code = ran.code()
-    ran.write(code)
+        return nothing(asked)
+    ran = begun(asked, words, made, {})
+    code = passes(asked, made, ran, timed=True)
     rows = [row for row in ran.rows() if is_time(row.metric) or row.status in ("crashed", "not-measured")]
     if asked.json:
         show(asked, rows, frozenset())
@@ -170,16 +214,14 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         for row in rows:
             value = row.note if row.value is None else f"{row.value:12.4g} {row.unit}"
             print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
-    print(last_line(code, folder))
-    return code
+    return finished(asked, made, ran, code)
 
 
 def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """Names, lengths and titles; with `--effects` what each scene calls for, and what its author took away."""
     found = scenes(asked)
     if not found:
-        print(last_line(NOTHING, None))
-        return NOTHING
+        return nothing(asked)
     for name, scenario in found.items():
         length = f"{scenario.frames}" if scenario.short is None else f"{scenario.frames}/{scenario.short}"
         print(f"{name:24} {length:>10} frames  {scenario.title}")
@@ -194,8 +236,8 @@ def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """The definitions."""
-    for name, (unit, meaning) in {**METRICS, **FAMILIES}.items():
-        print(f"{name:26} {f'[{unit}]' if unit else '':9} {meaning}")
+    for name, (unit, says) in {**METRICS, **FAMILIES}.items():
+        print(f"{name:26} {f'[{unit}]' if unit else '':9} {says}")
     return 0
 
 

@@ -6,6 +6,7 @@ They join the harness as a stranger's engine would: through the entry-point grou
 import os
 import signal
 import sys
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -27,6 +28,7 @@ DISTRIBUTION, MODULE = "bad_engines_for_tests", "bad_engines_of_a_stranger"
 NAMES = {
     "frozen": "Frozen", "tunnels": "Tunnels", "two_millimetres": "TwoMillimetres", "not_a_number": "NotANumber",
     "raises": "Raises", "dies": "Dies", "talks": "Talks", "speechless": "Speechless",
+    "dawdles": "Dawdles",
 }
 
 
@@ -189,6 +191,14 @@ class Dies(Tunnels):
         super().move(sample, dt)
         if self.time > 3.5 * dt:
             os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Dawdles(Tunnels):
+    """Takes a second for each frame."""
+
+    def move(self, sample: TrackerSample, dt: float) -> None:
+        super().move(sample, dt)
+        time.sleep(1.0)
 
 
 class Talks(Tunnels):

@@ -37,3 +37,10 @@ def test_the_hash_of_the_code_changes_with_any_file(tmp_path: Path) -> None:
     assert code_hash(tmp_path) == before
     (tmp_path / "avatarsim" / "a.py").write_text("x = 2\n")
     assert code_hash(tmp_path) != before
+
+
+def test_our_own_version_is_known_without_being_installed() -> None:
+    from avatarsim import __version__
+
+    versions = provenance([])["versions"]
+    assert isinstance(versions, dict) and versions["avatarsim"] == __version__
