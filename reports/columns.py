@@ -9,8 +9,9 @@ from reports.load import Row
 
 @dataclass(frozen=True)
 class Column:
-    """One column: smaller is better in all. Values at or below `floor` (in `unit`) count as equal: no instrument here tells
-    them apart, and a ratio to zero says nothing. `stays_inside` columns cannot be won by leaving the room."""
+    """One column: smaller is better in all. Values that differ by `same` (in `unit`) or less count as equal, as on the terminal;
+    `floor` is the least value that a ratio is taken to, because a ratio to zero says
+    nothing. `stays_inside` columns cannot be won by leaving the room."""
 
     key: str
     title: str
@@ -18,6 +19,7 @@ class Column:
     floor: float
     meaning: str
     takes: Callable[[str], bool]
+    same: float
     stays_inside: bool = False
 
 
@@ -33,22 +35,22 @@ def is_truth_error(metric: str) -> bool:
 COLUMNS = (
     Column("overlap", "residual overlap, max", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
            "found from poses by one judge for every engine (the judge resolves 10 nm)",
-           _named("residual_overlap_max"), stays_inside=True),
+           _named("residual_overlap_max"), 1e-6, stays_inside=True),
     Column("overlap_frames", "overlap frames", "%", 0.05, "shown frames with more than 1 µm of penetration",
-           _named("overlap_frames"), stays_inside=True),
+           _named("overlap_frames"), 0.05, stays_inside=True),
     Column("wrong_side", "wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot be: "
-           "an engine that passes through a wall may overlap nothing and is still wrong", _named("wrong_side_frames")),
+           "an engine that passes through a wall may overlap nothing and is still wrong", _named("wrong_side_frames"), 0.5),
     Column("truth", "error to ground truth", "", 1e-4, "distance from the closed form, in the scenes that have one; "
-           "the cell names the metric", is_truth_error),
+           "the cell names the metric", is_truth_error, 1e-4),
     Column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
            "in which that posture is free of overlap: how closely the avatar stays with its user",
-           _named("tracker_offset_rms_free"), stays_inside=True),
+           _named("tracker_offset_rms_free"), 1e-5, stays_inside=True),
     Column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
-           _named("joint_limit_excess_max", "reach_cone_excess_max"), stays_inside=True),
+           _named("joint_limit_excess_max", "reach_cone_excess_max"), 1e-3, stays_inside=True),
     Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
            "each frame's least over the repeats",
-           _named("frame_time_p50")),
-    Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95")),
+           _named("frame_time_p50"), 0.0),
+    Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95"), 0.0),
 )
 
 
@@ -69,9 +71,12 @@ def worst(rows: Sequence[Row]) -> Row | None:
     return max(rows, key=badness, default=None)
 
 
-def ratio_to_best(value: float | None, best: float | None, floor: float) -> float | None:
-    """`value` over `best`, both lifted to `floor`; None where either is missing or not finite."""
+def ratio_to_best(value: float | None, best: float | None, floor: float, same: float = 0.0) -> float | None:
+    """`value` over `best`, both lifted to `floor`, and 1 where they differ by `same` or less; None where either is missing or
+    not finite."""
     if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
         return None
     base = max(best, floor)
-    return max(value, floor) / base if base > 0.0 else None
+    if base <= 0.0:
+        return None
+    return max(value, floor) / base if value - best > same or value < best else 1.0

@@ -5,14 +5,22 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
-from reports.tables import Block
-from reports.wording import count, listed, quantity
+from reports.tables import Block, engine_of
+from reports.wording import count, limit, listed, quantity
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
 OVERLAP_BOUND = 1e-6
 # Time of one frame [us] at 60 Hz and at 30 Hz.
 FRAME_60_HZ, FRAME_30_HZ = 1e6 / 60.0, 1e6 / 30.0
+# Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
+HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+# Stands beside every table that compares engines: without it frame times are read as like for like, which they are not.
+CAVEAT = (
+    "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
+    "dynamics, which MuJoCo and PyBullet compute and pay for in frame time."
+)
 
 
 def peak(overlap: Array) -> float:
@@ -82,10 +90,12 @@ def time_summary(panels: Mapping[str, Mapping[str, tuple[float, float, float]]],
     if not own:
         return f"No frame time of {ours} was measured."
     slowest = max(own, key=lambda scene: own[scene][ours][1])
-    fastest = sum(all(p[1] >= runs[ours][1] for p in runs.values() if math.isfinite(p[1])) for runs in own.values())
-    rivals = sum(len(runs) > 1 for runs in own.values())
+    others = [(runs[ours][1], [p[1] for run, p in runs.items() if engine_of(run) != engine_of(ours) and math.isfinite(p[1])])
+              for runs in own.values()]
+    rivals = sum(bool(theirs) for _, theirs in others)
+    fastest = sum(bool(theirs) and mine <= min(theirs) for mine, theirs in others)
     text = f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
-    return text + (f"; it is the fastest in {fastest} of {count(len(own), 'scene')}." if rivals else ".")
+    return text + (f"; it is the fastest in {fastest} of {count(rivals, 'scene')}." if rivals else ".")
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
@@ -95,7 +105,40 @@ def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
         for cell in line.cells if cell.ratio is not None
     ]
     best = sum(cell.best for cell in ranked)
-    rivals = any(len([line for line in block.lines if not line.tracker]) > 1 for block in shown)
+    rivals = any(not line.tracker and engine_of(line.run) != engine_of(ours) for block in shown for line in block.lines)
     if not ranked or not rivals:
         return f"{ours} has nobody to be compared with in this run."
     return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked."
+
+
+def ratio_sentence() -> str:
+    """What a factor against zero means: which least value stands in for the zero, in each column that has one."""
+    zeros = [column for column in COLUMNS if column.floor > 0.0 and column.unit != "frames"]
+    floors = "; ".join(f"{column.title}: {limit(column.floor, column.unit)}" for column in zeros)
+    return f"A factor against 0 is taken to the least value that can be told apart ({floors}), so ×10⁶ may stand beside a 0."
+
+
+def hover_notes(results: Results) -> tuple[str, ...]:
+    """One sentence per engine and preset whose settings keep bodies apart: overlap of zero is then no matter of accuracy."""
+    found: dict[tuple[str, str], list[float]] = {}
+    for note in results.engines:
+        for name, (value, _) in note.settings.items():
+            kind = next((word for key, word in HOVERS.items() if key in name), "")
+            if kind and (length := _length(value)) > 0.0:
+                found.setdefault((note.run, kind), []).append(length)
+    said = []
+    for (run, kind), lengths in found.items():
+        span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
+        scenes = len({note.scenario for note in results.engines if note.run == run})
+        where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
+        said.append(f"{run} keeps a {kind} of {span}{where}: its bodies hover.")
+    return tuple(said)
+
+
+def _length(text: str) -> float:
+    """A length [m] from a setting's text; 0 where it is no finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        return 0.0
+    return value if math.isfinite(value) else 0.0

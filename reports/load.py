@@ -86,6 +86,8 @@ class Results:
 def load(run_dir: Path) -> Results:
     """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, or of another schema."""
     path = run_dir / "results.json"
+    if run_dir.is_file():
+        raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -109,7 +111,7 @@ def load(run_dir: Path) -> Results:
             notes=tuple(_text(note) for note in data.get("notes") or ()),
             titles={name: _title(raw) for name, raw in (data.get("scenes") or {}).items()},
         )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error
 
 

@@ -9,7 +9,16 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.columns import COLUMNS
-from reports.conclusions import OVERLAP_BOUND, overlap_summary, peak, table_sentence, time_summary
+from reports.conclusions import (
+    CAVEAT,
+    OVERLAP_BOUND,
+    hover_notes,
+    overlap_summary,
+    peak,
+    ratio_sentence,
+    table_sentence,
+    time_summary,
+)
 from reports.load import EngineNote, Results
 from reports.palette import dark_rules, strokes
 from reports.tables import Block, Cell, blocks, more_truths
@@ -68,7 +77,7 @@ def page(results: Results, verdict: Verdict) -> str:
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: _cell_note(cell, verdict.gated),
-        absent=_absent(shown),
+        absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
         spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,

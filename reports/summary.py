@@ -3,6 +3,7 @@
 from html import escape
 
 from reports.columns import COLUMNS
+from reports.conclusions import CAVEAT, hover_notes, ratio_sentence
 from reports.load import Results
 from reports.tables import Block, Line, blocks
 from reports.verdict import Verdict, believed, losing_scenes
@@ -17,7 +18,7 @@ def summary(results: Results, verdict: Verdict) -> str:
     parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(verdict)]
     shown = blocks(results, losing_scenes(verdict))
     if shown:
-        parts += ["### All scenes", _table(shown, verdict.gated)]
+        parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
@@ -49,7 +50,7 @@ def _losses(verdict: Verdict) -> list[str]:
         return ["### What we lose", f"Nothing that this run can show: no gated bound failed, and {rivals}."]
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:
-        factor = f" ({ratio(loss.factor)})" if loss.kind == "behind" else ""
+        factor = f" ({ratio(loss.factor)})" if loss.kind in ("behind", "outside") else ""
         strong = "**" if loss.kind == "failed" else ""
         lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
@@ -76,7 +77,7 @@ def _cells(line: Line, ours: str) -> str:
         word = believed(cell.row, ours) if cell.row else ""
         text = f"**{text} ✕**" if word == "fail" else f"{text} above bound" if word == "ceiling" else text
         if cell.ratio is not None and text != MISSING:
-            text += f" ({'best' if cell.best else ratio(cell.ratio)})"
+            text += " (best)" if cell.best else f" ({ratio(cell.ratio)})" if cell.ratio > 1.0 else ""
         texts.append(text)
     return " | ".join(texts)
 

@@ -77,12 +77,18 @@ def _block(scene: str, rows: list[Row], title: str, ours: str) -> Block:
     for row in rows:
         runs[row.run].append(row)
     found = {run: [_worst_in(own, column, truth) for column in COLUMNS] for run, own in runs.items()}
-    best = [_best(column, found, index) for index, column in enumerate(COLUMNS)]
+    rivals = {run: rows for run, rows in found.items() if run == ours or engine_of(run) not in (RAW_TRACKER, engine_of(ours))}
+    best = [_best(column, rivals, index) for index, column in enumerate(COLUMNS)]
     lines = [
         _line(run, runs[run], found[run], best, ours) for run in sorted(runs, key=lambda run: _order(run, ours))
     ]
     overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
     return Block(scene, title, tuple(lines), truth, max(overlap, default=None))
+
+
+def engine_of(run: str) -> str:
+    """The engine of "engine/preset"."""
+    return run.partition("/")[0]
 
 
 def _order(run: str, ours: str) -> tuple[int, str]:
@@ -101,17 +107,17 @@ def _worst_in(rows: list[Row], column: Column, truth: str | None) -> Row | None:
 
 
 def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> float | None:
-    """The smallest finite value of the column; the raw tracker never counts, nor a run that left the room."""
+    """The smallest finite value of the column among `found`, our gated run and its rivals; no run that left the room counts."""
     candidates = []
-    for run, rows in found.items():
+    for rows in found.values():
         row = rows[index]
-        if run.split("/")[0] == RAW_TRACKER or row is None or row.value is None or not math.isfinite(row.value):
+        if row is None or row.value is None or not math.isfinite(row.value):
             continue
         if column.stays_inside and _left_room(rows):
             continue
         candidates.append(row.value)
     # alone, nobody is best
-    ranked = sum(rows[index] is not None for run, rows in found.items() if run.split("/")[0] != RAW_TRACKER)
+    ranked = sum(rows[index] is not None for rows in found.values())
     return min(candidates, default=None) if ranked > 1 else None
 
 
@@ -121,15 +127,16 @@ def _left_room(rows: list[Row | None]) -> bool:
 
 
 def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float | None], ours: str) -> Line:
-    tracker = run.split("/")[0] == RAW_TRACKER
+    tracker = engine_of(run) == RAW_TRACKER
+    sibling = run != ours and engine_of(run) == engine_of(ours)
     word = next((word for word in RUN_WORDS if any(row.status == word for row in rows)), "")
     cells = []
     for column, row, least in zip(COLUMNS, found, best, strict=True):
         value = row.value if row else None
-        ratio = None if tracker else ratio_to_best(value, least, column.floor)
+        ratio = None if tracker else ratio_to_best(value, least, column.floor, column.same)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
-        escaped = column.stays_inside and _left_room(found)
-        cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not escaped))
+        unranked = sibling or (column.stays_inside and _left_room(found))
+        cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not unranked))
     note = next((row.note for row in rows if row.status == word and row.note), "")
     nothing = f"{word}: {note}".removesuffix(": ") if word and all(cell.value is None for cell in cells) else ""
     return Line(run, tuple(cells), _trouble(rows, word), tracker, run == ours, nothing)

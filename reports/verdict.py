@@ -3,17 +3,14 @@
 import math
 from dataclasses import dataclass
 
-from reports.columns import COLUMNS
+from reports.behind import Behind, behind
 from reports.load import Results, Row
-from reports.tables import RAW_TRACKER, Block, Line, blocks, gated_run
+from reports.tables import RAW_TRACKER, gated_run
 from reports.wording import count, limit, quantity
 
-# Frame times of two runs closer than this are a draw: repeats on a busy host differ by that much.
-TIME_DRAW = 1.10
-# Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better.
-KINDS = ("failed", "above bound", "behind")
-# Other measures closer than this are a draw.
-MEASURE_DRAW = 1.01
+# Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
+# one did that passed through what it should have met, which is no merit.
+KINDS = ("failed", "above bound", "behind", "outside")
 
 
 @dataclass(frozen=True)
@@ -155,36 +152,18 @@ def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...],
              f"a ceiling of {limit(row.limit, row.unit)}", "above bound", excess(row))
         for row in ceiling
     ]
-    for block in blocks(results):
-        line = next((line for line in block.lines if line.run == ours), None)
-        if line is not None:
-            found += _lost_cells(block, line)
+    found += [_compared(lost) for lost in behind(results.rows, ours)]
     return tuple(sorted(found, key=lambda loss: loss.severity, reverse=True))
 
 
-def _lost_cells(block: Block, line: Line) -> list[Loss]:
-    """Every column in which another engine did better than our line, beyond a draw. Neither the raw tracker nor another
-    preset of our own engine is a rival."""
-    lost = []
-    aside = {RAW_TRACKER, engine_of(line.run)}
-    for index, (column, cell) in enumerate(zip(COLUMNS, line.cells, strict=True)):
-        ratios = {o.run: o.cells[index].ratio for o in block.lines if engine_of(o.run) not in aside}
-        ranked = {run: ratio for run, ratio in ratios.items() if ratio is not None}
-        if cell.row is None or cell.ratio is None or not ranked:
-            continue
-        least = min(ranked.values())
-        behind = cell.ratio / least
-        if not behind > (TIME_DRAW if column.unit == "us" else MEASURE_DRAW):
-            continue
-        rivals = [o for o in block.lines if ranked.get(o.run) == least]
-        theirs = ", ".join(f"{o.run} {quantity(o.cells[index].value, cell.row.unit)}" for o in rivals)
-        lost.append(Loss(block.scene, cell.row.metric, quantity(cell.value, cell.row.unit), theirs, "behind", behind))
-    return lost
-
-
-def engine_of(run: str) -> str:
-    """The engine of "engine/preset"."""
-    return run.partition("/")[0]
+def _compared(found: Behind) -> Loss:
+    """One measure in which another engine is ahead; neither the raw tracker nor another preset of our own is a rival."""
+    row = found.row
+    theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
+    return Loss(
+        row.scenario, row.metric, quantity(row.value, row.unit), theirs + ("; it left the allowed side" if found.outside else ""),
+        "outside" if found.outside else "behind", found.factor,
+    )
 
 
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:

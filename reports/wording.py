@@ -65,6 +65,8 @@ def ratio(value: float | None) -> str:
     """How many times the best: "best" for 1, "level" within 0.5 %, "×12" above; a dash where there is nothing to compare."""
     if value is None or math.isnan(value):
         return MISSING
+    if math.isinf(value):
+        return "×∞"
     if value <= 1.0:
         return "best"
     if value < 1.005:

@@ -69,3 +69,16 @@ def test_a_malformed_row_is_refused(run_dir: Write, results: Json, change: Json)
     assert isinstance(rows, list)
     with pytest.raises(InvalidFile, match="schema 1"):
         load(run_dir(results | {"rows": [*rows, rows[0] | change]}))
+
+
+def test_a_number_too_large_for_its_place_is_refused(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    path = folder / "results.json"
+    path.write_text(path.read_text().replace('"seed": 0', '"seed": 1e400', 1))
+    with pytest.raises(InvalidFile, match="schema 1"):
+        load(folder)
+
+
+def test_a_file_in_place_of_a_folder_is_refused_in_one_sentence(run_dir: Write, results: Json) -> None:
+    with pytest.raises(InvalidFile, match="the folder of a run"):
+        load(run_dir(results) / "results.json")

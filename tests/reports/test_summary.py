@@ -39,3 +39,8 @@ def test_every_line_of_a_table_has_as_many_cells(run_dir: Write, results: Json) 
 def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
     text = text_of(run_dir(results | {"rows": [], "provenance": {}}))
     assert text.startswith("## EMPTY: No verdict") and "No row was measured" in text
+
+
+def test_the_caveat_and_what_a_factor_against_zero_means_stand_beside_the_table(run_dir: Write, results: Json) -> None:
+    table = text_of(run_dir(results)).split("### All scenes")[1]
+    assert table.index("avatar is kinematic") < table.index("| scene |") < table.index("A factor against 0")

@@ -51,7 +51,9 @@ def test_the_raw_tracker_wins_nothing(run_dir: Write, results: Json) -> None:
 
 def test_whoever_passes_through_the_wall_wins_no_overlap(run_dir: Write, results: Json) -> None:
     through = {"engine": "mujoco", "preset": "tunnel", "frames": 200}
-    data = with_row(results, **through, value=0.0)
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    data = with_row(results | {"rows": [rows[0] | {"value": 3e-6}, *rows[1:]]}, **through, value=0.0)
     assert not cell(table(run_dir(data))["arm_wall"], "avatarsim/default", "overlap").best
     data = with_row(data, **through, metric="wrong_side_frames", value=39.0, unit="frames")
     block = table(run_dir(data))["arm_wall"]
@@ -79,3 +81,10 @@ def test_alone_nobody_is_best(run_dir: Write, results: Json) -> None:
     alone = results | {"rows": [row for row in rows if row["engine"] in ("avatarsim", "tracker")]}
     found = cell(table(run_dir(alone))["arm_wall"], "avatarsim/default", "overlap")
     assert found.value == 3e-7 and found.ratio is None and not found.best
+
+
+def test_our_other_preset_takes_no_best_from_us(run_dir: Write, results: Json) -> None:
+    data = with_row(results, preset="paper", metric="frame_time_p50", value=3.0, unit="us")
+    block = table(run_dir(data))["arm_wall"]
+    assert cell(block, "avatarsim/default", "p50").best
+    assert not cell(block, "avatarsim/paper", "p50").best
