@@ -1,7 +1,10 @@
 """Floor and endless walls for scenes with one avatar, and the regions that go with them."""
 
 from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
+from scenarios.avatars.humanoid import humanoid
+from scenarios.avatars.standing import standing
 from scenarios.scenario import INFINITE, Region
 
 SPAN = 20.0
@@ -20,6 +23,12 @@ def floor() -> Body:
 def wall_ahead(face: float) -> Body:
     """A wall across the x axis whose near face is at x = `face` [m]."""
     return fixed("wall", (Piece(Box((THICK, SPAN, HIGH))),), "wood", (face + 0.5 * THICK, 0.0, 0.5 * HIGH))
+
+
+def human_before_wall(name: str, face: float) -> Scene:
+    """The humanoid stands on the floor, its root over the origin, and looks at a wall at x = `face` [m]."""
+    human = humanoid()
+    return Scene(name, (floor(), wall_ahead(face)), (human,), start=standing(human))
 
 
 def above_floor(*bodies: str) -> Region:

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.mocap import Clip
+from scenarios.mocap import Clip, retimed
 from scenarios.scenario import RENDERED, Motion
 
 Array = NDArray[np.float64]
@@ -67,6 +68,12 @@ class Track:
             ]),
             np.concatenate([start.angles + eased[:, None] * (self.angles[0] - start.angles), self.angles]),
         )
+
+
+def to_and_fro(clip: Clip, scene: Scene, frames: int) -> Motion:
+    """Half a second from the scene's start into the clip's first posture, then the clip, back and forth: `frames` in all."""
+    track = track_of(retimed(clip), scene.avatars[0])
+    return track.there_and_back(frames - LEAD_IN).led_in(scene.first_sample).motion()
 
 
 def track_of(clip: Clip, avatar: Avatar) -> Track:

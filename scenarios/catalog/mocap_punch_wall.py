@@ -6,13 +6,11 @@ inside the floor in 296 (0.044 m) and inside itself in 8 (0.078 m: right foot in
 """
 
 from avatarsim.scene.scene import Scene
-from scenarios.avatars.humanoid import humanoid
-from scenarios.avatars.standing import standing
-from scenarios.mocap import load_clip, retimed
+from scenarios.mocap import load_clip
 from scenarios.promises import AVATAR
 from scenarios.scenario import Motion, Scenario
-from scenarios.stage import before_wall, floor, wall_ahead
-from scenarios.track import LEAD_IN, track_of
+from scenarios.stage import before_wall, human_before_wall
+from scenarios.track import to_and_fro
 
 FACE = 1.43
 """Where the wall begins along x [m]: the fist reaches 1.73 m, so it is meant to go 0.3 m in, 0.1 m out at the back."""
@@ -21,14 +19,12 @@ FRAMES = 300
 
 def build() -> Scene:
     """The humanoid stands on the floor and looks at the wall, 1.4 m away."""
-    human = humanoid()
-    return Scene("mocap_punch_wall", (floor(), wall_ahead(FACE)), (human,), start=standing(human))
+    return human_before_wall("mocap_punch_wall", FACE)
 
 
 def motion(scene: Scene, seed: int) -> Motion:
     """Half a second into the fighting stance, then the clip, back and forth."""
-    clip = track_of(retimed(load_clip("punch")), scene.avatars[0])
-    return clip.there_and_back(FRAMES - LEAD_IN).led_in(scene.first_sample).motion()
+    return to_and_fro(load_clip("punch"), scene, FRAMES)
 
 
 SCENARIO = Scenario(

@@ -24,7 +24,7 @@ CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
 RAW = {
     # scene: what the raw motion is inside -> in how many frames, and how deep [m]
     "mocap_punch_wall": {"wall": (155, 0.1855), "floor": (296, 0.0441), "self": (8, 0.0775)},
-    "mocap_walk_wall": {"wall": (42, 0.1862), "floor": (54, 0.0104)},
+    "mocap_walk_wall": {"wall": (42, 0.1862), "floor": (54, 0.0104), "self": (148, 0.0511)},
     "mocap_getup_floor": {"floor": (314, 0.0617), "low_table": (111, 0.1264), "self": (22, 0.0191)},
 }
 
