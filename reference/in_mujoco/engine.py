@@ -108,7 +108,7 @@ class MujocoEngine:
         """Cut a frame of `dt` into the whole number of steps nearest to the step that was set."""
         if not (np.isfinite(dt) and dt > 0.0):
             raise InvalidInput("frame time [s]", dt, "finite and above 0")
-        count = max(1, round(dt / float(self._chosen["dt"].value or 0.0)))  # type: ignore[arg-type]
+        count = max(1, round(dt / float(self._chosen["dt"].value or 0.0)))  # type: ignore[arg-type]  # presets.py took numbers only
         self._count = count
         if dt / count != self._step:
             self._step = dt / count

@@ -25,7 +25,7 @@ def check_words(chosen: dict[str, Chosen]) -> None:
         known = [word.removeprefix(prefix) for word in words.__members__ if word.startswith(prefix)]
         if chosen[name].value not in known:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), known)
-    if not float(chosen["dt"].value or 0.0) > 0.0:  # type: ignore[arg-type]
+    if not float(chosen["dt"].value or 0.0) > 0.0:  # type: ignore[arg-type]  # presets.py took numbers only
         raise InvalidInput("option dt of mujoco", chosen["dt"].value, "seconds above 0")
 
 

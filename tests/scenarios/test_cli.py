@@ -4,48 +4,14 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from avatarsim.errors import InvalidFile
-from scenarios import catalog
 from scenarios.__main__ import main
-from scenarios.job import Job, Outcome
-from tests.scenarios.bad_engines import joined
+from tests.scenarios.command_line import called, last, latest
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-@pytest.fixture
-def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    folder = tmp_path / "site"
-    folder.mkdir()
-    monkeypatch.syspath_prepend(joined(folder))
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
-    return folder
-
-
-def called(tmp_path: Path, *words: str, frames: int = 6, jobs: int = 0) -> int:
-    return main([*words, "--out", str(tmp_path / "out"), "--jobs", str(jobs), "--frames", str(frames)])
-
-
-def latest(tmp_path: Path) -> dict:
-    return json.loads((tmp_path / "out" / "latest" / "results.json").read_text())
-
-
-def last(capsys: pytest.CaptureFixture[str]) -> tuple[str, str]:
-    said = capsys.readouterr()
-    return said.out.strip().splitlines()[-1], said.err
-
-
-@pytest.fixture
-def easy(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A catalogue of one scene that asks for no more than every scene does: balls in the air, which nobody can get wrong."""
-    scenario = replace(catalog.get("ball_drop"), name="easy", bounds=(), metrics=(), expects={})
-    monkeypatch.setattr(catalog, "scenarios", lambda: {"easy": scenario})
-    monkeypatch.setattr(catalog, "get", {"easy": scenario}.__getitem__)
 
 
 @pytest.mark.usefixtures("easy")
@@ -194,117 +160,3 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert len(found["series"]["ball_drop"]["talks/default"]["frame_time_us"]) == 12
     assert [row["value"] for row in found["rows"] if row["metric"] == "deterministic"] == [1.0]
     assert [path.name for path in (tmp_path / "out" / "latest" / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]
-
-
-def test_a_truncated_clip_ends_its_own_scene_and_no_other(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def cut() -> object:
-        raise InvalidFile("humanoid3d_walk.txt", "ends within a frame", "whole frames of 44 numbers")
-
-    good = catalog.get("ball_drop")
-    both = {"ball_drop": good, "cut_short": replace(good, name="cut_short", build=cut)}
-    monkeypatch.setattr(catalog, "scenarios", lambda: both)
-    monkeypatch.setattr(catalog, "get", both.__getitem__)
-    assert called(tmp_path, "check", "--engine", "tunnels") == 3
-    notes = {row["scenario"]: row["note"] for row in latest(tmp_path)["rows"] if row["metric"] == "run"}
-    assert list(notes) == ["cut_short"] and "humanoid3d_walk.txt" in notes["cut_short"] and "whole frames" in notes["cut_short"]
-    assert (tmp_path / "out" / "latest" / "recordings" / "ball_drop.tunnels.default.0.npz").exists()
-
-
-def test_a_run_goes_on_where_an_earlier_one_ended(site: Path, tmp_path: Path) -> None:
-    called(tmp_path, "check", "--engine", "frozen", "--filter", "ball_drop", frames=40)
-    folder = (tmp_path / "out" / "latest").resolve()
-    kept = folder / "recordings" / "ball_drop.frozen.default.0.npz"
-    before = kept.stat().st_mtime_ns
-    words = ["check", "--engine", "frozen", "tunnels", "--filter", "ball_drop", "--resume", str(folder)]
-    assert called(tmp_path, *words, frames=40) == 1
-    assert kept.stat().st_mtime_ns == before and len(list(kept.parent.iterdir())) == 2
-    assert {row["engine"] for row in latest(tmp_path)["rows"]} == {"frozen", "tunnels"}
-    assert called(tmp_path, *words[:-1], str(tmp_path / "nowhere")) == 2
-
-
-def test_a_run_that_is_stopped_keeps_what_was_finished(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-) -> None:
-    from scenarios import harness
-
-    real = harness.accuracy
-
-    def stopped(job: Job, folder: Path) -> Outcome:
-        if job.engine == "tunnels":
-            raise KeyboardInterrupt
-        return real(job, folder)
-
-    monkeypatch.setattr(harness, "accuracy", stopped)
-    assert called(tmp_path, "check", "--engine", "frozen", "tunnels", "--filter", "ball_drop", frames=40) == 130
-    line, err = last(capsys)
-    folder = (tmp_path / "out" / "latest").resolve()
-    assert line.startswith("avatarsim: exit code 130 (stopped before the end)") and f"--resume {folder}" in err
-    found = json.loads((folder / "results.json").read_text())
-    assert found["exit_code"] is None and {row["engine"] for row in found["rows"]} == {"frozen"}
-    assert [path.name for path in (folder / "recordings").iterdir()] == ["ball_drop.frozen.default.0.npz"]
-
-
-@pytest.mark.parametrize("out", ["/proc/foo", "/dev/null/x", "a_file"])
-def test_a_folder_that_cannot_be_made_is_wrong_usage(
-    site: Path, tmp_path: Path, out: str, capsys: pytest.CaptureFixture[str],
-) -> None:
-    (tmp_path / "a_file").write_text("mine")
-    words = ["check", "--engine", "tunnels", "--filter", "ball_drop", "--frames", "3", "--jobs", "0", "--out"]
-    assert main([*words, str(tmp_path / out)]) == 2
-    line, err = last(capsys)
-    assert err.strip().startswith("InvalidInput: --out is ") and "\n" not in err.strip() and "exit code 2" in line
-
-
-def test_a_full_disk_is_one_sentence_and_3(
-    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-) -> None:
-    def full(known: object, folder: Path) -> None:
-        raise OSError(28, "No space left on device", str(folder / "results.json"))
-
-    monkeypatch.setattr("scenarios.results.write", full)
-    assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop") == 3
-    line, err = last(capsys)
-    assert "results.json: No space left on device" in err and "\n" not in err.strip() and "exit code 3" in line
-
-
-def test_where_nothing_was_gated_nothing_has_held(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert called(tmp_path, "compare", "--engine", "tunnels", "--preset", "other", "--filter", "ball_drop", jobs=1) == 0
-    line, _ = last(capsys)
-    assert line.startswith("avatarsim: exit code 0 (nothing was gated), report: ")
-
-
-def test_the_same_seed_or_engine_twice_is_one_run(site: Path, tmp_path: Path) -> None:
-    called(tmp_path, "check", "--engine", "frozen", "frozen", "--filter", "ball_drop", "--seed", "0", "0")
-    assert len(latest(tmp_path)["engines"]) == 1
-
-
-def test_an_error_names_the_wrong_option_only(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert called(tmp_path, "check", frames=0) == 2
-    assert "--jobs" not in (err := capsys.readouterr().err) and "--frames is 0" in err
-
-
-def test_list_names_the_scenes_there_are(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["list", "--filter", "zzz"]) == 5
-    assert "ball_drop" in capsys.readouterr().err
-
-
-def test_settings_on_a_preset_that_the_engine_has_not_got(site: Path, tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    for text in ('[tunnels.mine]\npreset = "nowhere"\n', '[tunnels."a b"]\n', '[tunnels."\u00e9"]\n', '[tunnels.""]\n'):
-        path.write_text(text, encoding="utf-8")
-        assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)) == 2
-    path.write_text('[tunnels."gain=2.5"]\n')
-    assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)) == 3
-    assert [entry["preset"] for entry in latest(tmp_path)["engines"]] == ["default", "gain=2.5"]
-
-
-def test_a_missing_engine_names_every_row_that_is_missing(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # what python does for a package that is not there
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    for name in [name for name in sys.modules if name.startswith("reference.in_pybullet")]:
-        monkeypatch.delitem(sys.modules, name)
-    assert called(tmp_path, "compare", "--engine", "pybullet", "--filter", "ball_drop") == 3
-    rows = latest(tmp_path)["rows"]
-    said = "pybullet is not installed: `make setup` says why"
-    found = [(row["preset"], row["status"], row["note"]) for row in rows]
-    assert found == [(preset, "not-measured", said) for preset in ("default", "tuned")]

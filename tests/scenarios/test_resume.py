@@ -67,6 +67,8 @@ def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals)
     running = subprocess.Popen(
         [*command, "--out", str(out)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(joined(site))}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     try:
         deadline = time.monotonic() + 60.0

@@ -1,0 +1,21 @@
+"""The command line called as a user calls it, and what it left behind."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from scenarios.__main__ import main
+
+
+def called(tmp_path: Path, *words: str, frames: int = 6, jobs: int = 0) -> int:
+    return main([*words, "--out", str(tmp_path / "out"), "--jobs", str(jobs), "--frames", str(frames)])
+
+
+def latest(tmp_path: Path) -> dict:
+    return json.loads((tmp_path / "out" / "latest" / "results.json").read_text())
+
+
+def last(capsys: pytest.CaptureFixture[str]) -> tuple[str, str]:
+    said = capsys.readouterr()
+    return said.out.strip().splitlines()[-1], said.err
