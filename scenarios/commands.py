@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from fnmatch import fnmatchcase
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios import catalog
@@ -222,21 +223,39 @@ def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
     found = scenes(asked)
     if not found:
         return nothing(asked)
-    for name, scenario in found.items():
-        length = f"{scenario.frames}" if scenario.short is None else f"{scenario.frames}/{scenario.short}"
-        print(f"{name:24} {length:>10} frames  {scenario.title}")
+    entries = [entry_of(scenario, asked.effects) for scenario in found.values()]
+    if asked.json:
+        print(json.dumps(entries, indent=1))
+        return 0
+    for entry in entries:
+        length = f"{entry['frames']}" if entry["short"] is None else f"{entry['frames']}/{entry['short']}"
+        print(f"{entry['name']:24} {length:>10} frames  {entry['title']}")
         if asked.effects:
-            scene = scenario.build()
-            derived, kept = scene.derived_effects, scene.effects
-            print(f"{'':24} calls for: {', '.join(f.name for f in fields(kept) if getattr(kept, f.name)) or 'nothing'}")
-            if taken := kept.missing_from(derived):
-                print(f"{'':24} switched off by its author: {', '.join(taken)}")
+            print(f"{'':24} calls for: {', '.join(entry['effects']) or 'nothing'}")
+            if entry["switched_off"]:
+                print(f"{'':24} switched off by its author: {', '.join(entry['switched_off'])}")
     return 0
+
+
+def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
+    """What `list` says of one scene."""
+    entry: dict[str, Any] = {key: getattr(scenario, key) for key in ("name", "frames", "short", "dt", "title", "judged")}
+    if effects:
+        scene = scenario.build()
+        kept = scene.effects
+        entry["effects"] = [effect.name for effect in fields(kept) if getattr(kept, effect.name)]
+        entry["switched_off"] = list(kept.missing_from(scene.derived_effects))
+    return entry
 
 
 def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """The definitions."""
-    for name, (unit, says) in {**METRICS, **FAMILIES}.items():
+    known_metrics = {**METRICS, **FAMILIES}
+    if asked.json:
+        rows = [{"metric": name, "unit": unit, "meaning": says} for name, (unit, says) in known_metrics.items()]
+        print(json.dumps(rows, indent=1))
+        return 0
+    for name, (unit, says) in known_metrics.items():
         print(f"{name:26} {f'[{unit}]' if unit else '':9} {says}")
     return 0
 

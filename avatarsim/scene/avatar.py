@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Quaternion, Vector, distinct, positive, unit_quaternion, vector, within
+from avatarsim.scene.checks import Quaternion, Vector, distinct, named, positive, unit_quaternion, vector, within
 from avatarsim.scene.joint import Free, Hinges, Joint
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece, reach
@@ -30,6 +30,7 @@ class Link:
     orientation: Quaternion = rotation.IDENTITY
 
     def __post_init__(self) -> None:
+        named("a link", self.name)
         object.__setattr__(self, "anchor", vector(f"anchor of link {self.name}", self.anchor))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
 
@@ -57,6 +58,7 @@ class Avatar:
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
 
     def __post_init__(self) -> None:
+        named("an avatar", self.name)
         if not self.links:
             raise InvalidScene(f"number of links of avatar {self.name}", 0, "at least 1")
         distinct(f"link of avatar {self.name}", (link.name for link in self.links))

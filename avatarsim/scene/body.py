@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Quaternion, Vector, unit_quaternion, vector
+from avatarsim.scene.checks import Quaternion, Vector, named, unit_quaternion, vector
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece
 from avatarsim.spatial import rotation
@@ -37,6 +37,7 @@ class Body:
     angular_velocity: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        named("a body", self.name)
         if not self.pieces:
             raise InvalidScene(f"number of pieces of body {self.name}", 0, "at least 1")
         if self.role is Role.DRIVEN:

@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
+SHORTEST, LONGEST = 1e-6, 1e7
+"""Lengths [m] that a shape may have: from a tenth of a grain of dust's to past the Earth's radius. Outside, volumes and
+inertias, which grow with the third and fifth power, leave the range in which sums of them mean anything."""
+
 
 def as_number(value: object) -> float:
     """`value` as a float; nan, which no range holds, if it is no number."""
@@ -38,6 +42,17 @@ def within(thing: str, value: object, low: float, high: float, error: type[Inval
     if not low <= number <= high:
         raise error(thing, value, f"a finite number from {low:g} to {high:g}")
     return number
+
+
+def length(thing: str, value: object, error: type[InvalidInput] = InvalidScene) -> float:
+    """`value` [m] as a float, or an error that states the lengths that a shape may have."""
+    return within(f"{thing} [m]", value, SHORTEST, LONGEST, error)
+
+
+def named(thing: str, name: object) -> None:
+    """Raise InvalidScene unless `name` is a text that can be read and told apart from nothing."""
+    if not isinstance(name, str) or not name.strip():
+        raise InvalidScene(f"name of {thing}", name, "a text that is not empty")
 
 
 def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: type[InvalidInput] = InvalidScene) -> Array:

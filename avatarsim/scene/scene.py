@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Role
-from avatarsim.scene.checks import Vector, distinct, vector
+from avatarsim.scene.checks import Vector, distinct, named, vector
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.material import TABLE_1, PairTable
@@ -38,6 +38,7 @@ class Scene:
     narrow: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        named("a scene", self.name)
         object.__setattr__(self, "gravity", vector("gravity", self.gravity))
         if not self.bodies and not self.avatars:
             raise InvalidScene(f"number of bodies of scene {self.name}", 0, "at least 1 body or avatar")

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidShape
-from avatarsim.scene.checks import Quaternion, Vector, finite_array, positive, unit_quaternion, vector
+from avatarsim.scene.checks import Quaternion, Vector, finite_array, length, unit_quaternion, vector
 from avatarsim.spatial import rotation
 
 FLATTEST_HULL = 1e-9
@@ -21,7 +21,7 @@ class Sphere:
     radius: float
 
     def __post_init__(self) -> None:
-        positive("sphere radius", self.radius, InvalidShape)
+        length("sphere radius", self.radius, InvalidShape)
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Capsule:
     length: float
 
     def __post_init__(self) -> None:
-        positive("capsule radius", self.radius, InvalidShape)
-        positive("capsule length", self.length, InvalidShape)
+        length("capsule radius", self.radius, InvalidShape)
+        length("capsule length", self.length, InvalidShape)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Box:
 
     def __post_init__(self) -> None:
         for axis, edge in zip("xyz", vector("box size", self.size, InvalidShape), strict=True):
-            positive(f"box size along {axis}", edge, InvalidShape)
+            length(f"box size along {axis}", edge, InvalidShape)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Ellipsoid:
 
     def __post_init__(self) -> None:
         for axis, radius in zip("xyz", vector("ellipsoid radii", self.radii, InvalidShape), strict=True):
-            positive(f"ellipsoid radius along {axis}", radius, InvalidShape)
+            length(f"ellipsoid radius along {axis}", radius, InvalidShape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +75,7 @@ class ConvexHull:
                 "thickness of the hull relative to its extent", float(spread[2] / max(spread[0], 1e-300)),
                 f"above {FLATTEST_HULL:g}: a flat hull has no volume",
             )
+        length("extent of the hull", float(np.ptp(points, axis=0).max()), InvalidShape)
         points.flags.writeable = False
         object.__setattr__(self, "vertices", points)
 

@@ -131,6 +131,16 @@ def test_list_and_metrics(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "--filter", "nothing"]) == 5
 
 
+def test_list_and_metrics_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "--json", "--effects", "--filter", "ball_drop"]) == 0
+    (entry,) = json.loads(capsys.readouterr().out)
+    assert entry["name"] == "ball_drop" and "restitution" in entry["effects"] and entry["switched_off"] == []
+    assert main(["metrics", "--json"]) == 0
+    assert {"residual_overlap_max": "m"}.items() <= {
+        row["metric"]: row["unit"] for row in json.loads(capsys.readouterr().out)
+    }.items()
+
+
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
     words = ["check", "--engine", "tunnels", "--filter", "ball_drop", "--preset", "default", "other", "--seed", "1", "2"]
     called(tmp_path, *words)

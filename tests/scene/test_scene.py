@@ -110,3 +110,12 @@ def test_the_default_start_is_rest() -> None:
     assert (scene.first_sample.positions == 0.0).all()
     assert isinstance(scene.effects, Effects) and isinstance(scene.avatars[0], Avatar)
     assert np.array(scene.gravity)[2] == -9.81
+
+
+@pytest.mark.parametrize("name", ["", "  ", None, 3])
+def test_a_name_that_nobody_can_read_is_refused(name: object) -> None:
+    ball = fixed("ball", (Piece(Sphere(0.1)),), "wood")
+    with pytest.raises(InvalidScene, match="name of a scene"):
+        Scene(name, (ball,))
+    with pytest.raises(InvalidScene, match="name of a body"):
+        fixed(name, (Piece(Sphere(0.1)),), "wood")

@@ -10,7 +10,7 @@ from avatarsim.errors import InvalidShape
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
-BAD = [0.0, -0.1, math.nan, math.inf]
+BAD = [0.0, -0.1, math.nan, math.inf, 1e-200, 1e9]
 
 
 @pytest.mark.parametrize("value", BAD)
@@ -28,6 +28,12 @@ def test_sizes_must_be_finite_and_positive(make: object, thing: str, value: floa
     with pytest.raises(InvalidShape) as error:
         make(value)
     assert thing in str(error.value) and str(value) in str(error.value) and "finite number" in str(error.value)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-7, 1e8, 1e200])
+def test_a_hull_too_small_or_too_large_to_have_a_volume_is_refused(scale: float) -> None:
+    with pytest.raises(InvalidShape, match="extent of the hull.*1e-06 to 1e[+]07"):
+        ConvexHull(CUBE * scale)
 
 
 def test_a_box_names_the_axis_at_fault() -> None:
