@@ -14,14 +14,14 @@ REFUSED = 1
 STOPPED = 130
 """Exit code of a program that the user stopped."""
 
-HEAD = f"{'mesh':24} {'source':13} {'pieces':>6} {'vertices':>8} {'most':>4} {'Hausdorff':>10} {'of size':>7} {'seconds':>7} cache"
+HEAD = f"{'mesh':24} {'source':13} pieces vertices most  Hausdorff of size seconds cache"
 
 
 def parser() -> argparse.ArgumentParser:
     """The options; each is one argument of `pieces_of_mesh`."""
     options = argparse.ArgumentParser(
         prog="python -m avatarsim.pieces",
-        description="Convex pieces of mesh files, with a bound of their Hausdorff distance from the mesh; kept in the cache folder.",
+        description="Convex pieces of mesh files, with a bound of their Hausdorff distance; kept in the cache folder.",
     )
     options.add_argument("meshes", nargs="+", metavar="MESH", help=".obj .stl .ply .off .glb .gltf")
     options.add_argument("--scale", type=float, default=1.0, help="metres per unit of the file (default 1)")
@@ -31,7 +31,7 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--most-vertices", type=int, default=64, help="vertices of a piece at most (default 64)")
     options.add_argument("--most-pieces", type=int, help="pieces at most, if possible (default: no limit)")
     options.add_argument("--hull", action="store_true", help="one piece, the convex hull, even of an open mesh")
-    options.add_argument("--repair", choices=REPAIRS, default="auto", help="for surfaces open or crossing themselves (default auto)")
+    options.add_argument("--repair", choices=REPAIRS, default="auto", help="of open or crossing surfaces (default auto)")
     options.add_argument("--no-cache", action="store_true", help="neither read nor write the cache folder")
     options.add_argument("--quiet", action="store_true", help="no progress on the error stream")
     options.add_argument("--json", action="store_true", help="one JSON object per mesh and line instead of the table")

@@ -9,8 +9,11 @@ from avatarsim.pieces.hulls import Hull
 from avatarsim.pieces.mesh import Array, Indices
 from avatarsim.pieces.nearest import Surface, finer
 
-MOST = 150_000
+MOST = 60_000
 """Boxes at once beyond which refinement stops; the bound then is looser, never wrong. More: seconds."""
+
+SHARP = 0.05
+"""Share of the farthest distance by which the bound may exceed it. Smaller: hulls that stick out far take seconds longer."""
 
 SEED_SPACING = 2.0
 """Spacing of the first points tried, in radii of the surface's triangles. Wider: a worse start, more boxes."""
@@ -21,18 +24,20 @@ Inside = Callable[[Array], NDArray[np.bool_]]
 def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float) -> tuple[float, float]:
     """(above, below): no point of the hulls is farther than `above` from the mesh, and one is at least `below` away.
 
-    Each hull is cut into boxes. From a box with its middle at distance d and its corners r away, nothing is farther
-    than d + r; a box is settled when that is within `tolerance` of the farthest point found, or when it lies outside
-    the hull, or inside the mesh, which distance decides: with d > r the surface does not cross it.
+    Each hull is cut into boxes. With the middle of a box at distance d from the surface and its corners r away, nothing in
+    it is farther than d + r from the mesh, and than r - d if the middle lies inside: that much of the way is left when it
+    comes out. A box is settled when it lies outside the hull, or when nothing in it can be farther than the farthest
+    point found, but for `tolerance` or a share SHARP of it.
     """
     boxes = _Boxes(hulls)
     best = _on_hulls(hulls, surface, inside)
     above, found = 0.0, 0.0 if best is None else surface.exact(best)
     while len(boxes.owner):
         boxes.keep(boxes.touch_hull())
+        enough = found + max(tolerance, SHARP * found)
         reach = np.linalg.norm(boxes.half, axis=1)
         far, near = surface.distances(boxes.middle, np.maximum(reach, found))
-        asked = ~boxes.free & ((near > reach) | (far > found)) & (far + reach > found + tolerance)
+        asked = ~boxes.free & (far + reach > enough)
         within = np.zeros(len(far), dtype=bool)
         within[asked] = inside(boxes.middle[asked])
         boxes.free |= asked & ~within & (near > reach)
@@ -40,11 +45,11 @@ def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float)
         if out.max(initial=0.0) > found:
             best = boxes.middle[int(out.argmax())]
             found = float(out.max())
-        swallowed = within & (near > reach)
-        settled = swallowed | (far + reach <= found + tolerance)
+        bound = np.where(within, np.maximum(reach - near, 0.0), far + reach)
+        settled = bound <= enough
         if len(far) - int(settled.sum()) > MOST:
             settled[:] = True
-        above = max(above, float((far + reach)[settled & ~swallowed].max(initial=0.0)))
+        above = max(above, float(bound[settled].max(initial=0.0)))
         boxes.keep(~settled)
         boxes.halve()
     below = 0.0 if best is None else surface.exact(best)

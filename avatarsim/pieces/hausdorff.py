@@ -12,9 +12,9 @@ from avatarsim.pieces.mesh import Array, areas
 from avatarsim.pieces.nearest import Surface
 from avatarsim.pieces.uncovered import uncovered
 
-RESOLUTION = 2e-3
-"""Share of the mesh's size by which the bound may exceed the distance that is surely reached. A tenth of it costs a
-hundred times the boxes."""
+RESOLUTION = 4e-3
+"""Share of the mesh's size by which the bound may always exceed the distance that is reached. A tenth of it costs a hundred
+times the boxes."""
 
 
 @dataclass(frozen=True)

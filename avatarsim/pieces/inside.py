@@ -4,11 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.pieces.mesh import Array, Indices
+from avatarsim.spatial import rotation
 
-SKEW = np.array([[0.36, 0.48, -0.80], [-0.80, 0.60, 0.0], [0.48, 0.64, 0.60]]) @ np.array(
-    [[0.8, 0.0, 0.6], [0.0, 1.0, 0.0], [-0.6, 0.0, 0.8]]
-)
-"""A turn after which no wall of an authored object is parallel to the rays: along a wall, a crossing is up to rounding."""
+SKEW = rotation.to_matrix(rotation.normalised(np.array([1.0, 2.0**0.5, 3.0**0.5, 5.0**0.5])))
+"""A turn after which the rays run along (2 (10^0.5 - 3^0.5), 2 (15^0.5 + 2^0.5), 1): no fractions relate these numbers,
+so a ray from a point of a grid never meets an edge between points of a grid, where a crossing would be up to rounding."""
 
 BUCKETS = 128
 """Most squares along each side of the grid that finds the triangles above a point. Fewer: more triangles per point."""

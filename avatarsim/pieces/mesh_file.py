@@ -35,8 +35,8 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
         raise MissingPackage("trimesh", "assets", f"reading {ending} meshes") from error
     valid = f"a whole {ending} file with at least one triangle"
     try:
-        with path.open("rb") as stream:
-            loaded = trimesh.load_mesh(stream, file_type=ending[1:], process=False)
+        # by its path, since a .gltf names further files beside it
+        loaded = trimesh.load_mesh(str(path), file_type=ending[1:], process=False)
         vertices = np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:  # what a reader of foreign files raises on a broken one is not listed anywhere

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from avatarsim.pieces.added import SHARP
 from avatarsim.pieces.hulls import Hull
 from avatarsim.pieces.mesh import Array
 from avatarsim.pieces.nearest import halves
@@ -14,13 +15,15 @@ def uncovered(hulls: list[Hull], corners: Array, tolerance: float) -> tuple[floa
     """(above, below): no point of the surface (t, 3, 3) is farther than `above` from every hull, and one is `below` away.
 
     The distance from one convex hull, over a triangle, is largest at a corner. So a triangle is settled by the hull
-    whose worst corner is nearest; what is not settled within `tolerance` of the farthest corner found is halved.
+    whose worst corner is nearest. What exceeds the farthest corner found by more than `tolerance`, or a share SHARP of
+    it, is halved.
     """
     above = below = 0.0
     while len(corners):
-        worst, attained = _by_corners(hulls, corners, below, tolerance)
+        enough = below + max(tolerance, SHARP * below)
+        worst, attained = _by_corners(hulls, corners, enough)
         below = max(below, attained)
-        settled = worst <= below + tolerance
+        settled = worst <= enough
         if len(corners) > MOST:
             settled[:] = True
         above = max(above, float(worst[settled].max(initial=0.0)))
@@ -28,26 +31,25 @@ def uncovered(hulls: list[Hull], corners: Array, tolerance: float) -> tuple[floa
     return max(above, below), below
 
 
-def _by_corners(hulls: list[Hull], corners: Array, below: float, tolerance: float) -> tuple[Array, float]:
+def _by_corners(hulls: list[Hull], corners: Array, enough: float) -> tuple[Array, float]:
     """Bound (t,) of each triangle's distance from the hulls, and the distance of some corner that lies outside all."""
     points = corners.reshape(-1, 3)
     heights = np.stack([hull.heights(points) for hull in hulls])
     nearest = _corner_distances(hulls, points, heights)
-    below = max(below, float(nearest.max()))
     worst = np.full(len(corners), np.inf)
     for hull, height in zip(hulls, heights, strict=True):
         by_corner = height.reshape(-1, 3)
         # a height never exceeds the distance: a triangle with a higher corner cannot be settled by this hull
-        hopeful = (by_corner <= below + tolerance).all(axis=1)
+        hopeful = (by_corner <= enough).all(axis=1)
         inside = hopeful & (by_corner <= 0.0).all(axis=1)
         worst[inside] = 0.0
-        rest = np.flatnonzero(hopeful & ~inside & (worst > below + tolerance))
+        rest = np.flatnonzero(hopeful & ~inside & (worst > enough))
         if len(rest):
             far = hull.distances(corners[rest].reshape(-1, 3)).reshape(-1, 3).max(axis=1)
             worst[rest] = np.minimum(worst[rest], far)
     # for the few that refinement leaves over: no point is farther from a corner than the longest edge
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    return np.minimum(worst, nearest.reshape(-1, 3).min(axis=1) + edge), below
+    return np.minimum(worst, nearest.reshape(-1, 3).min(axis=1) + edge), float(nearest.max())
 
 
 def _corner_distances(hulls: list[Hull], points: Array, heights: Array) -> Array:

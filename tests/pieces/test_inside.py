@@ -29,6 +29,12 @@ def test_points_over_corners_and_edges_of_a_cube() -> None:
     np.testing.assert_array_equal(inside_closed(grid, corners)[~on], expected[~on])
 
 
+def test_a_grid_in_the_ell_whose_points_see_many_edges() -> None:
+    corners = ell()[0][ell()[1]]
+    grid = np.stack(np.meshgrid(*[np.arange(-1, 26) / 8.0 + 1.0 / 16.0] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    np.testing.assert_array_equal(inside_closed(grid, corners), in_ell(grid))
+
+
 def test_the_hole_of_a_torus_is_outside() -> None:
     corners = torus()[0][torus()[1]]
     assert inside_closed(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.1]]), corners).tolist() == [False, True, True]

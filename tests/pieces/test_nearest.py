@@ -33,7 +33,7 @@ def test_distance_from_a_triangle_against_a_grid_of_its_points(values: list[floa
         ([(1, 1, 1), (1, 1, 1), (1, 1, 1)], (1.0, 1.0, 3.0), 2.0),
     ],
 )
-def test_faces_edges_and_triangles_without_area(corners: list[tuple[float, ...]], point: tuple[float, ...], distance: float) -> None:
+def test_faces_edges_and_flat_triangles(corners: list[tuple[float, ...]], point: tuple[float, ...], distance: float) -> None:
     assert point_triangle(np.array([point]), np.array([corners], dtype=float))[0] == pytest.approx(distance)
 
 
