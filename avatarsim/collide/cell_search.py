@@ -3,7 +3,7 @@
 import numpy as np
 
 from avatarsim.collide.cells import AXIS_MASK, Boxes, half_cell, key_of, place_of
-from avatarsim.collide.sweep_memory import BEHIND, BEYOND, KEY, LEFT, LEVELS, LOOKED, ON_LEVEL, STATE, SweepMemory
+from avatarsim.collide.sweep_memory import BEHIND, BEYOND, KEY, LEVELS, LOOKED, ON_LEVEL, SweepMemory
 from avatarsim.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
@@ -32,7 +32,7 @@ def consider(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, k: i
 
     A pair of two bodies that both left is found twice, and taken once.
     """
-    if boxes_meet(boxes, b, k) and k != b and (k > b or memory.body[k, STATE] != LEFT) and may_meet(wanted, b, k):
+    if boxes_meet(boxes, b, k) and k != b and (k > b or memory.known[k]) and may_meet(wanted, b, k):
         if found < memory.fresh.shape[0]:
             memory.fresh[found] = min(b, k) << 32 | max(b, k)
         return found + 1

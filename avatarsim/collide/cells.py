@@ -1,6 +1,6 @@
 """Cells that boxes are kept in, so that a box finds its neighbours without looking at all others.
 
-A hierarchical grid: a box lies in one cell, the one of its low corner, on the level whose cells are 2 to 4 times as long as the
+A hierarchical grid: a box lies in one cell, the one of its low corner, on the level whose cells are 2 to 8 times as long as the
 box. The cells of all levels share one hash table of chains.
 """
 
@@ -19,7 +19,7 @@ FARTHEST = 2.0**40
 """Boxes that reach beyond this [m] are in no cell but in one chain that everybody looks through. Larger: cell numbers of small
 boxes no longer fit 64 bits."""
 
-PER_METRE = 2.0 ** -(LOWEST + np.arange(LEVELS + 1.0))
+PER_METRE = 2.0 ** -(LOWEST + 2.0 * np.arange(LEVELS + 1.0))
 """Half cells per metre on each level."""
 
 AXIS_BITS = 19
@@ -34,7 +34,7 @@ POSITIVE = 2**62 - 1
 
 @kernel
 def level_of(fat: Boxes, b: int) -> int:
-    """The level of box b: lengths up to 2^(LOWEST + level); BEYOND if it is too far away."""
+    """The level of box b: lengths up to 2^(LOWEST + 2 level); BEYOND if it is too far away."""
     length, far = 0.0, 0.0
     for k in range(3):
         length = max(length, fat[b, k + 3] - fat[b, k])
@@ -43,7 +43,7 @@ def level_of(fat: Boxes, b: int) -> int:
         return BEYOND
     # a hair more than its length, so that rounding never lets a box reach over half a cell
     power: int = frexp(length * (1.0 + 1e-9))[1]
-    return max(int(power) - LOWEST, 0) if length > 0.0 else 0
+    return max((power - LOWEST + 1) // 2, 0) if length > 0.0 else 0
 
 
 @kernel

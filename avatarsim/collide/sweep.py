@@ -10,18 +10,22 @@ from avatarsim.collide.cell_search import FEW, boxes_meet, partners
 from avatarsim.collide.cells import FARTHEST, Boxes, link
 from avatarsim.collide.present import forget
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.collide.sweep_memory import ABSENT, BORN, CANDIDATES, KNOWN, LEFT, LISTED, STALE, STATE, SWEEP, SweepMemory
+from avatarsim.collide.sweep_memory import BORN, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
 from avatarsim.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 __all__ = ["all_pairs", "boxes_meet", "forget", "sweep_and_prune"]
 
-STAY = 64.0
+STAY = 128.0
 """Fat boxes have room for so many sweeps of a body's own pace, and up to twice that, by its number: else a crowd that sets out
 together would leave its boxes together. Larger: fewer searches, but more candidates for bodies that move."""
 
-ROOMY = 0.5
-"""The room to move on one side is at most this part of the box's length. Larger: more candidates in a heap that moves."""
+TIGHT, WIDE = 0.125, 64.0
+"""Limits of the room to move on one side, as parts of the box's length. It doubles when a body leaves its fat box and is LONELY
+in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
+
+LONELY, CROWD = 1, 4
+"""Candidates found for a body: up to the one there is room to spare, from above the other on there is too much."""
 
 BACKWARD = 0.25
 """The room to move backward, as a part of that forward. Smaller: trembling bodies leave their boxes again and again."""
@@ -40,15 +44,18 @@ def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
 
 
 @kernel
-def find_leavers(boxes: Boxes, memory: SweepMemory) -> int:
-    """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite."""
+def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
+    """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite.
+
+    Given arrays and not all of the memory: to hand that on takes as long as this for twenty boxes.
+    """
     count = 0
     for b in range(boxes.shape[0]):
-        if not holds(memory.fat, boxes, b) and memory.body[b, STATE] != ABSENT:
+        if not holds(fat, boxes, b) and body_out[b, PRESENT] == 1:
             for k in range(6):
                 if not (abs(boxes[b, k]) < inf):
                     return -1
-            memory.body[count, LISTED] = b
+            body_out[count, LISTED] = b
             count += 1
     return count
 
@@ -63,7 +70,7 @@ def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
     for k in range(3):
         low, high = boxes[b, k], boxes[b, k + 3]
         length, far = max(length, high - low), max(far, abs(low), abs(high))
-    most = ROOMY * length if fat[b, 0] < inf and far < FARTHEST else 0.0
+    most = lead[b, ROOM] * length if fat[b, 0] < inf and far < FARTHEST else 0.0
     stay = STAY * (1.0 + (b * 5 % 16) / 16.0) / max(sweeps, 1)
     for k in range(3):
         low, high = boxes[b, k], boxes[b, k + 3]
@@ -72,7 +79,8 @@ def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
             # how far each face has come since the body got the box that it leaves now
             downwards = fat[b, k] - low + below(lead[b, k])
             upwards = high - fat[b, k + 3] + below(-lead[b, k])
-            margin = min(stay * max(downwards, upwards, 0.0), most)
+            # half of the last lead at least: who turns round is slow for a moment only
+            margin = min(max(stay * max(downwards, upwards), 0.5 * abs(lead[b, k])), most)
             margin = margin if upwards > downwards else -margin
         lead[b, k] = margin
         fat[b, k], fat[b, k + 3] = min(low, high) - below(margin), max(low, high) + below(-margin)
@@ -90,7 +98,7 @@ def drop_candidates(memory: SweepMemory) -> int:
     kept = 0
     for c in range(memory.used[CANDIDATES]):
         key = memory.candidates[c]
-        if memory.body[key >> 32, STATE] == KNOWN and memory.body[key & SECOND_HALF, STATE] == KNOWN:
+        if memory.known[key >> 32] and memory.known[key & SECOND_HALF]:
             memory.candidates[kept] = key
             kept += 1
     return kept
@@ -101,13 +109,18 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
     """Bring the candidates up to date for those that left; False if there is no room for them."""
     for n in range(leavers):
         b = memory.body[n, LISTED]
-        memory.body[b, STATE] = LEFT
+        memory.known[b] = False
         fatten(boxes, memory, b)
         if boxes.shape[0] > FEW:
             link(memory, b)
     kept, fresh = drop_candidates(memory), 0
     for n in range(leavers):
-        fresh = partners(memory.fat, wanted, memory, memory.body[n, LISTED], fresh)
+        b, before = memory.body[n, LISTED], fresh
+        fresh = partners(memory.fat, wanted, memory, b, fresh)
+        if fresh - before <= LONELY:
+            memory.lead[b, ROOM] = min(2.0 * memory.lead[b, ROOM], WIDE)
+        elif fresh - before > CROWD:
+            memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
     memory.used[CANDIDATES], memory.used[STALE] = kept, 0
     fits: bool = kept + fresh <= memory.candidates.shape[0]
     if fits:
@@ -115,7 +128,7 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
         merge_ascending(memory.candidates, kept, memory.fresh, fresh)
         memory.used[CANDIDATES] = kept + fresh
     for n in range(leavers):
-        memory.body[memory.body[n, LISTED], STATE] = KNOWN
+        memory.known[memory.body[n, LISTED]] = True
     return fits
 
 
@@ -123,18 +136,16 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
 def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
     """All pairs without candidates, for when these have no room; the next sweep begins afresh."""
     memory.used[CANDIDATES], found = 0, 0
+    memory.known[:] = False
     for b in range(boxes.shape[0]):
-        if memory.body[b, STATE] == KNOWN:
-            memory.body[b, STATE] = LEFT
-    for b in range(boxes.shape[0]):
-        if memory.body[b, STATE] == LEFT:
+        if memory.body[b, PRESENT] == 1:
             found = partners(boxes, wanted, memory, b, found)
     written = min(found, memory.fresh.shape[0])
     sort_ascending(memory.fresh, written)
     for p in range(min(written, pairs_out.shape[0])):
         pairs_out[p, 0], pairs_out[p, 1] = memory.fresh[p] >> 32, memory.fresh[p] & SECOND_HALF
     for b in range(boxes.shape[0]):
-        if memory.body[b, STATE] == LEFT:
+        if memory.body[b, PRESENT] == 1:
             forget(memory, b)
     return (CONVERGED if found <= pairs_out.shape[0] else OUT_OF_ROOM), found
 
@@ -156,7 +167,7 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
         (status, count). OUT_OF_ROOM: count says how many there are; some cap of them were written.
         NOT_FINITE: a bound is nan or infinite, nothing was written.
     """
-    leavers = find_leavers(boxes, memory)
+    leavers = find_leavers(boxes, memory.fat, memory.body)
     if leavers < 0:
         return NOT_FINITE, 0
     memory.used[SWEEP] += 1

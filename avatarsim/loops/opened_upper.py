@@ -10,7 +10,7 @@ from avatarsim.loops.upper_memory import Memory, Switches
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.manifold import Manifold
 from avatarsim.motion.path import Paths
-from avatarsim.world.arena import Opening, cube, grid, index_grid, index_line, line, matrices, stack, vectors, yes
+from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, stack, vectors, yes
 from avatarsim.world.opened import opened_filter, opened_poses
 
 
@@ -51,8 +51,8 @@ def opened_manifold(o: Opening) -> Manifold:
 def opened_sweep(o: Opening) -> SweepMemory:
     """The next SweepMemory."""
     return SweepMemory(
-        grid(o)[0], vectors(o)[0], index_grid(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
-        index_line(o)[0],
+        grid(o)[0], grid(o)[0], index_grid(o)[0], flag_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0],
+        index_line(o)[0], index_line(o)[0],
     )
 
 

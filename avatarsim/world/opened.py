@@ -25,7 +25,9 @@ def opened_geometry(o: Opening) -> Geometry:
 @kernel
 def opened_dynamics(o: Opening) -> Dynamics:
     """The next Dynamics."""
-    return Dynamics(index_line(o)[0], line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0])
+    return Dynamics(
+        index_line(o)[0], line(o)[0], matrices(o)[0], matrices(o)[0], index_line(o)[0], grid(o)[0], grid(o)[0], line(o)[0]
+    )
 
 
 @kernel
