@@ -1,8 +1,13 @@
 """Is a pose free? Asked once at load, of every pair the scene filters in."""
 
+import numpy as np
+
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.errors import InvalidScene, StartOverlaps
+from avatarsim.collide.status import NOT_FINITE, OUT_OF_ROOM
+from avatarsim.collide.sweep import sweep_and_prune
+from avatarsim.collide.sweep_memory import make_sweep_memory
+from avatarsim.errors import AvatarsimError, InvalidScene, StartOverlaps
 from avatarsim.posture.limits import cone_excess, has_cone
 from avatarsim.spatial.tangent import columns
 from avatarsim.world.skeleton import BALL, HINGES
@@ -16,19 +21,27 @@ def overlapping_pairs(world: World) -> list[tuple[str, str, float]]:
     """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies."""
     geo, poses, names = world.geometry, world.poses, world.scene.names
     scratch, found = make_scratch(), []
-    for a in range(len(names)):
-        for b in range(a + 1, len(names)):
-            meet = (poses.hulls[a, :3] <= poses.hulls[b, 3:]).all() and (poses.hulls[b, :3] <= poses.hulls[a, 3:]).all()
-            if not geo.wanted[a, b] or not meet:
-                continue
-            depth = 0.0
-            for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
-                for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                    gap = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)[1]
-                    depth = max(depth, -gap)
-            if depth > TOUCHING:
-                found.append((names[a], names[b], depth))
+    for a, b in meeting_pairs(world):
+        depth = 0.0
+        for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
+            for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
+                gap = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)[1]
+                depth = max(depth, -gap)
+        if depth > TOUCHING:
+            found.append((names[a], names[b], depth))
     return found
+
+
+def meeting_pairs(world: World) -> list[tuple[int, int]]:
+    """Every wanted pair of bodies a < b whose boxes meet, in ascending order."""
+    bodies, room = len(world.scene.names), 0
+    while True:
+        pairs = np.zeros((room, 2), np.int64)
+        status, room = sweep_and_prune(world.poses.hulls, world.geometry.wanted, make_sweep_memory(bodies, room), pairs)
+        if status == NOT_FINITE:
+            raise AvatarsimError("a box of the first pose is not finite: this is a defect, please report it with the scene")
+        if status != OUT_OF_ROOM:
+            return [(int(a), int(b)) for a, b in pairs[:room]]
 
 
 def require_within_limits(world: World) -> None:

@@ -1,105 +1,197 @@
-"""Sweep and prune: which bounding boxes meet, from a list kept sorted between frames (Algorithm 1, step
-1)."""
+"""Which bounding boxes meet, from candidates that are kept as long as bodies stay in their fat boxes (Algorithm 1, step 1)."""
 
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collide.ascending import merge_ascending, sort_ascending
+from avatarsim.collide.cell_search import FEW, boxes_meet, partners
+from avatarsim.collide.cells import FARTHEST, Boxes, link
+from avatarsim.collide.present import forget
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
+from avatarsim.collide.sweep_memory import BORN, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
 from avatarsim.kernel import kernel
+from avatarsim.world.pair_filter import PairFilter, may_meet
 
-Boxes = NDArray[np.float64]
-"""(nb, 6): lowest x y z, highest x y z [m]."""
+__all__ = ["all_pairs", "boxes_meet", "forget", "sweep_and_prune"]
 
+STAY = 128.0
+"""Fat boxes have room for so many sweeps of a body's own pace, and up to twice that, by its number: else a crowd that sets out
+together would leave its boxes together. Larger: fewer searches, but more candidates for bodies that move."""
 
-@kernel
-def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
-    """Whether boxes i and j share a point; boxes that only touch do."""
-    for axis in range(3):
-        if boxes[i, axis] > boxes[j, axis + 3] or boxes[j, axis] > boxes[i, axis + 3]:
-            return False
-    return True
+TIGHT, WIDE = 0.125, 64.0
+"""Limits of the room to move on one side, as parts of the box's length. It doubles when a body leaves its fat box and is LONELY
+in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
 
+LONELY, CROWD = 1, 4
+"""Candidates found for a body: up to the one there is room to spare, from above the other on there is too much."""
 
-@kernel
-def axis_of_greatest_spread(boxes: Boxes) -> int:
-    """The axis along which the box centres vary most; -1 if a bound is not finite."""
-    best, widest = 0, -1.0
-    for axis in range(3):
-        total, squares = 0.0, 0.0
-        # Relative to the first centre: far from the origin the squares would cancel.
-        base = boxes[0, axis] + boxes[0, axis + 3]
-        for i in range(boxes.shape[0]):
-            centre = boxes[i, axis] + boxes[i, axis + 3] - base
-            total += centre
-            squares += centre * centre
-        spread = squares - total * total / boxes.shape[0]
-        if not (abs(spread) < inf):
-            return -1
-        if spread > widest:
-            best, widest = axis, spread
-    return best
+BACKWARD = 0.25
+"""The room to move backward, as a part of that forward. Smaller: trembling bodies leave their boxes again and again."""
+
+SECOND_HALF = 2**32 - 1
 
 
 @kernel
-def sort_along(boxes: Boxes, axis: int, order_out: NDArray[np.int64]) -> None:
-    """Insertion sort of ``order_out`` by the boxes' lower bounds: nearly free if it is nearly sorted."""
-    for k in range(1, order_out.shape[0]):
-        box = order_out[k]
-        low = boxes[box, axis]
-        at = k
-        while at > 0 and boxes[order_out[at - 1], axis] > low:
-            order_out[at] = order_out[at - 1]
-            at -= 1
-        order_out[at] = box
+def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
+    """Whether the fat box of body b holds its box; not if a bound is not finite."""
+    # low <= high keeps out a low bound of +inf; `&` and not `and`: one branch for all nine
+    inside = (boxes[b, 0] >= fat[b, 0]) & (boxes[b, 1] >= fat[b, 1]) & (boxes[b, 2] >= fat[b, 2])
+    inside &= (boxes[b, 0] <= boxes[b, 3]) & (boxes[b, 1] <= boxes[b, 4]) & (boxes[b, 2] <= boxes[b, 5])
+    inside &= (boxes[b, 3] <= fat[b, 3]) & (boxes[b, 4] <= fat[b, 4]) & (boxes[b, 5] <= fat[b, 5])
+    return bool(inside)
 
 
 @kernel
-def sweep_and_prune(
-    boxes: Boxes, allowed: NDArray[np.bool_], order_out: NDArray[np.int64], pairs_out: NDArray[np.int64]
-) -> tuple[int, int]:
+def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
+    """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite.
+
+    Given arrays and not all of the memory: to hand that on takes as long as this for twenty boxes.
+    """
+    count = 0
+    for b in range(boxes.shape[0]):
+        if not holds(fat, boxes, b) and body_out[b, PRESENT] == 1:
+            for k in range(6):
+                if not (abs(boxes[b, k]) < inf):
+                    return -1
+            body_out[count, LISTED] = b
+            count += 1
+    return count
+
+
+@kernel
+def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
+    """Give body b a fat box with room for its pace so far, above all ahead; a new one has none, as it may be at rest."""
+    fat, lead = memory.fat, memory.lead
+    sweeps = memory.used[SWEEP] - memory.body[b, BORN]
+    memory.body[b, BORN] = memory.used[SWEEP]
+    length, far = 0.0, 0.0
+    for k in range(3):
+        low, high = boxes[b, k], boxes[b, k + 3]
+        length, far = max(length, high - low), max(far, abs(low), abs(high))
+    most = lead[b, ROOM] * length if fat[b, 0] < inf and far < FARTHEST else 0.0
+    stay = STAY * (1.0 + (b * 5 % 16) / 16.0) / max(sweeps, 1)
+    for k in range(3):
+        low, high = boxes[b, k], boxes[b, k + 3]
+        margin = 0.0
+        if most > 0.0:
+            # how far each face has come since the body got the box that it leaves now
+            downwards = fat[b, k] - low + below(lead[b, k])
+            upwards = high - fat[b, k + 3] + below(-lead[b, k])
+            # half of the last lead at least: who turns round is slow for a moment only
+            margin = min(max(stay * max(downwards, upwards), 0.5 * abs(lead[b, k])), most)
+            margin = margin if upwards > downwards else -margin
+        lead[b, k] = margin
+        fat[b, k], fat[b, k + 3] = min(low, high) - below(margin), max(low, high) + below(-margin)
+
+
+@kernel
+def below(lead: float) -> float:
+    """By how much a fat box with this lead is wider on the low side; with the lead's sign changed: on the high side."""
+    return -lead if lead < 0.0 else BACKWARD * lead
+
+
+@kernel
+def drop_candidates(memory: SweepMemory) -> int:
+    """Keep only candidates of two known bodies; returns how many."""
+    kept = 0
+    for c in range(memory.used[CANDIDATES]):
+        key = memory.candidates[c]
+        if memory.known[key >> 32] and memory.known[key & SECOND_HALF]:
+            memory.candidates[kept] = key
+            kept += 1
+    return kept
+
+
+@kernel
+def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leavers: int) -> bool:
+    """Bring the candidates up to date for those that left; False if there is no room for them."""
+    for n in range(leavers):
+        b = memory.body[n, LISTED]
+        memory.known[b] = False
+        fatten(boxes, memory, b)
+        if boxes.shape[0] > FEW:
+            link(memory, b)
+    kept, fresh = drop_candidates(memory), 0
+    for n in range(leavers):
+        b, before = memory.body[n, LISTED], fresh
+        fresh = partners(memory.fat, wanted, memory, b, fresh)
+        if fresh - before <= LONELY:
+            memory.lead[b, ROOM] = min(2.0 * memory.lead[b, ROOM], WIDE)
+        elif fresh - before > CROWD:
+            memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
+    memory.used[CANDIDATES], memory.used[STALE] = kept, 0
+    fits: bool = kept + fresh <= memory.candidates.shape[0]
+    if fits:
+        sort_ascending(memory.fresh, fresh)
+        merge_ascending(memory.candidates, kept, memory.fresh, fresh)
+        memory.used[CANDIDATES] = kept + fresh
+    for n in range(leavers):
+        memory.known[memory.body[n, LISTED]] = True
+    return fits
+
+
+@kernel
+def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
+    """All pairs without candidates, for when these have no room; the next sweep begins afresh."""
+    memory.used[CANDIDATES], found = 0, 0
+    memory.known[:] = False
+    for b in range(boxes.shape[0]):
+        if memory.body[b, PRESENT] == 1:
+            found = partners(boxes, wanted, memory, b, found)
+    written = min(found, memory.fresh.shape[0])
+    sort_ascending(memory.fresh, written)
+    for p in range(min(written, pairs_out.shape[0])):
+        pairs_out[p, 0], pairs_out[p, 1] = memory.fresh[p] >> 32, memory.fresh[p] & SECOND_HALF
+    for b in range(boxes.shape[0]):
+        if memory.body[b, PRESENT] == 1:
+            forget(memory, b)
+    return (CONVERGED if found <= pairs_out.shape[0] else OUT_OF_ROOM), found
+
+
+@kernel
+def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
     """Find all pairs of boxes that meet.
 
+    What is found depends on the boxes, the filter and who is there, and on nothing that was before. The time is that of one
+    look at every box, a search for each that left its fat box, and a look at each candidate.
+
     Args:
-        boxes: (nb, 6) lowest and highest coordinates [m].
-        allowed: (nb, nb) whether a pair is of interest; read at [i, j] with i < j.
-        order_out: (nb,) a permutation of the boxes, kept by the caller from call to call.
-        pairs_out: (cap, 2) the pairs, i < j, in an order that depends on ``order_out``.
+        boxes: (nb, 6) lowest and highest coordinates [m]; those of absent bodies are not read.
+        wanted: pairs of interest. Whoever changes it for a body calls `forget` for that body.
+        memory: of `make_sweep_memory`, kept by the caller from call to call, with at least as much room as ``pairs_out``.
+        pairs_out: (cap, 2) the pairs, i < j, in ascending order of i, then of j.
 
     Returns:
-        (status, count). OUT_OF_ROOM: count says how many there are, of which the first cap were written.
+        (status, count). OUT_OF_ROOM: count says how many there are; some cap of them were written.
         NOT_FINITE: a bound is nan or infinite, nothing was written.
     """
-    if boxes.shape[0] < 2:
-        return CONVERGED, 0
-    axis = axis_of_greatest_spread(boxes)
-    if axis < 0:
+    leavers = find_leavers(boxes, memory.fat, memory.body)
+    if leavers < 0:
         return NOT_FINITE, 0
-    sort_along(boxes, axis, order_out)
+    memory.used[SWEEP] += 1
+    if leavers > 0 or memory.used[STALE] > 0:
+        if not renew_candidates(boxes, wanted, memory, leavers):
+            return search_everything(boxes, wanted, memory, pairs_out)
     count = 0
-    for k in range(order_out.shape[0]):
-        box = order_out[k]
-        high = boxes[box, axis + 3]
-        for after in range(k + 1, order_out.shape[0]):
-            other = order_out[after]
-            if boxes[other, axis] > high:
-                break
-            i, j = min(box, other), max(box, other)
-            if allowed[i, j] and boxes_meet(boxes, i, j):
-                if count < pairs_out.shape[0]:
-                    pairs_out[count, 0], pairs_out[count, 1] = i, j
-                count += 1
+    for c in range(memory.used[CANDIDATES]):
+        key = memory.candidates[c]
+        i, j = key >> 32, key & SECOND_HALF
+        if boxes_meet(boxes, i, j):
+            if count < pairs_out.shape[0]:
+                pairs_out[count, 0], pairs_out[count, 1] = i, j
+            count += 1
     return (CONVERGED if count <= pairs_out.shape[0] else OUT_OF_ROOM), count
 
 
 @kernel
-def all_pairs(boxes: Boxes, allowed: NDArray[np.bool_], pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """The dumb twin of `sweep_and_prune`: every pair is tried; the order is i, then j."""
+def all_pairs(boxes: Boxes, wanted: PairFilter, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
+    """The dumb twin of `sweep_and_prune` with everybody there: every pair is tried; the order is the same."""
     count = 0
     for i in range(boxes.shape[0]):
         for j in range(i + 1, boxes.shape[0]):
-            if allowed[i, j] and boxes_meet(boxes, i, j):
+            if boxes_meet(boxes, i, j) and may_meet(wanted, i, j):
                 if count < pairs_out.shape[0]:
                     pairs_out[count, 0], pairs_out[count, 1] = i, j
                 count += 1

@@ -1,5 +1,6 @@
 """What the upper loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
+from avatarsim.collide.sweep_memory import SweepMemory
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import Masses
@@ -9,8 +10,8 @@ from avatarsim.loops.upper_memory import Memory, Switches
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.manifold import Manifold
 from avatarsim.motion.path import Paths
-from avatarsim.world.arena import Opening, cube, flag_grid, grid, index_grid, index_line, line, matrices, stack, vectors, yes
-from avatarsim.world.opened import opened_poses
+from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, stack, vectors, yes
+from avatarsim.world.opened import opened_filter, opened_poses
 
 
 @kernel
@@ -47,13 +48,22 @@ def opened_manifold(o: Opening) -> Manifold:
 
 
 @kernel
+def opened_sweep(o: Opening) -> SweepMemory:
+    """The next SweepMemory."""
+    return SweepMemory(
+        grid(o)[0], grid(o)[0], index_grid(o)[0], flag_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0],
+        index_line(o)[0], index_line(o)[0],
+    )
+
+
+@kernel
 def opened_memory(o: Opening) -> Memory:
     """The next Memory of the upper loop."""
     return Memory(
         vectors(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], opened_masses(o),
         opened_masses(o), matrices(o)[0], line(o)[0], line(o)[0], opened_poses(o), opened_paths(o),
         Series(vectors(o)[0], vectors(o)[0], grid(o)[0]), opened_contacts(o), opened_manifold(o), opened_scratch(o),
-        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], flag_grid(o)[0], index_line(o)[0],
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], opened_filter(o), opened_sweep(o),
         index_grid(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
     )
 

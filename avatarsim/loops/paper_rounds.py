@@ -91,7 +91,7 @@ def push_bodies(
                 place(geo, poses_out, body)
                 m.counts[GAVE_WAY] += 1
                 m.given_way[body] = True
-                answer_for(geo.wanted, body, skel.first, True, m.overlaps.ours)
+                answer_for(body, True, m.overlaps)
         if linked:
             m.counts[FORWARDS] += 1
             forward(geo, skel, posture_out, m.none, poses_out, m.axes)
@@ -175,7 +175,7 @@ def follow_as_printed(
     for body in range(skel.first):
         if m.given_way[body]:
             m.given_way[body] = False
-            answer_for(geo.wanted, body, skel.first, False, m.overlaps.ours)
+            answer_for(body, False, m.overlaps)
     copy_places(poses_out.position, skel.first, m.start)
     copy_posture(posture_out, m.checked)
     copy_posture(tracker, m.target)

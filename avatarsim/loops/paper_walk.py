@@ -72,7 +72,7 @@ def walk_back(
                 put_row(poses_out.position, body, start if fraction == 0.0 else along(start, fraction, way))
                 place(geo, poses_out, body)
                 # where it began, its own contacts are not this loop's business
-                answer_for(geo.wanted, body, skel.first, fraction > 0.0, m.overlaps.ours)
+                answer_for(body, fraction > 0.0, m.overlaps)
         if last:
             # the same bits as when they were found free
             m.counts[HELD] += 1 if low == 0.0 else 0

@@ -82,8 +82,8 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                         outcome = NO_ROOM
                         break
                     contacts.face[k] = found.face[0]
-                    contacts.restitution[k] = dynamics.restitution[a, b]
-                    contacts.friction[k] = dynamics.friction[a, b]
+                    contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
+                    contacts.friction[k] = dynamics.friction[dynamics.material[a], dynamics.material[b]]
                     contacts.key[k] = (sa * pieces + sb) * 8 + i
     return outcome, worst
 

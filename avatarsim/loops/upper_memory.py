@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.impact.contacts import ROOM, Contacts, make_contacts
 from avatarsim.impact.masses import Masses
 from avatarsim.motion.free_rotation import Series, make_series
@@ -14,12 +15,16 @@ from avatarsim.motion.path import Paths, make_paths
 from avatarsim.scene.body import Role
 from avatarsim.world.dynamics import Dynamics
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import OPEN, PairFilter
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 PAIRS_ROOM = 65536
 """Most near pairs held; a heap of a thousand bodies has about ten thousand."""
+
+CANDIDATES_MORE = 4
+"""Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
 
 ROUND = 1e-12
 """Principal moments closer than this part of the largest are equal: spinning about any axis is then free of torque."""
@@ -82,8 +87,8 @@ class Memory(NamedTuple):
     before: Array
     direction: Array
     boxes: Array
-    allowed: NDArray[np.bool_]
-    order: Index
+    wanted: PairFilter
+    sweep: SweepMemory
     pairs: Index
     a_rows: Array
     b_rows: Array
@@ -126,7 +131,8 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
         contacts=make_contacts(), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((ROOM, 3)), direction=np.zeros((ROOM, 3)), boxes=np.zeros((n, 6)),
-        allowed=geometry.wanted & (simulated[:, None] | simulated[None, :]), order=np.arange(n, dtype=np.int64),
+        wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
+        sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last_key=np.zeros(ROOM, np.int64), last_force=np.zeros((ROOM, 3)), last_count=np.zeros(1, np.int64),
         counts=np.zeros(10, np.int64),

@@ -33,7 +33,7 @@ def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velo
             for k in range(3):
                 same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
         if not same:
-            wake_beside(trial.hulls, poses.hulls, b, memory.allowed, asleep, moving)
+            wake_beside(trial.hulls, poses.hulls, b, memory.wanted, asleep, moving)
             if dynamics.role[b] == SIMULATED:
                 asleep[b], moving[b] = 0, 1
             put_row(trial.position, b, row(poses.position, b))
@@ -51,7 +51,7 @@ def sweep_pairs(dynamics: Dynamics, poses: Poses, velocities: Velocities, memory
     memory.counts[SWEEPS] += 1
     status, count = near_pairs(
         poses.hulls, poses.position, memory.span, memory.moving, memory.asleep, velocities.linear, velocities.angular,
-        dynamics.gravity, left, memory.allowed, memory.boxes, memory.order, memory.pairs,
+        dynamics.gravity, left, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
     )
     room = memory.pairs.shape[0]
     if status == SWEEP_NOT_FINITE:

@@ -4,9 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.sweep import sweep_and_prune
+from avatarsim.collide.sweep_memory import SweepMemory
 from avatarsim.kernel import kernel
 from avatarsim.motion.path import FREE, STILL, Paths
 from avatarsim.spatial.vec3 import dot, norm, row
+from avatarsim.world.pair_filter import PairFilter, may_meet
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -77,12 +79,12 @@ def keeps_promise(
 @kernel
 def near_pairs(
     hulls: Array, position: Array, span: Array, moving: Index, asleep: Index, linear: Array, angular: Array, gravity: Array,
-    left: float, allowed: NDArray[np.bool_], boxes: Array, order: Index, pairs: Index,
+    left: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
     """Sweep the promised boxes; whoever sleeps near a moving body wakes. Returns (status of the sweep, number of pairs)."""
     promise(hulls, position, span, moving, linear, angular, gravity, left, boxes)
     while True:
-        status, count = sweep_and_prune(boxes, allowed, order, pairs)
+        status, count = sweep_and_prune(boxes, wanted, sweep, pairs)
         woken = 0
         for p in range(min(count, pairs.shape[0])):
             i, k = pairs[p, 0], pairs[p, 1]
@@ -105,10 +107,10 @@ def boxes_near(a: Array, b: Array, i: int, k: int) -> bool:
 
 
 @kernel
-def wake_beside(old: Array, new: Array, b: int, allowed: NDArray[np.bool_], asleep: Index, moving: Index) -> None:
+def wake_beside(old: Array, new: Array, b: int, wanted: PairFilter, asleep: Index, moving: Index) -> None:
     """Wake who sleeps near body b, which somebody moved: where it was (hulls ``old``) or where it is (``new``)."""
     for s in range(asleep.shape[0]):
-        if asleep[s] == 1 and allowed[s, b] and (boxes_near(old, new, b, s) or boxes_near(new, new, b, s)):
+        if asleep[s] == 1 and s != b and (boxes_near(old, new, b, s) or boxes_near(new, new, b, s)) and may_meet(wanted, s, b):
             asleep[s], moving[s] = 0, 1
 
 

@@ -18,6 +18,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.spatial.vec3 import dot
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import may_meet
 from avatarsim.world.skeleton import Skeleton
 
 REACH = 0.5
@@ -132,7 +133,7 @@ def certify(
     for link in range(skel.first, nb):
         for other in range(pairs.marks[NEARBY] + nb - link - 1):
             k = pairs.near[other] if other < pairs.marks[NEARBY] else link + 1 + other - pairs.marks[NEARBY]
-            if not geo.wanted[link, k] or not boxes_meet(hulls, link, k):
+            if not boxes_meet(hulls, link, k) or not may_meet(geo.wanted, link, k):
                 continue
             for a in range(geo.first_shape[link], geo.first_shape[link + 1]):
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):

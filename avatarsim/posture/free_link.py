@@ -17,6 +17,7 @@ from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import Columns, columns, product, put_columns, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, neg, norm, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import may_meet
 from avatarsim.world.skeleton import BALL, HINGES, Posture, Skeleton
 
 ANY_DIRECTION = (0.0, 0.0, 0.0)
@@ -31,8 +32,8 @@ def link_contacts(geo: Geometry, poses: Poses, body: int, points_out: Rows, scra
     Returns (status, contacts, queries); OUT_OF_ROOM and NOT_FINITE: use none of them.
     """
     worst, count, queries = CONVERGED, 0, 0
-    for other in range(geo.wanted.shape[0]):
-        if not geo.wanted[body, other] or not boxes_meet(poses.hulls, body, other):
+    for other in range(poses.hulls.shape[0]):
+        if other == body or not boxes_meet(poses.hulls, body, other) or not may_meet(geo.wanted, body, other):
             continue
         link_is_a = body < other
         for s in range(geo.first_shape[body], geo.first_shape[body + 1]):

@@ -10,6 +10,7 @@ from avatarsim.posture.workspace import ADDING, LISTED, RESYNCS, STUCK, STUCK_ER
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import row, sub
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import may_meet
 from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
 
 ERROR = 0.1
@@ -84,9 +85,9 @@ def tracker_is_reachable(
     for link in range(skel.first, nb):
         for k in range(nb):
             between_links = k >= skel.first
-            if (between_links and k <= link) or not geo.wanted[link, k]:
+            if (between_links and k <= link) or k == link:
                 continue
-            if not boxes_meet(hulls, link, k):
+            if not boxes_meet(hulls, link, k) or not may_meet(geo.wanted, link, k):
                 continue
             for a in range(geo.first_shape[link], geo.first_shape[link + 1]):
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):

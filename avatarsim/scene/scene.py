@@ -84,27 +84,40 @@ class Scene:
         return self.start if self.start is not None else rest(self.avatars)
 
     @cached_property
+    def families(self) -> tuple[int, ...]:
+        """A number for each body and link: those of one number never meet, but for -1, which may meet everything.
+
+        All fixed bodies are one family, and the links of one avatar are when self-contact is switched off.
+        """
+        found = [0 if body.role is Role.FIXED else -1 for body in self.bodies]
+        for k, avatar in enumerate(self.avatars):
+            found += [-1 if self.effects.self_contact else 1 + k] * len(avatar.links)
+        return tuple(found)
+
+    @cached_property
+    def skipped(self) -> tuple[tuple[int, int], ...]:
+        """Pairs that never meet besides those of one family: a link and its parent, an avatar's `ignore`, the `exclude`."""
+        index = {name: k for k, name in enumerate(self.names)}
+        found = [(index[a], index[b]) for a, b in self.exclude]
+        first = len(self.bodies)
+        for avatar in self.avatars:
+            at = {link.name: first + k for k, link in enumerate(avatar.links)}
+            found += [(at[link.name], at[link.parent]) for link in avatar.links if link.parent is not None]
+            found += [(at[a], at[b]) for a, b in avatar.ignore]
+            first += len(at)
+        return tuple(found)
+
+    @cached_property
     def pair_filter(self) -> NDArray[np.bool_]:
-        """(n, n) symmetric: True where two bodies must not overlap.
+        """(n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `world.pair_filter`.
 
         Left out: fixed with fixed, a link with its parent, the avatar's own `ignore`, the author's `exclude`,
         and links of one avatar with each other when self-contact is switched off.
         """
-        n = len(self.names)
-        wanted = ~np.eye(n, dtype=bool)
-        fixed = np.array([role is Role.FIXED for role in self.roles])
-        wanted[np.ix_(fixed, fixed)] = False
-        index = {name: k for k, name in enumerate(self.names)}
-        skipped = [(index[a], index[b]) for a, b in self.exclude]
-        first = len(self.bodies)
-        for avatar in self.avatars:
-            at = {link.name: first + k for k, link in enumerate(avatar.links)}
-            skipped += [(at[link.name], at[link.parent]) for link in avatar.links if link.parent is not None]
-            skipped += [(at[a], at[b]) for a, b in avatar.ignore]
-            if not self.effects.self_contact:
-                wanted[first : first + len(at), first : first + len(at)] = False
-            first += len(at)
-        for a, b in skipped:
+        family = np.array(self.families)
+        wanted: NDArray[np.bool_] = (family[:, None] != family[None, :]) | (family < 0)
+        np.fill_diagonal(wanted, False)
+        for a, b in self.skipped:
             wanted[a, b] = wanted[b, a] = False
         wanted.flags.writeable = False
         return wanted

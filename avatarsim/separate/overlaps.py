@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
-from avatarsim.collide.sweep import boxes_meet, sweep_and_prune
+from avatarsim.collide.sweep import boxes_meet, forget, sweep_and_prune
+from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import OPEN, PairFilter
 
 Flags = NDArray[np.bool_]
 
@@ -28,6 +30,12 @@ NOTHING_KNOWN: Final = (0.0, 0.0, 0.0)
 PAIRS_PER_LINK: Final = 8
 """Room for this many times the number of links more pairs than links with bodies: for pairs of bodies that had to give way."""
 
+CANDIDATES_MORE: Final = 4
+"""Room for so many times the number of bodies more candidates than pairs: boxes have room to move, and so more of them meet."""
+
+OBSTACLE: Final = 0
+"""Family of the bodies that are no links: what they do among themselves is none of the driven loop's business."""
+
 # places in Overlaps.tally
 ASKED, DOUBTED = 0, 1
 
@@ -35,16 +43,16 @@ ASKED, DOUBTED = 0, 1
 class Overlaps(NamedTuple):
     """Memory of the search, for nb bodies of which the last are links, with D pieces of links among ns pieces.
 
-    ours    (nb, nb) pairs this loop answers for: wanted, and one of the two is a link (or a body that was made to give way)
-    order   (nb) bodies along the sweep axis, kept from call to call
+    ours    pairs this loop answers for: wanted, and one of the two is a link (or a body that was made to give way)
+    sweep   what sweep and prune keeps from call to call
     pairs   (cap, 2) pairs whose boxes meet, found (cap, 2) those that overlap
     hit     (nb) bodies that overlap another
     seed    (D, ns, 3) the last normal of each pair of pieces
     tally   (2) signed-distance queries since it was set to zero, and those that did not converge
     """
 
-    ours: Flags
-    order: NDArray[np.int64]
+    ours: PairFilter
+    sweep: SweepMemory
     pairs: NDArray[np.int64]
     found: NDArray[np.int64]
     hit: Flags
@@ -56,23 +64,23 @@ class Overlaps(NamedTuple):
 def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
     """Fresh memory; bodies from ``first_link`` on are links."""
     nb, ns = len(geo.first_shape) - 1, len(geo.body)
-    ours = geo.wanted.copy()
-    ours[:first_link, :first_link] = False
+    family = geo.wanted.family.copy()
+    family[:first_link] = OBSTACLE
+    ours = PairFilter(family, geo.wanted.first.copy(), geo.wanted.never.copy())
     cap = (nb - first_link) * (nb + PAIRS_PER_LINK)
     return Overlaps(
-        ours, np.arange(nb, dtype=np.int64), np.zeros((cap, 2), dtype=np.int64), np.zeros((cap, 2), dtype=np.int64),
+        ours, make_sweep_memory(nb, cap + CANDIDATES_MORE * nb),
+        np.zeros((cap, 2), dtype=np.int64), np.zeros((cap, 2), dtype=np.int64),
         np.zeros(nb, dtype=np.bool_), np.zeros((ns - int(geo.first_shape[first_link]), ns, 3)), np.zeros(2, dtype=np.int64),
         make_scratch(),
     )
 
 
 @kernel
-def answer_for(wanted: Flags, body: int, first_link: int, moved: bool, ours_out: Flags) -> None:
-    """Take the pairs of a body that is no link into those answered for, because it was moved, or out of them again."""
-    for other in range(first_link):
-        ours = moved and wanted[body, other]
-        ours_out[body, other] = ours
-        ours_out[other, body] = ours
+def answer_for(body: int, moved: bool, overlaps_out: Overlaps) -> None:
+    """Take the pairs of a simulated body into those answered for, because it was moved, or out of them again."""
+    overlaps_out.ours.family[body] = OPEN if moved else OBSTACLE
+    forget(overlaps_out.sweep, body)
 
 
 @kernel
@@ -107,7 +115,7 @@ def bodies_overlap(geo: Geometry, poses: Poses, a: int, b: int, overlaps_out: Ov
 def find_overlaps(geo: Geometry, poses: Poses, overlaps_out: Overlaps) -> int:
     """Find every overlapping pair that this loop answers for; return how many, or NOT_CHECKED."""
     overlaps_out.hit[:] = False
-    status, count = sweep_and_prune(poses.hulls, overlaps_out.ours, overlaps_out.order, overlaps_out.pairs)
+    status, count = sweep_and_prune(poses.hulls, overlaps_out.ours, overlaps_out.sweep, overlaps_out.pairs)
     if status != CONVERGED:
         return NOT_CHECKED
     found = 0

@@ -1,5 +1,7 @@
 """Mass, inertia, pair coefficients and gravity as arrays; velocities of simulated bodies."""
 
+from collections import Counter
+from itertools import combinations_with_replacement
 from typing import NamedTuple
 
 import numpy as np
@@ -7,6 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
+from avatarsim.world.pair_filter import OPEN
 
 Array = NDArray[np.float64]
 
@@ -18,7 +21,8 @@ class Dynamics(NamedTuple):
     inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
     inertia           (nb, 3, 3) about the centre of mass, body axes [kg m^2]; zero unless simulated
     inverse_inertia   (nb, 3, 3)
-    restitution, friction   (nb, nb) of the pair's materials
+    material          (nb) int64, number of the material of a body among the nm of the scene
+    restitution, friction   (nm, nm) of pairs of materials; zero where no two bodies of theirs can meet
     gravity           (3) [m/s^2]
     """
 
@@ -26,6 +30,7 @@ class Dynamics(NamedTuple):
     inverse_mass: Array
     inertia: Array
     inverse_inertia: Array
+    material: NDArray[np.int64]
     restitution: Array
     friction: Array
     gravity: Array
@@ -52,16 +57,32 @@ def dynamics(scene: Scene) -> Dynamics:
         for link in avatar.links:
             inverse_mass[b] = 1.0 / (avatar.coupled_mass if avatar.coupled_mass is not None else link.mass.mass)
             b += 1
-    names = scene.material_names
-    restitution, friction = np.zeros((n, n)), np.zeros((n, n))
-    for i in range(n):
-        for j in range(n):
-            if scene.pair_filter[i, j]:
-                pair = scene.materials.contact(names[i], names[j])
-                restitution[i, j] = pair.restitution if scene.effects.restitution else 0.0
-                friction[i, j] = pair.friction if scene.effects.friction else 0.0
+    names = sorted(set(scene.material_names))
+    number = {name: k for k, name in enumerate(names)}
+    material = np.array([number[name] for name in scene.material_names], dtype=np.int64)
+    restitution, friction = np.zeros((len(names), len(names))), np.zeros((len(names), len(names)))
+    for x, y in meeting_materials(scene):
+        pair = scene.materials.contact(x, y)
+        i, k = number[x], number[y]
+        restitution[i, k] = restitution[k, i] = pair.restitution if scene.effects.restitution else 0.0
+        friction[i, k] = friction[k, i] = pair.friction if scene.effects.friction else 0.0
     role = np.array([r.value for r in scene.roles], dtype=np.int64)
-    return Dynamics(role, inverse_mass, inertia, inverse_inertia, restitution, friction, np.array(scene.gravity))
+    return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity))
+
+
+def meeting_materials(scene: Scene) -> list[tuple[str, str]]:
+    """The pairs of materials of which any two bodies may meet; only they need coefficients."""
+    kinds = list(zip(scene.material_names, scene.families, strict=True))
+    members = Counter(kinds)
+    skipped = Counter(
+        tuple(sorted((kinds[a], kinds[b]))) for a, b in {(min(pair), max(pair)) for pair in scene.skipped} if a != b
+    )
+    found = set()
+    for one, other in combinations_with_replacement(sorted(members), 2):
+        pairs = members[one] * (members[one] - 1) // 2 if one == other else members[one] * members[other]
+        if (one[1] != other[1] or one[1] == OPEN) and pairs > skipped[one, other]:
+            found.add((one[0], other[0]))
+    return sorted(found)
 
 
 def velocities(scene: Scene) -> Velocities:

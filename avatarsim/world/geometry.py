@@ -10,6 +10,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
+from avatarsim.world.pair_filter import PairFilter, pair_filter
 from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes
 
 Array = NDArray[np.float64]
@@ -23,14 +24,14 @@ class Geometry(NamedTuple):
     local        (nv, 3) vertices in the frame of their body
     first_shape  (nb + 1) pieces of body b are first_shape[b] .. first_shape[b + 1]
     body         (ns) body of a piece
-    wanted       (nb, nb) pairs of bodies that must not overlap
+    wanted       pairs of bodies that must not overlap
     """
 
     shapes: Shapes
     local: Array
     first_shape: Index
     body: Index
-    wanted: NDArray[np.bool_]
+    wanted: PairFilter
 
 
 class Poses(NamedTuple):
@@ -89,7 +90,8 @@ def geometry(scene: Scene) -> Geometry:
     )
     local = np.ascontiguousarray(np.vstack(blocks)) if blocks else np.zeros((0, 3))
     return Geometry(
-        shapes, local, np.array(first, dtype=np.int64), np.array(owners, dtype=np.int64), scene.pair_filter.copy()
+        shapes, local, np.array(first, dtype=np.int64), np.array(owners, dtype=np.int64),
+        pair_filter(scene.families, scene.skipped),
     )
 
 

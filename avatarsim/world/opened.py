@@ -4,21 +4,30 @@ from avatarsim.kernel import kernel
 from avatarsim.world.arena import Opening, flag_grid, grid, index_line, line, matrices, vectors, whole
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import PairFilter
 from avatarsim.world.shapes import Shapes
 from avatarsim.world.skeleton import Posture, Skeleton
+
+
+@kernel
+def opened_filter(o: Opening) -> PairFilter:
+    """The next PairFilter."""
+    return PairFilter(index_line(o)[0], index_line(o)[0], index_line(o)[0])
 
 
 @kernel
 def opened_geometry(o: Opening) -> Geometry:
     """The next Geometry."""
     shapes = Shapes(index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0])
-    return Geometry(shapes, vectors(o)[0], index_line(o)[0], index_line(o)[0], flag_grid(o)[0])
+    return Geometry(shapes, vectors(o)[0], index_line(o)[0], index_line(o)[0], opened_filter(o))
 
 
 @kernel
 def opened_dynamics(o: Opening) -> Dynamics:
     """The next Dynamics."""
-    return Dynamics(index_line(o)[0], line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0])
+    return Dynamics(
+        index_line(o)[0], line(o)[0], matrices(o)[0], matrices(o)[0], index_line(o)[0], grid(o)[0], grid(o)[0], line(o)[0]
+    )
 
 
 @kernel

@@ -20,6 +20,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.world.dynamics import dynamics, velocities
 from avatarsim.world.geometry import geometry, poses
+from avatarsim.world.pair_filter import may_meet
 
 Array = NDArray[np.float64]
 G = 9.81
@@ -110,7 +111,7 @@ class World:
         g, worst = self.geometry, np.inf
         for a in range(len(g.body)):
             for b in range(a + 1, len(g.body)):
-                if g.wanted[g.body[a], g.body[b]]:
+                if g.body[a] != g.body[b] and may_meet(g.wanted, g.body[a], g.body[b]):
                     worst = min(worst, signed_distance(self.poses.vertices, g.shapes, a, b, (0.0, 0.0, 0.0), make_scratch())[1])
         return float(worst)
 

@@ -17,6 +17,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest
 from avatarsim.world.geometry import place
+from avatarsim.world.pair_filter import may_meet
 from tests.posture.little_worlds import SETTINGS, Little, at, hand, hand_scene, little, mixed_avatar, panel
 
 SCRATCH = make_scratch()
@@ -115,7 +116,7 @@ def interpolated_gap(found: Little, before: np.ndarray, after: np.ndarray, t: fl
     vertices = np.ascontiguousarray((1.0 - t) * before + t * after)
     gaps = [
         signed_distance(vertices, geo.shapes, a, b, (0.0, 0.0, 0.0), SCRATCH)[1]
-        for a, b in product(range(len(geo.body)), repeat=2) if a < b and geo.wanted[geo.body[a], geo.body[b]]
+        for (a, i), (b, k) in product(enumerate(geo.body), repeat=2) if i < k and may_meet(geo.wanted, i, k)
     ]
     return min(gaps)
 

@@ -50,9 +50,9 @@ def test_a_body_that_gave_way_is_answered_for_until_it_is_let_go():
         put(world, body, [3.0 * body, 0.0, 0.0])
     put(world, 1, [0.1, 0.0, 0.0])
     assert find_overlaps(world.geometry, world.poses, found) == 0
-    answer_for(world.geometry.wanted, 1, world.skeleton.first, True, found.ours)
+    answer_for(1, True, found)
     assert find_overlaps(world.geometry, world.poses, found) == 1
-    answer_for(world.geometry.wanted, 1, world.skeleton.first, False, found.ours)
+    answer_for(1, False, found)
     assert find_overlaps(world.geometry, world.poses, found) == 0
 
 

@@ -12,7 +12,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.material import Contact, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.world.dynamics import dynamics, velocities
+from avatarsim.world.dynamics import dynamics, meeting_materials, velocities
 
 CRATE = (Piece(Box((0.1, 0.2, 0.3)), (0.5, 0.0, 0.0)),)
 MASS = solid(CRATE, 4.0)
@@ -31,10 +31,29 @@ def test_masses_by_role() -> None:
 
 
 def test_coefficients_are_those_of_wanted_pairs_and_symmetric() -> None:
-    found = dynamics(Scene("s", (FLOOR, DROP), (HAND,)))
-    assert found.restitution[0, 1] == 0.2 and found.friction[0, 1] == 0.1 and found.friction[1, 2] == 0.1
+    other = fixed("other", CRATE, "wood", (9.0, 0.0, -5.0))
+    found = dynamics(Scene("s", (FLOOR, DROP, other), (HAND,)))
+    floor, drop, _, hand = found.material
+    assert found.restitution[floor, drop] == 0.2 and found.friction[floor, drop] == 0.1 and found.friction[drop, hand] == 0.1
     assert (found.restitution == found.restitution.T).all() and (found.friction == found.friction.T).all()
-    assert found.restitution[0, 0] == 0.0
+    # two fixed bodies never meet, and there is one of metal only
+    assert found.restitution[floor, floor] == 0.0 and found.restitution[drop, drop] == 0.0
+
+
+def test_materials_that_meet_are_those_of_some_wanted_pair() -> None:
+    """Against the matrix of wanted pairs, with exclusions that leave some materials no pair at all."""
+    rng = np.random.default_rng(2)
+    for _ in range(40):
+        names = [f"b{k}" for k in range(7)]
+        bodies = [
+            fixed(name, CRATE, str(rng.choice(["wood", "metal"]))) if rng.random() < 0.4
+            else simulated(name, CRATE, str(rng.choice(["wood", "metal", "human"])), MASS) for name in names
+        ]
+        exclude = tuple((a, b) for a in names for b in names if a != b and rng.random() < 0.35)
+        scene = Scene("s", tuple(bodies), exclude=exclude)
+        kinds, wanted = scene.material_names, scene.pair_filter
+        pairs = {tuple(sorted((kinds[a], kinds[b]))) for a in range(7) for b in range(7) if wanted[a, b]}
+        assert meeting_materials(scene) == sorted(pairs)
 
 
 @pytest.mark.parametrize("effect", ["restitution", "friction"])
@@ -46,7 +65,7 @@ def test_an_effect_narrowed_away_is_zero(effect: str) -> None:
 
 def test_a_pair_that_the_table_lacks_is_named() -> None:
     table = PairTable({("wood", "wood"): Contact(0.1, 0.1), ("metal", "metal"): Contact(0.1, 0.1)})
-    with pytest.raises(UnknownName, match="pair of materials is 'wood, metal'"):
+    with pytest.raises(UnknownName, match="pair of materials is 'metal, wood'"):
         dynamics(Scene("s", (FLOOR, DROP), materials=table))
 
 

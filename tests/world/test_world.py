@@ -78,4 +78,4 @@ def test_worlds_of_one_scene_share_nothing_that_is_written() -> None:
     first.posture.angle[:] = 9.0
     first.velocities.linear[:] = 9.0
     assert not (second.poses.position == 9.0).all() and not second.posture.angle.any() and not second.velocities.linear.any()
-    assert first.velocities.linear.flags.writeable and first.geometry.wanted.flags.writeable
+    assert first.velocities.linear.flags.writeable and first.geometry.wanted.family.flags.writeable

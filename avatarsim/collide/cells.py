@@ -1,0 +1,104 @@
+"""Cells that boxes are kept in, so that a box finds its neighbours without looking at all others.
+
+A hierarchical grid: a box lies in one cell, the one of its low corner, on the level whose cells are 2 to 8 times as long as the
+box. The cells of all levels share one hash table of chains.
+"""
+
+from math import frexp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.sweep_memory import AT, BEHIND, BEYOND, KEY, LEVEL, LEVELS, LOWEST, NOWHERE, ON_LEVEL, SweepMemory
+from avatarsim.kernel import kernel
+
+Boxes = NDArray[np.float64]
+"""(nb, 6): lowest x y z, highest x y z [m]."""
+
+FARTHEST = 2.0**40
+"""Boxes that reach beyond this [m] are in no cell but in one chain that everybody looks through. Larger: cell numbers of small
+boxes no longer fit 64 bits."""
+
+PER_METRE = 2.0 ** -(LOWEST + 2.0 * np.arange(LEVELS + 1.0))
+"""Half cells per metre on each level."""
+
+AXIS_BITS = 19
+AXIS_MASK = (1 << AXIS_BITS) - 1
+"""Bits of a cell number that the key keeps per axis. Cells that far apart share a key, which costs a look and finds nothing
+wrong, as long as one search does not span so many."""
+
+SPREAD = 0x9E3779B97F4A7C1
+POSITIVE = 2**62 - 1
+"""Multiplier that spreads keys over the table; the bits that are the same whether integers wrap (compiled) or grow (Python)."""
+
+
+@kernel
+def level_of(fat: Boxes, b: int) -> int:
+    """The level of box b: lengths up to 2^(LOWEST + 2 level); BEYOND if it is too far away."""
+    length, far = 0.0, 0.0
+    for k in range(3):
+        length = max(length, fat[b, k + 3] - fat[b, k])
+        far = max(far, abs(fat[b, k]), abs(fat[b, k + 3]))
+    if not (far < FARTHEST):
+        return BEYOND
+    # a hair more than its length, so that rounding never lets a box reach over half a cell
+    power: int = frexp(length * (1.0 + 1e-9))[1]
+    return max((power - LOWEST + 1) // 2, 0) if length > 0.0 else 0
+
+
+@kernel
+def half_cell(x: float, level: int) -> int:
+    """Number of the half cell that x lies in on one axis: exact, as cells are powers of two long."""
+    return int(np.floor(x * PER_METRE[level]))
+
+
+@kernel
+def key_of(x: int, y: int, z: int, level: int) -> int:
+    """The cell x, y, z of a level as one number."""
+    return (((level << AXIS_BITS | z & AXIS_MASK) << AXIS_BITS | y & AXIS_MASK) << AXIS_BITS) | x & AXIS_MASK
+
+
+@kernel
+def place_of(key: int, table: int) -> int:
+    """Where the chain of a cell begins: neighbours along x lie side by side in memory. ``table``: a power of two."""
+    row = ((key >> AXIS_BITS) * SPREAD) & POSITIVE
+    return ((row >> 24) + key) & (table - 1)
+
+
+@kernel
+def unlink(memory: SweepMemory, b: int) -> None:
+    """Take body b out of its cell, if it is in one."""
+    body, head = memory.body, memory.head
+    level = body[b, LEVEL]
+    if level == NOWHERE:
+        return
+    after, before = body[b, BEHIND], body[b, AT]
+    if before >= 0:
+        body[before, BEHIND] = after
+    else:
+        head[-1 - before] = after
+    if after >= 0:
+        body[after, AT] = before
+    memory.used[ON_LEVEL + level] -= 1
+    body[b, LEVEL] = NOWHERE
+
+
+@kernel
+def link(memory: SweepMemory, b: int) -> None:
+    """Put body b into the cell of its fat box, out of the one it is in."""
+    body, head, fat = memory.body, memory.head, memory.fat
+    table = head.shape[0] - 1
+    level = level_of(fat, b)
+    key, place = -1, table
+    if level != BEYOND:
+        key = key_of(half_cell(fat[b, 0], level) >> 1, half_cell(fat[b, 1], level) >> 1, half_cell(fat[b, 2], level) >> 1, level)
+        place = place_of(key, table)
+    if level == body[b, LEVEL] and key == body[b, KEY]:
+        return
+    unlink(memory, b)
+    first = head[place]
+    body[b, LEVEL], body[b, KEY], body[b, BEHIND], body[b, AT] = level, key, first, -1 - place
+    if first >= 0:
+        body[first, AT] = b
+    head[place] = b
+    memory.used[ON_LEVEL + level] += 1

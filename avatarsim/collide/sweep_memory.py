@@ -1,0 +1,81 @@
+"""What sweep and prune keeps from call to call.
+
+Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates,
+which are the pairs of bodies whose fat boxes meet, stay as they are. The pairs that a sweep finds do not depend on any of this.
+"""
+
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Index = NDArray[np.int64]
+Array = NDArray[np.float64]
+
+LOWEST: Final = -20
+"""Level 0 holds boxes up to 2^-20 m (1 micrometre) long, each further one 4 times as long ones; a crowd of smaller ones would
+crowd its cells."""
+
+LEVELS: Final = 32
+"""Levels of cells. A factor of 2 instead of 4 between them: twice as many cells to look into, fewer bodies in each."""
+
+BEYOND: Final = LEVELS
+"""The level of boxes that are too large or too far away for cells."""
+
+NOWHERE: Final = -1
+"""The level of a body that is in no cell."""
+
+LEVEL, KEY, BEHIND, AT, BORN, PRESENT, LISTED = range(7)
+"""Columns of `SweepMemory.body`: level of its cell; key of its cell; the next body of its chain, -1 if none; the one before it,
+or -1 - place in the table; the sweep in which it got its fat box; 1 if it is there. The last column is a list of its own:
+the bodies that left their fat boxes in this sweep."""
+
+CANDIDATES, SWEEP, STALE, ON_LEVEL = range(4)
+"""Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; from here on
+the number of bodies on each level."""
+
+ROOM: Final = 3
+"""Column of `SweepMemory.lead`: see there."""
+
+LOOKED: Final = 32
+"""Cells that are looked into at once. A box has 1 to 12 cells around it on its level; more are looked into in portions."""
+
+
+class SweepMemory(NamedTuple):
+    """For nb bodies, about 150 bytes each, and ``room`` candidates, 16 bytes each.
+
+    fat          (nb, 6) lowest and highest coordinates [m]; +inf, -inf for a body that has none yet
+    lead         (nb, 4) by how much the fat box is wider than the box was, along each axis [m]: on the high side if positive,
+                 else on the low one; then how much it may be, as a part of the box's length
+    body         (nb, 7) see LEVEL
+    known        (nb) bodies that are there and whose candidates are known
+    head         (2^k + 1) first body of every chain, -1 if none; the last is the chain of the BEYOND ones
+    looked       (LOOKED, 2) cells that are being looked into: key, first body of the chain
+    candidates   (room) pairs i < k whose fat boxes meet, as i << 32 | k, in ascending order
+    fresh        (room) those found in this sweep
+    used         (ON_LEVEL + LEVELS + 1) see CANDIDATES
+    """
+
+    fat: Array
+    lead: Array
+    body: Index
+    known: NDArray[np.bool_]
+    head: Index
+    looked: Index
+    candidates: Index
+    fresh: Index
+    used: Index
+
+
+def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:
+    """Fresh memory for ``count`` bodies, all there or all absent, and ``room`` candidates."""
+    table = 1 << max(count - 1, 1).bit_length()
+    body = np.zeros((count, 7), np.int64)
+    body[:, LEVEL], body[:, PRESENT] = NOWHERE, int(present)
+    fat = np.tile([np.inf] * 3 + [-np.inf] * 3, (count, 1))
+    lead = np.zeros((count, 4))
+    lead[:, ROOM] = 0.5
+    return SweepMemory(
+        fat, lead, body, np.zeros(count, np.bool_), np.full(table + 1, -1), np.zeros((LOOKED, 2), np.int64),
+        np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(ON_LEVEL + LEVELS + 1, np.int64),
+    )

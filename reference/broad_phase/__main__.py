@@ -1,0 +1,55 @@
+"""`python -m reference.broad_phase [--run FOLDER] [--quick]`."""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from reference.broad_phase.clock import KERNELS, MOST_OBJECTS, measure
+from reference.broad_phase.layouts import LAYOUTS, MOTIONS, field
+from reference.broad_phase.rows import Row, csv_text
+from reference.broad_phase.table import table
+
+LATEST = Path(__file__).resolve().parents[2] / "reports" / "out" / "latest"
+SIZES = (20, 60, 200, 600, 2000, 6000, 20000)
+FULL, QUICK = (400, 9, 200_000), (3, 1, 100)
+"""Warm-up frames, samples, objects times frames in a sample."""
+
+WRONG = 1
+"""Exit code when a kernel found other pairs than its twin. Growth that is not flat is no error."""
+
+
+def kernels(motion: str, size: int) -> list[str]:
+    """Kernels measured here: the others only where everything moves slowly."""
+    named = [name for name in KERNELS if size <= MOST_OBJECTS[name]]
+    return named if motion == "all slow" else named[:1]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(prog="python -m reference.broad_phase", description=__doc__)
+    parser.add_argument("--run", type=Path, default=LATEST, metavar="FOLDER", help="folder for the file (default: the last run)")
+    parser.add_argument("--quick", action="store_true", help="few objects and frames: shows that it runs, times mean nothing")
+    asked = parser.parse_args(argv)
+    (warm, samples, work), begun = (QUICK if asked.quick else FULL), time.monotonic()
+    rows: list[Row] = []
+    for layout in LAYOUTS:
+        for motion in MOTIONS:
+            for size in SIZES[:3] if asked.quick else SIZES:
+                here = field(layout, motion, size)
+                for name in kernels(motion, size):
+                    # a slow kernel needs no warm-up beyond its first frames
+                    frames = warm if name == "sweep and prune" else 3
+                    much = work if name == "sweep and prune" else min(work, 3 * size)
+                    rows.append(measure(here, layout, motion, name, frames, samples, much))
+            print(f"{time.monotonic() - begun:6.1f} s  {layout}, {motion}", file=sys.stderr, flush=True)
+    asked.run.mkdir(parents=True, exist_ok=True)
+    (asked.run / "broad_phase.csv").write_text(csv_text(rows), encoding="utf-8")
+    print(table(rows))
+    print(f"\n{asked.run / 'broad_phase.csv'}")
+    return 0 if all(row.found_is_twin for row in rows) else WRONG
+
+
+if __name__ == "__main__":
+    sys.exit(main())

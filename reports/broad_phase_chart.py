@@ -1,0 +1,75 @@
+"""The chart of sweep and prune: time per object over the number of objects, a panel per layout."""
+
+import math
+
+import altair as alt
+
+from reports.broad_phase import FLAT, OURS, BroadPhase, Line, conclusion, times
+from reports.charts import Panel
+from reports.marks import FONT, HEIGHT, WIDTH
+from reports.palette import GRID, MUTED, Stroke, strokes
+from reports.picture import picture
+from reports.wording import limit, listed, quantity
+
+
+def label(line: Line) -> str:
+    """Our kernel goes by the motion, the others by their names: they are measured in one motion only."""
+    return line.motion if line.kernel == OURS else f"{line.kernel}, {line.motion}"
+
+
+def inks(broad: BroadPhase) -> dict[str, Stroke]:
+    """A stroke per label: ours in our colour, a dash per motion, the others in colours of their own."""
+    labels = list(dict.fromkeys((line.kernel, label(line)) for line in broad.lines))
+    ours = strokes(f"avatarsim/{name}" for kernel, name in labels if kernel == OURS)
+    others = strokes(f"{kernel}/default" for kernel, _ in labels if kernel != OURS)
+    return {name: ours[f"avatarsim/{name}"] if kernel == OURS else others[f"{kernel}/default"] for kernel, name in labels}
+
+
+def panels(broad: BroadPhase) -> list[Panel]:
+    """One panel per layout."""
+    made: list[Panel] = []
+    for layout in dict.fromkeys(line.layout for line in broad.lines):
+        lines = [line for line in broad.lines if line.layout == layout]
+        dots: list[dict[str, object]] = [
+            {"line": label(line), "objects": point.objects, "us": float(f"{point.us:.4g}")}
+            for line in lines for point in line.points if point.us > 0.0
+        ]
+        if dots:
+            ours = [line for line in broad.ours if line.layout == layout]
+            said = "; ".join(f"{line.motion} {times(line.time_growth)}" for line in ours)
+            said = f"Largest time per object over smallest, {FLAT:g} allowed: {said or 'not measured'}."
+            ends = listed(tuple(
+                f"{label(line)} {quantity(line.points[0].us, 'us')} at {line.points[0].objects:,}, "
+                f"{quantity(line.points[-1].us, 'us')} at {line.points[-1].objects:,}" for line in lines
+            ), 99)
+            text = f"{layout}. Time per object: {ends}. {said}"
+            made.append(Panel(layout, picture(_spec(broad, dots), text, f"b{len(made)}"), said))
+    return made
+
+
+def _spec(broad: BroadPhase, dots: list[dict[str, object]]) -> dict[str, object]:
+    ink = inks(broad)
+    times = [point.us for line in broad.lines for point in line.points if point.us > 0.0]
+    sizes = sorted({point.objects for line in broad.lines for point in line.points})
+    low, high = math.floor(math.log10(min(times))), math.ceil(math.log10(max(times)))
+    ticks = [10.0**k for k in range(low, high + 1)]
+    names = ",".join(f"'{k}':'{limit(10.0**k, 'us')}'" for k in range(low, high + 1))
+    time_axis = alt.Axis(values=ticks, labelExpr=f"{{{names}}}[round(log(datum.value)/log(10))]")
+    domain = list(ink)
+    chart = alt.Chart({"values": dots}).mark_line(point=True, strokeWidth=1.5).encode(
+        x=alt.X("objects:Q", title=None, scale=alt.Scale(type="log", domain=[sizes[0], sizes[-1]]),
+                axis=alt.Axis(values=sizes, format=",", grid=False)),
+        y=alt.Y("us:Q", title=None, scale=alt.Scale(type="log", domain=[ticks[0], ticks[-1]]), axis=time_axis),
+        color=alt.Color("line:N", legend=None, scale=alt.Scale(domain=domain, range=[ink[name].light for name in domain])),
+        strokeDash=alt.StrokeDash(
+            "line:N", legend=None, scale=alt.Scale(domain=domain, range=[list(ink[name].dash) for name in domain])
+        ),
+    ).properties(width=WIDTH, height=HEIGHT, background="transparent").configure(
+        font=FONT, padding={"left": 4, "top": 2, "right": 10, "bottom": 2}, view=alt.ViewConfig(stroke=None)
+    ).configure_axis(labelColor=MUTED[0], gridColor=GRID[0], domain=False, tickColor=GRID[0], labelFontSize=10, tickSize=3)
+    return dict(chart.to_dict())
+
+
+def section(broad: BroadPhase) -> dict[str, object]:
+    """What a page needs for its section: the sentence, the panels, and the strokes for the legend."""
+    return {"broad_conclusion": conclusion(broad), "broad_panels": panels(broad), "broad_inks": inks(broad)}

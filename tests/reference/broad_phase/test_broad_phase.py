@@ -1,0 +1,63 @@
+"""The benchmark finds the pairs of the twin with every kernel, writes its file, and says where growth is not flat."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.collide.sweep import all_pairs
+from avatarsim.world.pair_filter import OPEN, pair_filter
+from reference.broad_phase import __main__ as broad_phase
+from reference.broad_phase.clock import KERNELS, measure
+from reference.broad_phase.layouts import LAYOUTS, MOTIONS, NEAR, field
+from reference.broad_phase.one_axis import one_axis
+from reference.broad_phase.rows import Row, csv_text, growth
+from reference.broad_phase.table import table, verdict
+
+
+def row(objects: int, us: float, held: float = 200.0, right: bool = True, motion: str = "none") -> Row:
+    return Row("cube", motion, objects, "sweep and prune", us, held, 5, right)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_kernel_finds_the_near_pairs(kernel: str, layout: str) -> None:
+    for motion in MOTIONS:
+        found = measure(field(layout, motion, 90), layout, motion, kernel, 40, 1, 90)
+        assert found.found_is_twin and found.near_pairs == NEAR and found.bytes_per_object > 0.0
+
+
+def test_the_plain_sweep_finds_what_trying_all_finds() -> None:
+    rng, order = np.random.default_rng(1), np.arange(60)
+    for _ in range(20):
+        low = rng.uniform(0.0, 5.0, (60, 3))
+        boxes = np.hstack([low, low + rng.uniform(0.0, 1.0, (60, 3))])
+        found, twin = np.zeros((500, 2), np.int64), np.zeros((500, 2), np.int64)
+        wanted = pair_filter(np.where(rng.random(60) < 0.2, 0, OPEN))
+        count = all_pairs(boxes, wanted, twin)[1]
+        assert one_axis(boxes, wanted, order, found) == count > 0
+        assert sorted(found[:count].tolist()) == twin[:count].tolist()
+
+
+def test_growth_names_the_worst_number_of_objects() -> None:
+    rows = [row(20, 0.01), row(200, 0.03), row(2000, 0.02)]
+    assert growth(rows, "us_per_object_p50") == (pytest.approx(3.0), 200, 20)
+    assert verdict(rows) == "time x3.00, memory x1.00: not flat, worst at 200"
+    assert verdict(rows[::2]) == "time x2.00, memory x1.00: flat"
+    assert verdict([row(20, 1.0, 100.0), row(60, 1.0, 300.0)]) == "time x1.00, memory x3.00: not flat, worst at 60"
+    assert growth([row(20, -1e-9), row(60, 1.0)], "us_per_object_p50")[0] == np.inf
+    assert verdict([row(20, 1.0, motion="all fast")]).endswith("flat (not claimed)")
+
+
+def test_the_table_names_wrong_pairs() -> None:
+    assert "WRONG PAIRS: cube, none, 60 objects, sweep and prune" in table([row(20, 1.0), row(60, 1.0, right=False)])
+
+
+def test_the_command_writes_its_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert broad_phase.main(["--quick", "--run", str(tmp_path / "run")]) == 0
+    with (tmp_path / "run" / "broad_phase.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == csv_text([row(20, 1.0)]).splitlines()[0].split(",")
+    assert {one["found_is_twin"] for one in rows} == {"True"} and {one["near_pairs"] for one in rows} == {"5"}
+    assert "ns per object" in capsys.readouterr().out
