@@ -24,7 +24,6 @@ from avatarsim.motion.time_of_impact import (
     OVERLAPPING,
     ROUNDS,
     SPENT,
-    STALLED,
     STAND_OFF,
     farthest,
     follow_both,
@@ -36,8 +35,8 @@ from avatarsim.world.geometry import Geometry, Poses
 
 Array = NDArray[np.float64]
 
-ROUNDING = 64.0 * 2.220446049250313e-16
-"""Part of sizes and coordinates below which a gap is nothing but rounding: pieces so near touch, and do not overlap."""
+ROUNDING, ROUNDING_FAR = 64.0 * 2.220446049250313e-16, 4.0 * 2.220446049250313e-16
+"""Parts of size and coordinates below which a gap is nothing but rounding: pieces so near touch, and do not overlap."""
 
 CONTACT = 1e-3
 """Part of the stand-off at which the surfaces count as met: 1e-11 s at 2 m/s."""
@@ -113,9 +112,10 @@ def approach(
             return CLEAR, h, gap, spent + 1
         if tumbles_too_far(angular, paths, a, t + step) or tumbles_too_far(angular, paths, b, t + step):
             return SPENT, safe, held, spent + 1
-        if spent > 0 and step < STALLED:
-            return IMPACT if gap <= stand_off else SPENT, safe, held, spent + 1
-        t += 0.5 * step if lowered else step
+        step = 0.5 * step if lowered else step
+        if spent > 0 and not (t + step > t):
+            return IMPACT if gap <= 2.0 * stand_off else SPENT, safe, held, spent + 1
+        t += step
     return SPENT, safe, held, rounds
 
 
@@ -144,7 +144,7 @@ def first_contact_of_pieces(
         return Found(BROKEN, 0.0, 0.0, inf, 0, sa, sb)
     far = farthest(start, a, b)
     stand_off = max(budget.stand_off, FAR_OUT * far)
-    rounding = ROUNDING * (far + max(geometry.shapes.size[sa], geometry.shapes.size[sb]))
+    rounding = ROUNDING * max(geometry.shapes.size[sa], geometry.shapes.size[sb]) + ROUNDING_FAR * far
     move_along(geometry, start, linear, angular, paths, series, a, 0.0, trial)
     move_along(geometry, start, linear, angular, paths, series, b, 0.0, trial)
     zero = (0.0, 0.0, 0.0)
@@ -169,7 +169,7 @@ def first_contact_of_pieces(
         geometry, start, linear, angular, paths, series, reach, sa, sb, t, h, close, False, close, rounding, budget.rounds, trial,
         a_rows, b_rows, scratch,
     )
-    if outcome != IMPACT:
+    if outcome == CLEAR:
         contact = inf
     return Found(IMPACT, t, contact, held, rounds + more + 1, sa, sb)
 
