@@ -17,8 +17,11 @@ APPROACH, IMPACT = 0, 1
 
 
 class Events(NamedTuple):
-    """Events k < min(kept[0], cap) in order: time (cap) [s] since the frame began, kind, the pair whose impact it is (cap, 2);
-    position (cap, nb, 3), rotation (cap, nb, 3, 3), linear and angular velocity (cap, nb, 3) of all bodies."""
+    """Events k < min(kept[0], cap) in order: time (cap) since the frame began at which the surfaces meet [s], kind, the pair
+    whose impact it is (cap, 2); position (cap, nb, 3), rotation (cap, nb, 3, 3), linear, angular velocity (cap, nb, 3) of all.
+
+    Poses are those at which the impact is resolved, with the stand-off still open. It takes the time gap / speed to close, so the
+    last impact of a frame may be a few nanoseconds past its end, and slow impacts may overtake fast ones of other pairs."""
 
     kept: Index
     time: Array

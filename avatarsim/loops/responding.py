@@ -1,5 +1,6 @@
 """What contacts do at one instant of the upper loop: impacts first, then forces and paths until the next event."""
 
+from avatarsim.impact.contact_time import time_to_contact
 from avatarsim.impact.contacts import weigh
 from avatarsim.impact.events import APPROACH, IMPACT, Events, record
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, resolve_impact, settle
@@ -27,7 +28,10 @@ STILLNESS = 1e-7
 
 @kernel
 def impacts(poses: Poses, velocities: Velocities, memory: Memory, events: Events, time: float, switches: Switches) -> int:
-    """Resolve all impacts of this instant; returns DONE or OUT_OF_IMPACTS."""
+    """Resolve all impacts of this instant; returns DONE or OUT_OF_IMPACTS.
+
+    Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
+    """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     status, resolved = DONE, 0
     head, fastest = fastest_approach(contacts, v, w)
@@ -39,14 +43,17 @@ def impacts(poses: Poses, velocities: Velocities, memory: Memory, events: Events
             status = OUT_OF_IMPACTS
             break
         a, b = contacts.body[head, 0], contacts.body[head, 1]
+        met = time
         if switches.record:
-            record(events, APPROACH, time, a, b, poses.position, poses.rotation, v, w)
+            curvature(contacts, memory.ball, v, w)
+            met += time_to_contact(contacts, head, v, w, memory.paths.linear, memory.paths.angular)
+            record(events, APPROACH, met, a, b, poses.position, poses.rotation, v, w)
         guarded = resolve_impact(
             contacts, memory.strike, head, fastest, switches.paper, v, w, memory.linear_end, memory.angular_end, memory.before,
             memory.direction, memory.received,
         )
         if switches.record:
-            record(events, IMPACT, time, a, b, poses.position, poses.rotation, v, w)
+            record(events, IMPACT, met, a, b, poses.position, poses.rotation, v, w)
         memory.counts[GUARDED] += 1 if guarded else 0
         resolved += 1
         head, fastest = fastest_approach(contacts, v, w)

@@ -18,6 +18,10 @@ ORDER = 24
 TURN = 0.5
 """Largest angle [rad] of one step of the series. Larger: the series needs more terms than ORDER; smaller: more steps."""
 
+STEPS_CAP = 2000
+"""Most steps of the series at once. A body that turns farther, by 1000 rad at a time (60,000 rad/s in a frame), keeps its
+angular velocity instead: without a cap a finite input could take for ever."""
+
 NEGLIGIBLE = 1e-17
 """The series ends when a whole term is below this part of its first."""
 
@@ -96,14 +100,18 @@ def series_step(inverse_inertia: Columns, momentum: Vec3, h: float, series: Seri
 def tumbled(
     inertia: Columns, inverse_inertia: Columns, turn: Columns, w: Vec3, t: float, series: Series
 ) -> tuple[Columns, Vec3]:
-    """Rotation and angular velocity after t seconds without torque; angular momentum is conserved by construction.
+    """Rotation and angular velocity after t seconds without torque; angular momentum is conserved by construction, except
+    beyond STEPS_CAP.
 
     Args:
         inertia, inverse_inertia: in body axes.
         turn: rotation at the start; w: angular velocity at the start [rad/s], world axes.
     """
+    angle = sqrt(dot(w, w)) * t
+    if not (angle < STEPS_CAP * TURN):
+        return spun(turn, w, t), w
     momentum = turned(turn, turned(inertia, turned_back(turn, w)))
-    steps = int(sqrt(dot(w, w)) * t / TURN) + 1
+    steps = int(angle / TURN) + 1
     h = t / steps
     for _ in range(steps):
         turn = straightened(product(turn, series_step(inverse_inertia, turned_back(turn, momentum), h, series)))

@@ -1,5 +1,6 @@
 """Where a body is during one segment: constant force in closed form, free rotation by its series."""
 
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from avatarsim.kernel import kernel
 from avatarsim.motion.free_rotation import Series, spun, tumbled
 from avatarsim.spatial.tangent import columns, put_columns, turned, turned_back
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, put_row, row
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses, place
 
 Array = NDArray[np.float64]
@@ -79,13 +80,47 @@ def move_along(
 
 
 @kernel
-def angular_acceleration(paths: Paths, turn: Array, b: int) -> Vec3:
-    """Angular acceleration [rad/s^2], world axes, of body b where ``move_along`` left it; ``turn`` (nb, 3, 3) rotations there."""
+def of_rotation_vector(theta: Vec3, rate: Vec3, gain: Vec3) -> tuple[Vec3, Vec3]:
+    """Angular velocity and acceleration of exp(theta), whose rotation vector changes by ``rate`` and that by ``gain``.
+
+    w = rate + B theta x rate + C theta x (theta x rate) with B = (1 - cos f) / f^2, C = (f - sin f) / f^3, f = |theta|, and its
+    derivative. Only while theta and rate are parallel is w the rate itself.
+    """
+    ff = dot(theta, theta)
+    if ff > 0.25:
+        f = sqrt(ff)
+        s, c = sin(f), 1.0 - cos(f)
+        b, k = c / ff, (f - s) / (ff * f)
+        # their derivatives by f, over f
+        db, dk = (f * s - 2.0 * c) / (ff * ff), (f * c - 3.0 * (f - s)) / (ff * ff * f)
+    else:
+        b = 1.0 / 2.0 - ff * (1.0 / 24.0 - ff * (1.0 / 720.0 - ff * (1.0 / 40320.0 - ff / 3628800.0)))
+        k = 1.0 / 6.0 - ff * (1.0 / 120.0 - ff * (1.0 / 5040.0 - ff * (1.0 / 362880.0 - ff / 39916800.0)))
+        db = -(1.0 / 12.0 - ff * (1.0 / 180.0 - ff * (1.0 / 6720.0 - ff / 453600.0)))
+        dk = -(1.0 / 60.0 - ff * (1.0 / 1260.0 - ff * (1.0 / 60480.0 - ff / 4989600.0)))
+    one = cross(theta, rate)
+    two = cross(theta, one)
+    grows = dot(theta, rate)
+    w = add(rate, add(scale(one, b), scale(two, k)))
+    one_rate = cross(theta, gain)
+    two_rate = add(cross(rate, one), cross(theta, one_rate))
+    alpha = add(gain, add(scale(one_rate, b), scale(two_rate, k)))
+    return w, add(alpha, add(scale(one, db * grows), scale(two, dk * grows)))
+
+
+@kernel
+def spinning(paths: Paths, angular: Array, turn: Array, b: int) -> tuple[Vec3, Vec3]:
+    """True angular velocity and acceleration, world axes, of body b where ``move_along`` left it.
+
+    ``angular`` (nb, 3) velocities at the start of the segment; ``turn`` (nb, 3, 3) rotations now. That of a held body differs
+    from ``paths.w`` where it does not turn about one axis: its rotation vector is what grows evenly.
+    """
     if paths.kind[b] == HELD:
-        return row(paths.angular, b)
+        t, w, alpha = paths.time[b], row(angular, b), row(paths.angular, b)
+        return of_rotation_vector(along(scale(w, t), 0.5 * t * t, alpha), along(w, t, alpha), alpha)
     if paths.kind[b] == STILL or paths.round[b] == 1:
-        return (0.0, 0.0, 0.0)
-    return gyroscopic(paths, turn, b)
+        return row(paths.w, b), (0.0, 0.0, 0.0)
+    return row(paths.w, b), gyroscopic(paths, turn, b)
 
 
 @kernel

@@ -5,7 +5,7 @@ height, velocity and acceleration are the true ones, what comes after is bounded
 Without rotation the bound is the motion itself and two or three rounds find the impact.
 """
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,11 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.motion.free_rotation import Series
-from avatarsim.motion.path import FREE, HELD, STILL, Paths, move_along
-from avatarsim.motion.turning_plane import follow, plane_motion
-from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
+from avatarsim.motion.path import HELD, STILL, Paths, move_along, spinning
+from avatarsim.motion.safe_step import longest_horizon, longest_safe_step, turning
+from avatarsim.motion.turning_plane import follow, follow_ball, follow_centres
+from avatarsim.spatial.vec3 import Vec3, neg, norm, row
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.shapes import POINTS
 
 Array = NDArray[np.float64]
 
@@ -50,125 +50,15 @@ LEAVING, RESTING = 1e-4, -1.5e-3
 ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
-HORIZONS = 8
-"""Times the horizon of the bounds is shortened when looking for the longest safe step."""
+ROUNDS = 200
+"""Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
-CLEAR, IMPACT, DIPPED, BROKEN = 0, 1, 2, 3
-"""Outcome: no event before the horizon; two bodies met; resting bodies came too close; a pose is not finite."""
+STALLED = 1e-13
+"""A safe step shorter than this [s] is none: even at 1 km/s nothing gets on by a tenth of a nanometre."""
 
-
-@kernel
-def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
-    """Smallest t in (0, h] with gap + v t + a t^2 / 2 <= 0, else h. A gap <= 0 counts as just touching: if it opens, the touch
-    looked for is the next one."""
-    if gap <= 0.0:
-        if v < 0.0 or (v == 0.0 and a < 0.0):
-            return 0.0
-        return min(h, -2.0 * v / a) if a < 0.0 else h
-    if v >= 0.0 and a >= 0.0:
-        return h
-    root = v * v - 2.0 * a * gap
-    if root < 0.0:
-        return h
-    # the form without cancellation for v < 0; for v > 0, a < 0 the sum is positive all the same
-    bottom = sqrt(root) - v
-    if not (bottom > 0.0):
-        return h
-    t = 2.0 * gap / bottom
-    return min(t, h) if t >= 0.0 else h
-
-
-@kernel
-def jerk_rate(paths: Paths, b: int, horizon: float) -> float:
-    """Bound of |r'''| / r [1/s^3] of the points of body b over the horizon.
-
-    Held: w^3 + 3 w alpha with w at its largest. Free: |w'| <= w^2 and |w''| <= 2 w^3 for every real solid (its moments obey the
-    triangle inequality), and w grows at most to w / (1 - w h).
-    """
-    speed = norm(row(paths.w, b))
-    if paths.kind[b] == STILL or speed + norm(row(paths.angular, b)) == 0.0:
-        return 0.0
-    if paths.kind[b] == HELD:
-        gain = norm(row(paths.angular, b))
-        speed += gain * horizon
-        return speed * speed * speed + 3.0 * speed * gain
-    if paths.round[b] == 1:
-        return speed * speed * speed
-    speed /= max(0.5, 1.0 - speed * horizon)
-    return 6.0 * speed * speed * speed
-
-
-@kernel
-def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
-    """Longest time [s] over which the bounds of ``jerk_rate`` and of turning ellipsoids hold for shape s."""
-    b = geometry.body[s]
-    speed = norm(row(paths.w, b))
-    if paths.kind[b] == STILL or speed == 0.0:
-        return inf
-    smooth = geometry.shapes.kind[s] != POINTS
-    return 0.2 / speed if smooth or (paths.kind[b] == FREE and paths.round[b] == 0) else inf
-
-
-@kernel
-def turning(paths: Paths, b: int, ball: bool, horizon: float) -> Vec3:
-    """Bounds over the horizon for body b: (angular speed, angular acceleration, ``jerk_rate``); nothing for a ball, whose plane
-    need not turn and whose one vertex has no arm."""
-    if paths.kind[b] == STILL or ball:
-        return (0.0, 0.0, 0.0)
-    speed = norm(row(paths.w, b))
-    if paths.kind[b] == HELD:
-        gain = norm(row(paths.angular, b))
-        return (speed + gain * horizon, gain, jerk_rate(paths, b, horizon))
-    if paths.round[b] == 1:
-        return (speed, 0.0, jerk_rate(paths, b, horizon))
-    speed /= max(0.5, 1.0 - speed * horizon)
-    return (speed, speed * speed, jerk_rate(paths, b, horizon))
-
-
-@kernel
-def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, target: float, h: float) -> float:
-    """A time <= h during which no vertex of ``follow`` comes closer than ``target`` to the plane.
-
-    ``own`` and ``plane`` are bounds from ``turning`` for the body of the vertices and for the plane; ``slide`` is the
-    acceleration of one centre seen from the other [m/s^2].
-    """
-    step = h
-    for i in range(count):
-        gap, v, a = rows[i, 0] - target, rows[i, 1], rows[i, 2]
-        r, speed = rows[i, 3], rows[i, 5]
-        pull = slide + (own[0] * own[0] + own[1]) * r
-        speed += pull * h
-        jerk = own[2] * r + 3.0 * plane[0] * pull + 3.0 * (plane[0] * plane[0] + plane[1]) * speed
-        jerk += plane[2] * (rows[i, 4] + speed * h)
-        if gap > 0.0 and gap + step * (min(v, 0.0) + step * (min(a, 0.0) * 0.5 - jerk * step / 6.0)) > 0.0:
-            continue
-        # gap + v t + a t^2/2 - jerk t^3/6, the last term by its value at the end of the step
-        found = earliest_touch(gap, v - jerk * step * step / 6.0, a, step)
-        if v > 0.0 and jerk > 0.0 and found < step:
-            # swamped by the bound: over a shorter time half of v is more than the jerk can take away
-            short = min(step, sqrt(3.0 * v / jerk))
-            found = max(found, min(short, earliest_touch(gap, 0.5 * v, a, short)))
-        step = min(step, found)
-        if step == 0.0:
-            return 0.0
-    return step
-
-
-@kernel
-def longest_safe_step(
-    rows: Array, count: int, paths: Paths, b: int, c: int, ball: bool, plane_of_ball: bool, target: float, h: float
-) -> float:
-    """``safe_step`` over the horizon, at most h, whose bounds leave the longest step; vertices of body b, plane of body c."""
-    slide = norm(sub(row(paths.linear, b), row(paths.linear, c)))
-    horizon, step = h, 0.0
-    for _ in range(HORIZONS):
-        own, plane = turning(paths, b, ball, horizon), turning(paths, c, plane_of_ball, horizon)
-        found = safe_step(rows, count, own, plane, slide, target, horizon)
-        step = max(step, found)
-        if found >= 0.7 * horizon:
-            break
-        horizon = max(2.0 * step, 0.2 * horizon) if 2.0 * step < horizon else 0.5 * horizon
-    return step
+CLEAR, IMPACT, DIPPED, BROKEN, SPENT, OVERLAPPING = range(6)
+"""Outcome: no event before the horizon; two bodies met; resting bodies came too close; a pose or velocity is not finite; the
+budget of rounds is spent; they overlapped from the start (never an outcome of ``time_of_impact``, which lets them part)."""
 
 
 @kernel
@@ -194,11 +84,92 @@ def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -
 
 
 @kernel
+def farthest(start: Poses, a: int, b: int) -> float:
+    """Largest coordinate of two bodies [m]."""
+    far = 0.0
+    for i in range(3):
+        far = max(far, abs(start.position[a, i]), abs(start.position[b, i]))
+    return far
+
+
+@kernel
+def margin_of(geometry: Geometry, paths: Paths, reach: Array, a: int, b: int, left: float, stand_off: float) -> float:
+    """Gap [m] beyond which two bodies cannot meet in ``left`` seconds; nan or inf if a velocity is."""
+    margin = reach_of(geometry, paths, reach, a, left) + reach_of(geometry, paths, reach, b, left) + 2.0 * stand_off
+    # the minimum in `reach_of` may hide what is not finite
+    return margin + 0.0 * (norm(row(paths.w, a)) + norm(row(paths.w, b)))
+
+
+@kernel
+def follow_both(
+    geometry: Geometry, angular: Array, paths: Paths, reach: Array, sa: int, sb: int, n: Vec3, left: float, trial: Poses,
+    a_rows: Array, b_rows: Array,
+) -> tuple[int, int, float]:
+    """Fill both shapes' rows (see ``follow``); returns their numbers and the horizon over which their bounds hold."""
+    a, b = geometry.body[sa], geometry.body[sb]
+    horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
+    ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
+    most_a, most_b = turning(paths, a, ball_a, horizon), turning(paths, b, ball_b, horizon)
+    spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
+    spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
+    if ball_a:
+        spin_a, twist_a = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    if ball_b:
+        spin_b, twist_b = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    count_a = follow(
+        geometry, trial, paths, sa, sb, spin_a, twist_a, spin_b, twist_b, most_a, most_b, horizon, n, a_rows
+    )
+    count_b = follow(
+        geometry, trial, paths, sb, sa, spin_b, twist_b, spin_a, twist_a, most_b, most_a, horizon, neg(n), b_rows
+    )
+    return count_a, count_b, horizon
+
+
+@kernel
+def safe_time(
+    geometry: Geometry, angular: Array, paths: Paths, reach: Array, sa: int, sb: int, n: Vec3, target: float, left: float,
+    horizon: float, trial: Poses, a_rows: Array, b_rows: Array, count_a: int, count_b: int,
+) -> float:
+    """Time <= left during which the shapes surely keep ``target``: planes that turn with B and with A each prove a safe step, and
+    where a body turns, so do the balls that hold it however it tumbles; the longest holds. The rows are overwritten."""
+    a, b = geometry.body[sa], geometry.body[sb]
+    ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
+    step = longest_safe_step(a_rows, count_a, paths, a, b, ball_a, ball_b, target, horizon)
+    if step < horizon:
+        step = max(step, longest_safe_step(b_rows, count_b, paths, b, a, ball_b, ball_a, target, horizon))
+    if step >= left:
+        return left
+    radius_a, radius_b = reach[a] + geometry.shapes.radius[sa], reach[b] + geometry.shapes.radius[sb]
+    turns_a, turns_b = norm(row(paths.w, a)) * reach[a] > 0.0, norm(row(paths.w, b)) * reach[b] > 0.0
+    if turns_a:
+        spin, twist = spinning(paths, angular, trial.rotation, b)
+        if ball_b:
+            spin, twist = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        follow_ball(geometry, trial, paths, radius_a, a, sb, spin, twist, n, a_rows)
+        if a_rows[0, 0] > target:
+            h = min(left, longest_horizon(geometry, paths, sb))
+            step = max(step, longest_safe_step(a_rows, 1, paths, a, b, True, ball_b, target, h))
+    if turns_b:
+        spin, twist = spinning(paths, angular, trial.rotation, a)
+        if ball_a:
+            spin, twist = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        follow_ball(geometry, trial, paths, radius_b, b, sa, spin, twist, neg(n), b_rows)
+        if b_rows[0, 0] > target:
+            h = min(left, longest_horizon(geometry, paths, sa))
+            step = max(step, longest_safe_step(b_rows, 1, paths, b, a, True, ball_a, target, h))
+    if turns_a and turns_b:
+        follow_centres(geometry, trial, paths, radius_a + radius_b, a, b, a_rows)
+        if a_rows[0, 0] > target:
+            step = max(step, longest_safe_step(a_rows, 1, paths, a, b, True, True, target, left))
+    return step
+
+
+@kernel
 def time_of_impact(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, sa: int, sb: int,
     h: float, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
 ) -> tuple[int, float]:
-    """First event of shapes sa and sb on the paths of their bodies within h seconds.
+    """First event of shapes sa and sb on the paths of their bodies within h seconds, as the upper loop wants it.
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
@@ -207,44 +178,37 @@ def time_of_impact(
 
     Returns:
         (CLEAR, h), or (IMPACT, t) when the gap came down to the stand-off, or (DIPPED, t) when a resting pair reached DIP, or
-        (BROKEN, 0). Up to t the gap is never below its target.
+        (BROKEN, 0), or (SPENT, t) when the budget of rounds is. Up to t the gap is never below its target.
     """
     a, b = geometry.body[sa], geometry.body[sb]
-    t, target, n = 0.0, STAND_OFF, (0.0, 0.0, 0.0)
-    far = max(abs(start.position[a, 0]), abs(start.position[a, 1]), abs(start.position[a, 2]))
-    stand_off = max(STAND_OFF, FAR_OUT * far)
+    t, n = 0.0, (0.0, 0.0, 0.0)
+    stand_off = max(STAND_OFF, FAR_OUT * farthest(start, a, b))
     target, event = stand_off, IMPACT
     for rounds in range(ROUNDS):
         move_along(geometry, start, linear, angular, paths, series, a, t, trial)
         move_along(geometry, start, linear, angular, paths, series, b, t, trial)
         left = h - t
-        margin = reach_of(geometry, paths, reach, a, left) + reach_of(geometry, paths, reach, b, left) + 2.0 * stand_off
+        margin = margin_of(geometry, paths, reach, a, b, left, stand_off)
         status, gap, n, _, _ = signed_distance_up_to(trial.vertices, geometry.shapes, sa, sb, n, margin, scratch)
-        if status == NOT_FINITE:
+        if status == NOT_FINITE or not (margin < inf):
             return BROKEN, 0.0
         if gap > margin:
             return CLEAR, h
         if rounds > 0 and gap <= target + TOLERANCE:
             return event, t
-        # planes that turn with B and with A: each proves a safe step, the longer one holds
-        spin_a, twist_a = plane_motion(paths, trial, a, reach[a] == 0.0)
-        spin_b, twist_b = plane_motion(paths, trial, b, reach[b] == 0.0)
-        count_a = follow(geometry, trial, paths, sa, sb, spin_b, twist_b, n, a_rows)
-        count_b = follow(geometry, trial, paths, sb, sa, spin_a, twist_a, neg(n), b_rows)
+        count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
         if rounds == 0 and gap < TOUCH:
             slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
             if slowest > LEAVING:
                 target = min(stand_off, gap)
             elif slowest > RESTING:
                 target, event = min(DIP, gap - CREEP), DIPPED
-        horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
-        ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
-        step = longest_safe_step(a_rows, count_a, paths, a, b, ball_a, ball_b, target, horizon)
-        if step < horizon:
-            step = max(step, longest_safe_step(b_rows, count_b, paths, b, a, ball_b, ball_a, target, horizon))
+        step = safe_time(
+            geometry, angular, paths, reach, sa, sb, n, target, left, horizon, trial, a_rows, b_rows, count_a, count_b
+        )
         if t + step >= h:
             return CLEAR, h
-        if step < 1e-13 and rounds > 0:
+        if step < STALLED and rounds > 0:
             return event, t
         t += step
-    return event, t
+    return SPENT, t

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.motion.path import FREE
-from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, earliest_touch, time_of_impact
+from avatarsim.motion.safe_step import earliest_touch
+from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, time_of_impact
 from avatarsim.scene.shape import Box, Ellipsoid
 from tests.loops.upper_world import World, ball, slab, thing
 
