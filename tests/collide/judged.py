@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from avatarsim.collide.coherent import signed_distance_coherent
+from avatarsim.collide.pair_memory import make_pair_memory
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import separated_beyond, signed_distance, signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NAMES
@@ -32,7 +34,11 @@ MOST_TRIANGLES = 300_000
 """Effort for one proof of a depth: typical are 200 to 5,000; only where nearly every direction is equally deep, as in two
 concentric balls written as ellipsoids, it ends undecided."""
 
-SCRATCH, STACK = make_scratch(), make_stack()
+TURNED = np.array([[0.0, 0.02, -0.01], [-0.02, 0.0, 0.03], [0.01, -0.03, 0.0]])
+"""By what [rad] the second shape lies turned a frame before, for the coherent query; it lies shifted by about as much of its
+size. A memory may be of anything, so that the turn is one of first order does not matter."""
+
+SCRATCH, STACK, MEMORY = make_scratch(), make_stack(), make_pair_memory(1)
 
 ENUMERATED, BOUNDED, PROVEN, UNPROVED = "enumerated", "bounded", "proved", "undecided"
 """Oracles: all facets or features tried; both bounds from normal and witnesses; no direction is shorter; gave up."""
@@ -50,7 +56,7 @@ class Verdict:
     witness: float
     """By how much the points miss the shapes, or miss being gap n apart."""
     swapped: float
-    """Difference of the gap with a and b exchanged, and of the other two doors' answers from this one."""
+    """Difference of the gap with a and b exchanged, with a margin, and with the memory of a frame before, from this one."""
     wrong_sign: bool
     lost: str
     """What went wrong besides figures; empty: nothing."""
@@ -168,4 +174,31 @@ def _other_doors(
             difference = max(difference, abs(bound - gap))
         if apart != (gap > margin) and abs(gap - margin) > slack:
             return difference, f"separated_beyond({margin:.3g}) says {apart} of the gap {gap:.17g}"
+    for moved in (True, False):
+        warm, wrong = _coherent(batch, k, size, moved)
+        difference = max(difference, abs(warm - gap))
+        if wrong and back[0] == CONVERGED:
+            return difference, wrong
     return difference, ""
+
+
+def _coherent(batch: Batch, k: int, size: float, moved: bool) -> tuple[float, str]:
+    """The gap with the memory of where b was a frame before, or as it is left from then, and what is wrong with the answer."""
+    a, b, v, shapes = 2 * k, 2 * k + 1, batch.vertices, batch.shapes
+    if moved:
+        here = slice(shapes.start[b], shapes.start[b + 1])
+        kept = v[here].copy()
+        arms = kept - kept.mean(axis=0) if shapes.kind[b] != ELLIPSOID else np.vstack([np.zeros(3), kept[1:]])
+        v[here] = kept + arms @ TURNED
+        v[here if shapes.kind[b] != ELLIPSOID else shapes.start[b]] += TURNED[k % 3] * shapes.size[b]
+        signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)
+        v[here] = kept
+    status, gap, n, on_a, on_b = signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)
+    unit = np.array(n)
+    reach = farthest_of_difference(batch.centred, shapes.kind, shapes.start, a, b, (-n[0], -n[1], -n[2]))
+    proved = float(np.array(reach) @ unit - shapes.radius[a] - shapes.radius[b])
+    off = max(gap - proved, float(np.abs(np.array(on_a) - np.array(on_b) - gap * unit).max()))
+    rounding = ULPS * float(np.spacing(np.abs(v[shapes.start[a] : shapes.start[b + 1]]).max()))
+    if status != CONVERGED:
+        return gap, f"coherent: status {NAMES[status]}"
+    return gap, "" if off <= RELATIVE * size + rounding else f"coherent: normal or points off by {off / size:.2g}"
