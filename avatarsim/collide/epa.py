@@ -38,49 +38,66 @@ looked for."""
 @kernel
 def epa(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, scratch: Scratch
-) -> tuple[int, Vec3, float, int]:
+) -> tuple[int, Vec3, float, int, int]:
     """Depth of the cores of shapes a and b, from the first ``count`` points that `gjk` left in the scratch.
 
     Returns:
-        (status, m, depth, faces). m is the unit normal of A - B at its surface point nearest to the origin:
+        (status, m, depth, points, faces). m is the unit normal of A - B at its surface point nearest to the origin:
         moving a by -depth m separates, whatever the status (unless NOT_FINITE). depth < 0: m proves the cores
         apart. A - B flat (two segments, a point and a point): depth 0, m at right angles to it and on the
-        side of -seed, faces 0. Otherwise faces slots are in use.
+        side of -seed, faces 0. Otherwise so many points and face slots are in use.
+    """
+    size = max(shapes.size[a], shapes.size[b])
+    points = grow_tetrahedron(vertices, shapes, a, b, count, size, scratch)
+    if points < 4:
+        return CONVERGED, flat_normal(points, seed, scratch), 0.0, points, 0
+    if not start_polytope(scratch):
+        m = flat_normal(points - 1, seed, scratch)
+        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, points, scratch), m), points, 0
+    return expand(vertices, shapes, a, b, points, points, scratch)
+
+
+@kernel
+def expand(
+    vertices: Rows, shapes: Shapes, a: int, b: int, points: int, faces: int, scratch: Scratch
+) -> tuple[int, Vec3, float, int, int]:
+    """Push out the polytope of ``points`` points and ``faces`` face slots that is in the scratch until its lowest face
+    is on the surface of A - B.
+
+    Returns:
+        (status, m, depth, points, faces), as `epa`. Why CONVERGED with depth > 0 holds for *any* closed oriented surface
+        whose corners are points of A - B, convex or not: if every face has the origin below its plane, each covers a
+        positive solid angle seen from there, so together they cover every direction, and what they bound holds a ball
+        of the lowest height; the support says that no larger one fits.
     """
     size = max(shapes.size[a], shapes.size[b])
     both_points = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
     tolerance = (EXACT if both_points else SMOOTH) * size
-    points = grow_tetrahedron(vertices, shapes, a, b, count, size, scratch)
-    if points < 4:
-        return CONVERGED, flat_normal(points, seed, scratch), 0.0, 0
-    least, toward, faces = inf, NOWHERE, 4
-    if not start_polytope(scratch):
-        m = flat_normal(3, seed, scratch)
-        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, 4, scratch), m), 0
+    least, toward = inf, NOWHERE
     while True:
         f, lowest = -1, inf
         for g in range(faces):
             if scratch.alive[g] == 1 and scratch.height[g] < lowest:
                 f, lowest = g, scratch.height[g]
         if f < 0:
-            return NOT_FINITE, toward, least, faces
+            return NOT_FINITE, toward, least, points, faces
         m = row(scratch.normal, f)
         slot = min(points, POINTS_CAP - 1)
         w = add_support(vertices, shapes, a, b, m, slot, scratch)
         depth = dot(w, m)
         if depth - lowest <= tolerance or depth < 0.0:
-            return CONVERGED, m, depth, faces
+            return CONVERGED, m, depth, points, faces
         if depth < least:
             least, toward = depth, m
         if points == POINTS_CAP - 1:
-            return OUT_OF_ITERATIONS, toward, least, faces
+            return OUT_OF_ITERATIONS, toward, least, points, faces
         if not (depth < inf):
-            return NOT_FINITE, toward, least, faces
+            return NOT_FINITE, toward, least, points, faces
         points += 1
         edges = find_horizon(f, w, VISIBLE * size, scratch)
         whole, faces = cone_to(slot, edges, faces, scratch)
         if not whole:
-            return DEGENERATE, toward, least, faces
+            return DEGENERATE, toward, least, points, faces
 
 
 @kernel

@@ -84,9 +84,9 @@ def add_support(vertices: Rows, shapes: Shapes, a: int, b: int, d: Vec3, slot: i
 
 
 @kernel
-def known(slot: int, count: int, scratch: Scratch) -> bool:
-    """Whether the point in ``slot`` equals one of the first ``count``."""
-    for i in range(count):
+def known(slot: int, scratch: Scratch) -> bool:
+    """Whether the point in ``slot`` equals one of those before it."""
+    for i in range(slot):
         if (
             scratch.w[i, 0] == scratch.w[slot, 0]
             and scratch.w[i, 1] == scratch.w[slot, 1]
@@ -114,24 +114,36 @@ def gjk(
         scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
         than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
-    size = max(shapes.size[a], shapes.size[b])
     v = seed
-    if not (dot(v, v) > 0.0):
+    if not (0.0 < dot(v, v) < inf):
         v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
         if dot(v, v) == 0.0:
             v = (1.0, 0.0, 0.0)
-    length, count, stalled = norm(v), 0, False
-    for iteration in range(ITERATIONS_CAP):
+    return gjk_from(vertices, shapes, a, b, v, 0, margin, scratch)
+
+
+@kernel
+def gjk_from(
+    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, scratch: Scratch
+) -> tuple[int, Vec3, float, int]:
+    """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
+
+    Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth.
+    """
+    size = max(shapes.size[a], shapes.size[b])
+    length, stalled = norm(v), False
+    for _ in range(ITERATIONS_CAP):
         w = add_support(vertices, shapes, a, b, neg(v), count, scratch)
         proved = dot(v, w) / length
         if not (abs(proved) < inf):
             return NOT_FINITE, NOWHERE, 0.0, count
         if proved > margin:
             return CONVERGED, scale(v, 1.0 / length), proved, count
-        if count > 0:
+        measured = count > 0
+        if measured:
             missing = length - proved
             done = missing <= CLOSE_ENOUGH * size + ROUNDING * length
-            if done or stalled or known(count, count, scratch):
+            if done or stalled or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
                 if missing <= ACCEPTED * size + ROUNDING * length:
@@ -144,7 +156,7 @@ def gjk(
         if closer <= TOUCHING * size:
             return CONVERGED, NOWHERE, 0.0, count
         # Rounding: no nearer than before. The direction is checked once more, then taken or refused.
-        stalled = iteration > 0 and not (closer < length)
+        stalled = measured and not (closer < length)
         v, length = closest, closer
     n = scale(v, 1.0 / length)
     proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)

@@ -10,17 +10,16 @@ from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, put_row, row, scale, 
 
 
 @kernel
-def set_face(f: int, i: int, j: int, k: int, scratch: Scratch) -> bool:
-    """Write face i j k into slot f with its outward plane; False if its corners are in line."""
-    p = row(scratch.w, i)
-    n = cross(sub(row(scratch.w, j), p), sub(row(scratch.w, k), p))
+def set_plane(f: int, scratch: Scratch) -> bool:
+    """Give the face in slot f the outward plane of its corners; False if they are in line."""
+    p = row(scratch.w, scratch.corner[f, 0])
+    n = cross(sub(row(scratch.w, scratch.corner[f, 1]), p), sub(row(scratch.w, scratch.corner[f, 2]), p))
     area = norm(n)
     if not (area > 0.0):
         return False
     n = scale(n, 1.0 / area)
     put_row(scratch.normal, f, n)
     scratch.height[f] = dot(n, p)
-    scratch.corner[f, 0], scratch.corner[f, 1], scratch.corner[f, 2] = i, j, k
     scratch.alive[f] = 1
     return True
 
@@ -28,22 +27,19 @@ def set_face(f: int, i: int, j: int, k: int, scratch: Scratch) -> bool:
 @kernel
 def start_polytope(scratch: Scratch) -> bool:
     """Make the four outward faces of the tetrahedron in the first four points; False if one has no area."""
-    whole = True
-    for f in range(4):
-        # Faces 0 1 2, 0 3 1, 0 2 3, 1 3 2: outward if 3 is below 0 1 2, which `grow_tetrahedron` sees to.
-        if f == 0:
-            whole = set_face(0, 0, 1, 2, scratch) and whole
-        elif f == 1:
-            whole = set_face(1, 0, 3, 1, scratch) and whole
-        elif f == 2:
-            whole = set_face(2, 0, 2, 3, scratch) and whole
-        else:
-            whole = set_face(3, 1, 3, 2, scratch) and whole
-    across = scratch.across
+    corner, across = scratch.corner, scratch.across
+    # Outward if 3 is below 0 1 2, which `grow_tetrahedron` sees to.
+    corner[0, 0], corner[0, 1], corner[0, 2] = 0, 1, 2
+    corner[1, 0], corner[1, 1], corner[1, 2] = 0, 3, 1
+    corner[2, 0], corner[2, 1], corner[2, 2] = 0, 2, 3
+    corner[3, 0], corner[3, 1], corner[3, 2] = 1, 3, 2
     across[0, 0], across[0, 1], across[0, 2] = 1, 3, 2
     across[1, 0], across[1, 1], across[1, 2] = 2, 3, 0
     across[2, 0], across[2, 1], across[2, 2] = 0, 3, 1
     across[3, 0], across[3, 1], across[3, 2] = 1, 2, 0
+    whole = True
+    for f in range(4):
+        whole = set_plane(f, scratch) and whole
     return whole
 
 
@@ -94,7 +90,8 @@ def cone_to(apex: int, edges: int, faces: int, scratch: Scratch) -> tuple[bool, 
         if slot >= FACES_CAP:
             return False, faces
         faces = max(faces, slot + 1)
-        if not set_face(slot, horizon[q, 0], horizon[q, 1], apex, scratch):
+        corner[slot, 0], corner[slot, 1], corner[slot, 2] = horizon[q, 0], horizon[q, 1], apex
+        if not set_plane(slot, scratch):
             return False, faces
         outer = horizon[q, 2]
         across[slot, 0] = outer

@@ -1,12 +1,12 @@
 """THE query: how far apart, or how deep, two convex shapes are, which way, and where.
 
 With rounding: swept by radii r_A and r_B the distance of the cores shrinks by r_A + r_B and the depth grows
-by as much, along the same normal, so cores are all that GJK and EPA see, and spheres and capsules are exact
-without formulas of their own.
+by as much, along the same normal, so cores are all that the algorithms see, and spheres and capsules are exact.
 """
 
 from math import inf, nan
 
+from avatarsim.collide.closed_forms import closed_form
 from avatarsim.collide.epa import deepest_points, epa
 from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
@@ -28,25 +28,50 @@ def signed_distance_up_to(
 
     The gap returned is then a proved lower bound > margin along n, and both points are zero.
     """
+    known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
+    status = CONVERGED
+    if not known:
+        wanted = margin + (shapes.radius[a] + shapes.radius[b])
+        status, distance, n, on_a, on_b, _, _ = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
+    return with_radii(shapes, a, b, status, distance, n, on_a, on_b, margin)
+
+
+@kernel
+def with_radii(
+    shapes: Shapes, a: int, b: int, status: int, distance: float, n: Vec3, on_a: Vec3, on_b: Vec3, margin: float
+) -> tuple[int, float, Vec3, Vec3, Vec3]:
+    """From the distance and points of the cores to those of the shapes, as `signed_distance_up_to` returns them."""
     radius_a, radius_b = shapes.radius[a], shapes.radius[b]
-    rounding = radius_a + radius_b
-    status, n, distance, count = gjk(vertices, shapes, a, b, seed, margin + rounding, scratch)
+    if status == NOT_FINITE or distance > margin + (radius_a + radius_b):
+        return status, distance - (radius_a + radius_b), n, NOWHERE, NOWHERE
+    return status, distance - (radius_a + radius_b), n, along(on_a, -radius_a, n), along(on_b, radius_b, n)
+
+
+@kernel
+def core_distance(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
+    """Signed distance of the cores, radii left out, by GJK and, if they overlap, by EPA.
+
+    Returns:
+        (status, distance, n, point_a, point_b, points, faces). The scratch holds ``points`` points: the simplex of cores
+        apart, without faces, or the corners of the surface in ``faces`` face slots.
+    """
+    status, n, distance, points = gjk(vertices, shapes, a, b, seed, margin, scratch)
     if status == NOT_FINITE:
-        return status, nan, NOWHERE, NOWHERE, NOWHERE
-    if distance > margin + rounding:
-        return status, distance - rounding, n, NOWHERE, NOWHERE
-    on_a, on_b = closest_points(count, scratch)
-    if distance == 0.0:
-        size = max(shapes.size[a], shapes.size[b])
-        status, m, depth, faces = epa(vertices, shapes, a, b, seed, count, scratch)
-        if status == NOT_FINITE:
-            return status, nan, NOWHERE, NOWHERE, NOWHERE
-        n, distance = neg(m), -depth
-        if faces > 0:
-            on_a, on_b = deepest_points(m, depth, faces, size, scratch)
-        if distance > SIGN_DOUBT * size and status == CONVERGED:
-            status = DEGENERATE
-    return status, distance - rounding, n, along(on_a, -radius_a, n), along(on_b, radius_b, n)
+        return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
+    on_a, on_b = closest_points(points, scratch)
+    if distance > 0.0:
+        return status, distance, n, on_a, on_b, points, 0
+    size = max(shapes.size[a], shapes.size[b])
+    status, m, depth, points, faces = epa(vertices, shapes, a, b, seed, points, scratch)
+    if status == NOT_FINITE:
+        return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
+    if faces > 0:
+        on_a, on_b = deepest_points(m, depth, faces, size, scratch)
+    if -depth > SIGN_DOUBT * size and status == CONVERGED:
+        status = DEGENERATE
+    return status, -depth, neg(m), on_a, on_b, points, faces
 
 
 @kernel

@@ -93,20 +93,21 @@ def grow_tetrahedron(
         best = FLAT * size
         found = False
         for k in range(6 if points < 3 else 2):
-            # Slots beyond the four hold the best candidate (4) and the one being tried (5).
-            w = add_support(vertices, shapes, a, b, outward_try(points, k, scratch), 5, scratch)
+            # The best candidate so far is in the next slot, the one being tried in the slot after it.
+            w = add_support(vertices, shapes, a, b, outward_try(points, k, scratch), points + 1, scratch)
             far = off_the_others(points, w, scratch)
             if far > best:
                 best, found = far, True
-                move_point(5, 4, scratch)
+                move_point(points + 1, points, scratch)
         if not found:
             return points
-        move_point(4, points, scratch)
         points += 1
     p = row(scratch.w, 0)
     n = cross(sub(row(scratch.w, 1), p), sub(row(scratch.w, 2), p))
     if dot(n, sub(row(scratch.w, 3), p)) > 0.0:
-        move_point(1, 4, scratch)
-        move_point(2, 1, scratch)
-        move_point(4, 2, scratch)
+        # Points 1 and 2 change places by way of slot 4. Slots are counted from ``points``, which is 4, because every
+        # literal argument would make the compiler write the whole function again.
+        move_point(points - 3, points, scratch)
+        move_point(points - 2, points - 3, scratch)
+        move_point(points, points - 2, scratch)
     return points

@@ -31,14 +31,14 @@ def run(a, b, seed=NO_SEED):
 
 
 def test_depth_of_boxes_in_closed_form():
-    status, m, depth, _ = run(box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5).moved(shift=(0.1, 0.2, 0.7)))
+    status, m, depth, _, _ = run(box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5).moved(shift=(0.1, 0.2, 0.7)))
     assert status == CONVERGED
     assert depth == pytest.approx(0.3, abs=1e-15)
     np.testing.assert_allclose(m, (0.0, 0.0, 1.0), atol=1e-15)
 
 
 def test_an_origin_outside_gets_a_negative_depth_that_proves_it():
-    status, m, depth, _ = run(box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5).moved(shift=(0.0, 0.0, 1.25)))
+    status, m, depth, _, _ = run(box(0.5, 0.5, 0.5), box(0.5, 0.5, 0.5).moved(shift=(0.0, 0.0, 1.25)))
     assert (status, depth) == (CONVERGED, -0.25)
     assert m[2] == 1.0
 
@@ -51,7 +51,7 @@ def test_flat_differences_have_depth_zero_across_them(seed):
         (capsule(0.1, 1.0), capsule(0.1, 1.0), [(1, 0, 0)]),
         (ball(0.1), ball(0.1), []),
     ):
-        status, m, depth, faces = run(a, b, seed)
+        status, m, depth, _, faces = run(a, b, seed)
         assert (status, depth, faces) == (CONVERGED, 0.0, 0)
         assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
         for d in directions:
@@ -60,7 +60,7 @@ def test_flat_differences_have_depth_zero_across_them(seed):
 
 
 def test_concentric_balls_made_as_ellipsoids_report_that_no_facet_is_nearest():
-    status, m, depth, _ = run(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
+    status, m, depth, _, _ = run(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
     assert status == OUT_OF_ITERATIONS
     assert depth == pytest.approx(0.8, abs=1e-12)
     assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
@@ -71,6 +71,6 @@ def test_deep_hulls_equal_qhull():
     for _ in range(10):
         turn = Rotation.from_quat(rng.normal(size=4))
         a, b = random_hull(rng, 15), random_hull(rng, 15).moved(turn, rng.normal(size=3) * 0.05)
-        status, _, depth, _ = run(a, b)
+        status, _, depth, _, _ = run(a, b)
         assert status == CONVERGED
         assert depth == pytest.approx(exact_core_depth(a, b), abs=1e-12)

@@ -1,0 +1,103 @@
+"""THE query again, for a pair that was asked about a frame ago: it starts from what made the last answer.
+
+Apart: GJK goes on from the last simplex. Overlapping: EPA goes on from the whole last surface around the origin. If
+nothing new happened, one support proves the answer, by the same test that ends the cold algorithms: both accept any
+points of A - B, so the memory cannot make an answer wrong. Whatever it does not lead to is asked cold.
+"""
+
+from math import inf
+
+from avatarsim.collide.closed_forms import closed_form
+from avatarsim.collide.epa import deepest_points, expand
+from avatarsim.collide.gjk import NOWHERE, closest_in_simplex, closest_points, gjk_from
+from avatarsim.collide.pair_memory import (
+    PairMemory,
+    recall_axis,
+    recall_faces,
+    recall_points,
+    remember_points,
+    remember_polytope,
+)
+from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.signed_distance import core_distance, with_radii
+from avatarsim.collide.status import CONVERGED
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm
+from avatarsim.world.shapes import POINTS, Shapes
+
+CLEARLY_DEEP = 1e-9
+"""Relative to the shapes' size: depths below this are asked cold, where GJK has a say too. Smaller: rounding decides on
+which side of a remembered face the origin is."""
+
+
+@kernel
+def signed_distance_coherent(
+    vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, scratch: Scratch, memory_out: PairMemory, pair: int
+) -> tuple[int, float, Vec3, Vec3, Vec3]:
+    """As `signed_distance_up_to`, in less time if shapes a and b lie much as when this was last asked.
+
+    Args:
+        margin: stop as soon as a gap > margin [m] is proved; inf asks for the exact distance.
+        memory_out: read and updated at number ``pair``, which is the caller's name for the ordered pair (a, b). Any
+            content only costs time.
+    """
+    known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
+    status = CONVERGED
+    if not known:
+        wanted = margin + (shapes.radius[a] + shapes.radius[b])
+        seed = recall_axis(memory_out, pair)
+        count = 0
+        # The points of an ellipsoid are no vertices: only the axis is kept.
+        remembering = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
+        if remembering:
+            count = recall_points(vertices, shapes, a, b, memory_out, pair, scratch)
+        if count > 3:
+            known, distance, n, on_a, on_b = still_overlapping(vertices, shapes, a, b, count, scratch, memory_out, pair)
+        elif count > 0:
+            known, distance, n, on_a, on_b = still_apart(vertices, shapes, a, b, count, wanted, scratch, memory_out, pair)
+        if not known:
+            status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
+            if not remembering or status != CONVERGED or (distance > 0.0) == (faces > 0):
+                points, faces = 0, 0
+            if faces > 0:
+                remember_polytope(shapes, a, b, n, points, faces, scratch, memory_out, pair)
+            else:
+                remember_points(shapes, a, b, n, points, scratch, memory_out, pair)
+    return with_radii(shapes, a, b, status, distance, n, on_a, on_b, margin)
+
+
+@kernel
+def still_apart(
+    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, margin: float, scratch: Scratch, memory_out: PairMemory, pair: int
+) -> tuple[bool, float, Vec3, Vec3, Vec3]:
+    """Distance of the cores by GJK from the ``count`` remembered points in the scratch; not known if they touch."""
+    _, v, count = closest_in_simplex(count, scratch)
+    if not (0.0 < norm(v) < inf):
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, margin, scratch)
+    if status != CONVERGED or not (distance > 0.0):
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    on_a, on_b = closest_points(count, scratch)
+    remember_points(shapes, a, b, n, count, scratch, memory_out, pair)
+    return True, distance, n, on_a, on_b
+
+
+@kernel
+def still_overlapping(
+    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, scratch: Scratch, memory_out: PairMemory, pair: int
+) -> tuple[bool, float, Vec3, Vec3, Vec3]:
+    """Depth of the cores by EPA from the remembered surface over the ``count`` points in the scratch.
+
+    Not known if the surface is none or does not hold the origin. The answer is proved by `expand` alone.
+    """
+    size = max(shapes.size[a], shapes.size[b])
+    before = recall_faces(count, memory_out, pair, scratch)
+    if before == 0:
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    status, m, depth, points, faces = expand(vertices, shapes, a, b, count, before, scratch)
+    if status != CONVERGED or not (depth > CLEARLY_DEEP * size):
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    on_a, on_b = deepest_points(m, depth, faces, size, scratch)
+    if points > count:
+        remember_polytope(shapes, a, b, neg(m), points, faces, scratch, memory_out, pair)
+    return True, -depth, neg(m), on_a, on_b
