@@ -1,0 +1,109 @@
+"""Cell by cell: are we as fast as we say, against the fastest of those that are right there? Two comparisons of equals.
+
+Within: our query inside compiled code, against a library's time less what its call from Python costs, or against what a
+library does for all pairs in one call. This decides whether a cell holds. Called: one call from Python per query on both
+sides; shown beside it, and decides only where the call is all that could be measured of the rivals.
+"""
+
+from collections.abc import Iterable, Mapping
+from collections.abc import Sequence as Many
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.narrow_phase.rows import Row
+
+OURS, OURS_CALLED, LIBRARY = "ours", "ours/call", "avatarsim"
+
+ALLOWED = {"cold": 1.0, "coherent": 0.5}
+"""Largest share of the rival's time that ours may take: cold no slower, coherent at most half."""
+
+RESOLVED = 0.1
+"""Least time [us] that is a figure once the cost of a call has been taken off: below, it is the difference of two noisy numbers
+of half a microsecond, and the library is compared as called only. What it computes there in no time, MuJoCo's mj_collision
+computes in C as well, where nothing has to be taken off."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One cell and mode. Ratios are ours / rival; nan, and the rival empty, where nobody else was right."""
+
+    shape_a: str
+    shape_b: str
+    regime: str
+    mode: str
+    allowed: float
+    ours_us: float
+    rival: str
+    rival_us: float
+    ratio: float
+    ours_called_us: float
+    rival_called: str
+    rival_called_us: float
+    ratio_called: float
+    ours_right: bool
+    held: bool
+
+    @property
+    def worst(self) -> float:
+        """The ratio that decides as a multiple of what is allowed; above 1 is lost. inf if ours is not even right."""
+        if not self.ours_right:
+            return np.inf
+        return self.decisive / self.allowed if self.decisive == self.decisive else 0.0
+
+    @property
+    def decisive(self) -> float:
+        """The ratio that decides: within, or called where nobody can be compared within; nan without any rival."""
+        return self.ratio if self.rival else self.ratio_called
+
+    @property
+    def name(self) -> str:
+        """As tables name it."""
+        return f"{self.mode} {self.shape_a}-{self.shape_b} {self.regime}"
+
+
+def call_costs(rows: Iterable[Row]) -> dict[tuple[str, str], float]:
+    """(engine, mode) -> what a call from Python costs [us]: a query of two spheres, which is all call and no work."""
+    spheres: dict[tuple[str, str], list[float]] = {}
+    for row in rows:
+        if row.per_call and row.shape_a == row.shape_b == "sphere" and row.us_p50 == row.us_p50:
+            spheres.setdefault((row.engine, row.mode), []).append(row.us_p50)
+    return {key: float(np.median(times)) for key, times in spheres.items()}
+
+
+def judged(rows: Many[Row]) -> list[Judged]:
+    """Every cell and mode, worst first."""
+    costs = call_costs(rows)
+    groups: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((*row.cell, row.mode), []).append(row)
+    return sorted((_judged(group, costs) for group in groups.values()), key=lambda one: -one.worst)
+
+
+def _judged(group: list[Row], costs: Mapping[tuple[str, str], float]) -> Judged:
+    first = group[0]
+    by_name = {row.engine: row for row in group}
+    ours, called = by_name.get(OURS), by_name.get(OURS_CALLED)
+    rivals = [row for row in group if row.library != LIBRARY and row.right and row.us_p50 > 0.0]
+    inside = {row.engine: row.us_p50 - (costs.get((row.engine, row.mode), np.inf) if row.per_call else 0.0) for row in rivals}
+    inside = {name: us for name, us in inside.items() if us >= RESOLVED or not by_name[name].per_call}
+    outside = {row.engine: row.us_p50 for row in rivals if row.per_call}
+    rival, rival_us = _fastest(inside)
+    rival_called, rival_called_us = _fastest(outside)
+    ours_us, called_us = (row.us_p50 if row else np.nan for row in (ours, called))
+    ratio, ratio_called = ours_us / rival_us, called_us / rival_called_us
+    allowed = ALLOWED[first.mode]
+    right = bool(ours and called and ours.right and called.right)
+    decisive = ratio if rival else ratio_called
+    # without a rival nothing can be lost; nan beside a rival is a missing figure of ours, and lost
+    within_limits = not (rival or rival_called) or decisive <= allowed
+    return Judged(
+        *first.cell, first.mode, allowed, ours_us, rival, rival_us, ratio, called_us, rival_called, rival_called_us,
+        ratio_called, right, right and within_limits,
+    )
+
+
+def _fastest(times: Mapping[str, float]) -> tuple[str, float]:
+    """Name and time of the fastest; ("", nan) of nobody."""
+    name = min(times, key=lambda key: times[key], default="")
+    return name, times.get(name, np.nan)
