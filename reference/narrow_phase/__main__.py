@@ -9,7 +9,7 @@ from pathlib import Path
 
 from reference.narrow_phase.benchmark import FULL, QUICK, about, measure, write
 from reference.narrow_phase.cells import cells
-from reference.narrow_phase.field import contenders
+from reference.narrow_phase.field import ROOMS
 from reference.narrow_phase.harness_cost import loop_cost
 from reference.narrow_phase.start_up import measured
 from reference.narrow_phase.table import report
@@ -32,17 +32,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"no cell matches {asked.cells!r}; there are: {', '.join(cell.name for cell in cells())}", file=sys.stderr)
         return NOTHING
     plan, begun = (QUICK if asked.quick else FULL), time.monotonic()
-    there, absent = contenders()
 
     def say(line: str) -> None:
         print(f"{time.monotonic() - begun:6.1f} s  {line}", file=sys.stderr, flush=True)
 
-    rows = measure(there, chosen, plan, say)
+    rows, identities, absent = measure(ROOMS, chosen, plan, say)
     start_up = None
     if not asked.quick:
         say("start-up: compiling the collide room from nothing, then starting the engine")
         start_up = measured()
-    said = about(plan, rows, [c.identity for c in there], absent, start_up, time.monotonic() - begun)
+    said = about(plan, rows, identities, absent, start_up, time.monotonic() - begun)
     write(asked.run, rows, said)
     print(report(rows, judged(rows), loop_cost(plan.pairs)))
     for name, why in absent.items():

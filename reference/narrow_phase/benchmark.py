@@ -11,9 +11,10 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 
-from reference.narrow_phase.cells import DEPTHS, DRIFT, GAPS, MODES, RATE, SEED, TURNING, Cell, Mode, sequence
+from reference.narrow_phase.cells import DEPTHS, DRIFT, GAPS, MODES, RATE, SEED, TURNING, Cell, Mode, Sequence, sequence
 from reference.narrow_phase.clock import clocked
 from reference.narrow_phase.contender import Contender, Identity
+from reference.narrow_phase.field import contenders
 from reference.narrow_phase.harness_cost import loop_cost
 from reference.narrow_phase.rows import Row, csv_text, row
 from reference.narrow_phase.start_up import StartUp
@@ -43,18 +44,36 @@ QUICK = Plan(3, {"cold": 2, "coherent": 6}, {"cold": 1, "coherent": 1}, {"cold":
 """For tests of the plumbing: its times mean nothing."""
 
 
-def measure(contenders: Many[Contender], cells: Many[Cell], plan: Plan, say: Callable[[str], None]) -> list[Row]:
-    """Rows of all cells and modes; `say` hears of each cell."""
+SPHERES = Cell("sphere", "sphere", "apart")
+CALLS = 5
+"""Frames of sphere pairs per turn, from which the cost of a call is known where it is taken off."""
+
+
+def callers(plan: Plan, mode: Mode, rooms: tuple[str, ...]) -> dict[str, tuple[Contender, Sequence]]:
+    """By name, everybody who is called from Python for each query, loaded with pairs of spheres."""
+    spheres = sequence(SPHERES, mode, plan.pairs, CALLS)
+    found = {c.identity.name: (c, spheres) for c in contenders(rooms)[0] if c.identity.per_call}
+    for contender, _ in found.values():
+        contender.load(spheres, mode)
+    return found
+
+
+def measure(
+    rooms: tuple[str, ...], cells: Many[Cell], plan: Plan, say: Callable[[str], None]
+) -> tuple[list[Row], list[Identity], dict[str, str]]:
+    """Rows of all cells and modes, who took part, and why others did not; `say` hears of each cell."""
+    taking_part, absent = contenders(rooms)
+    calls = {mode: callers(plan, mode, rooms) for mode in MODES}
     rows = []
     for number, cell in enumerate(cells, start=1):
         for mode in MODES:
             asked = sequence(cell, mode, plan.pairs, plan.frames[mode])
             frames = range(0, asked.frames, plan.judge_every[mode])
             truth = truths(asked, frames)
-            found = clocked(contenders, asked, mode, plan.repeats[mode], frames)
-            rows += [row(cell, mode, c.identity, found[c.identity.name], truth) for c in contenders]
+            found = clocked(taking_part, asked, mode, plan.repeats[mode], frames, calls[mode])
+            rows += [row(cell, mode, c.identity, found[c.identity.name], truth) for c in taking_part]
         say(f"narrow phase {number}/{len(cells)}  {cell.name}")
-    return rows
+    return rows, [contender.identity for contender in taking_part], absent
 
 
 def about(

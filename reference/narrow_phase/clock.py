@@ -2,8 +2,9 @@
 
 import gc
 import time
+from collections.abc import Mapping
 from collections.abc import Sequence as Many
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,30 @@ from reference.narrow_phase.contender import Contender
 
 Array = NDArray[np.float64]
 
+WARM_FRAMES = 2
+"""Frames that a contender runs before each of its turns, untimed: the others have just emptied the processor's caches."""
+
+
+def _none() -> Array:
+    return np.zeros((0, 0))
+
 
 @dataclass(frozen=True, eq=False)
 class Clocked:
-    """What one contender did in one cell: times (repeats, frames) [us] per query, answers (judged frames, pairs) [m]."""
+    """What one contender did in one cell: times (repeats, frames) [us] per query, answers (judged frames, pairs) [m].
 
-    times: Array
-    answers: Array
+    calls (repeats, frames) [us]: the same of two spheres, in the same turns: what a call costs. Empty unless it was asked for.
+    """
+
+    times: Array = field(default_factory=_none)
+    answers: Array = field(default_factory=_none)
+    calls: Array = field(default_factory=_none)
     trouble: str = ""
+
+    @property
+    def call(self) -> float:
+        """Median cost of a call [us]; nan if it was not asked for."""
+        return float(np.median(self.calls)) if self.calls.size else float("nan")
 
     @property
     def quartiles(self) -> tuple[float, float, float]:
@@ -33,10 +50,12 @@ class Clocked:
 
 
 def clocked(
-    contenders: Many[Contender], sequence: Sequence, mode: Mode, repeats: int, judged: range
+    contenders: Many[Contender], sequence: Sequence, mode: Mode, repeats: int, judged: range,
+    callers: Mapping[str, tuple[Contender, Sequence]],
 ) -> dict[str, Clocked]:
-    """By name, what every contender did. One pass that is not timed, for the answers in `judged` frames and to warm up; then
-    `repeats` rounds in which each contender runs the whole sequence. Who fails is out, and its trouble says why."""
+    """By name, what every contender did. One pass that is not timed, for the answers in `judged` frames; then `repeats` rounds in
+    which each contender in turn runs the whole sequence, each round begun by another one. Who fails is out, and its trouble
+    says why. `callers`: by name, the same contender once more, loaded with spheres, which follows it in every turn."""
     answers: dict[str, Array] = {}
     trouble: dict[str, str] = {}
     for contender in contenders:
@@ -48,19 +67,26 @@ def clocked(
             # whatever a library throws is its own result, not the end of the others
             trouble[name] = f"{type(error).__name__}: {error}"
     running = [contender for contender in contenders if contender.identity.name in answers]
-    times: dict[str, list[list[float]]] = {contender.identity.name: [] for contender in running}
+    times: dict[str, list[list[float]]] = {name: [] for name in answers}
+    calls: dict[str, list[list[float]]] = {name: [] for name in answers}
     collecting = gc.isenabled()
     gc.disable()
     try:
-        for _ in range(repeats):
-            for contender in running:
-                times[contender.identity.name].append(_times(contender, sequence))
+        for round_ in range(repeats):
+            first = round_ % max(1, len(running))
+            for contender in running[first:] + running[:first]:
+                name = contender.identity.name
+                times[name].append(_times(contender, sequence))
+                if name in callers:
+                    calls[name].append(_times(*callers[name]))
     finally:
         if collecting:
             gc.enable()
-    done = {name: Clocked(np.array(rows) / (1e3 * sequence.pairs), answers[name]) for name, rows in times.items()}
-    nothing = np.zeros((0, 0))
-    return {c.identity.name: done.get(c.identity.name) or Clocked(nothing, nothing, trouble[c.identity.name]) for c in contenders}
+    found = {name: Clocked(trouble=why) for name, why in trouble.items()}
+    for name, rows in times.items():
+        spheres = callers[name][1].pairs if name in callers else 1
+        found[name] = Clocked(np.array(rows) / (1e3 * sequence.pairs), answers[name], np.array(calls[name]) / (1e3 * spheres))
+    return found
 
 
 def _answers(contender: Contender, sequence: Sequence, judged: range) -> Array:
@@ -77,6 +103,9 @@ def _answers(contender: Contender, sequence: Sequence, judged: range) -> Array:
 def _times(contender: Contender, sequence: Sequence) -> list[float]:
     """Nanoseconds of every frame."""
     clock, spent = time.perf_counter_ns, []
+    for frame in range(min(WARM_FRAMES, sequence.frames)):
+        contender.pose(frame)
+        contender.ask()
     contender.begin()
     for frame in range(sequence.frames):
         contender.pose(frame)

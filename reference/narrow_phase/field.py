@@ -8,7 +8,7 @@ ROOMS = ("in_ours", "in_coal", "in_fcl", "in_mujoco", "in_pybullet")
 """Modules with a function `contenders`, ours first."""
 
 
-def contenders(rooms: tuple[str, ...] = ROOMS) -> tuple[list[Contender], dict[str, str]]:
+def contenders(rooms: tuple[str, ...]) -> tuple[list[Contender], dict[str, str]]:
     """All contenders there are, and for each room that could not be opened the reason."""
     found: list[Contender] = []
     absent: dict[str, str] = {}

@@ -31,6 +31,7 @@ NAMES = {"share_over_right": f"share_over_{RIGHT:g}", "share_over_coarse": f"sha
 class Row:
     """Times [us] per query and errors [m] of one contender in one cell and mode; nan where nothing was measured.
 
+    call_us is the cost of a call from Python that computes next to nothing: two spheres, measured in the same turns.
     Shares are of the judged queries; unanswered ones count as errors without end, in max_error_m too.
     """
 
@@ -44,6 +45,7 @@ class Row:
     us_p50: float
     us_p25: float
     us_p75: float
+    call_us: float
     max_error_m: float
     share_over_right: float
     share_over_coarse: float
@@ -67,11 +69,11 @@ def row(cell: Cell, mode: str, identity: Identity, clocked: Clocked, truth: Arra
     head = (cell.shape_a, cell.shape_b, cell.regime, mode, identity.name, identity.library, identity.per_call)
     if clocked.trouble:
         note, nothing = f"not measured: {clocked.trouble}", float("nan")
-        return Row(*head, nothing, nothing, nothing, nothing, nothing, nothing, nothing, 0, note)
+        return Row(*head, nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing, 0, note)
     wrong = errors(clocked.answers, truth)
     low, middle, high = clocked.quartiles
     return Row(
-        *head, middle, low, high, float(wrong.max()), float((wrong > RIGHT).mean()), float((wrong > COARSE).mean()),
+        *head, middle, low, high, clocked.call, float(wrong.max()), float((wrong > RIGHT).mean()), float((wrong > COARSE).mean()),
         float(np.isinf(wrong).mean()), wrong.size,
     )
 

@@ -18,10 +18,10 @@ OURS, OURS_CALLED, LIBRARY = "ours", "ours/call", "avatarsim"
 ALLOWED = {"cold": 1.0, "coherent": 0.5}
 """Largest share of the rival's time that ours may take: cold no slower, coherent at most half."""
 
-RESOLVED = 0.1
-"""Least time [us] that is a figure once the cost of a call has been taken off: below, it is the difference of two noisy numbers
-of half a microsecond, and the library is compared as called only. What it computes there in no time, MuJoCo's mj_collision
-computes in C as well, where nothing has to be taken off."""
+RESOLVED = 0.25
+"""Least share of a call's cost that is left as a figure once that cost has been taken off. Below, it is the difference of two
+noisy numbers and says nothing: the library is then compared as called only. What MuJoCo computes there in next to no time,
+its mj_collision computes in C as well, where nothing has to be taken off."""
 
 
 @dataclass(frozen=True)
@@ -63,30 +63,29 @@ class Judged:
 
 
 def call_costs(rows: Iterable[Row]) -> dict[tuple[str, str], float]:
-    """(engine, mode) -> what a call from Python costs [us]: a query of two spheres, which is all call and no work."""
-    spheres: dict[tuple[str, str], list[float]] = {}
+    """(engine, mode) -> what a call from Python costs [us], median of all cells."""
+    found: dict[tuple[str, str], list[float]] = {}
     for row in rows:
-        if row.per_call and row.shape_a == row.shape_b == "sphere" and row.us_p50 == row.us_p50:
-            spheres.setdefault((row.engine, row.mode), []).append(row.us_p50)
-    return {key: float(np.median(times)) for key, times in spheres.items()}
+        if row.call_us == row.call_us:
+            found.setdefault((row.engine, row.mode), []).append(row.call_us)
+    return {key: float(np.median(times)) for key, times in found.items()}
 
 
 def judged(rows: Many[Row]) -> list[Judged]:
     """Every cell and mode, worst first."""
-    costs = call_costs(rows)
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
         groups.setdefault((*row.cell, row.mode), []).append(row)
-    return sorted((_judged(group, costs) for group in groups.values()), key=lambda one: -one.worst)
+    return sorted((_judged(group) for group in groups.values()), key=lambda one: -one.worst)
 
 
-def _judged(group: list[Row], costs: Mapping[tuple[str, str], float]) -> Judged:
+def _judged(group: list[Row]) -> Judged:
     first = group[0]
     by_name = {row.engine: row for row in group}
     ours, called = by_name.get(OURS), by_name.get(OURS_CALLED)
     rivals = [row for row in group if row.library != LIBRARY and row.right and row.us_p50 > 0.0]
-    inside = {row.engine: row.us_p50 - (costs.get((row.engine, row.mode), np.inf) if row.per_call else 0.0) for row in rivals}
-    inside = {name: us for name, us in inside.items() if us >= RESOLVED or not by_name[name].per_call}
+    inside = {row.engine: row.us_p50 for row in rivals if not row.per_call}
+    inside |= {r.engine: r.us_p50 - r.call_us for r in rivals if r.per_call and r.us_p50 - r.call_us >= RESOLVED * r.call_us}
     outside = {row.engine: row.us_p50 for row in rivals if row.per_call}
     rival, rival_us = _fastest(inside)
     rival_called, rival_called_us = _fastest(outside)
