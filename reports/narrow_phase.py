@@ -160,8 +160,9 @@ def start_up(narrow: NarrowPhase) -> tuple[str, ...]:
                       ("start", "Cached start of the whole engine, from interpreter to first frame")):
         seconds, goal = found.get(f"{key}_s"), found.get(f"{key}_goal_s")
         if isinstance(seconds, int | float) and isinstance(goal, int | float):
-            outcome = "held" if seconds < goal else "missed"
-            said.append(f"{what}: {figures(seconds)} s; the goal of {goal:g} s is {outcome}.")
+            outcome, worked = "held" if seconds < goal else "missed", found.get(f"{key}_cpu_s")
+            work = f" ({figures(worked)} s of the processor)" if isinstance(worked, int | float) else ""
+            said.append(f"{what}: {figures(seconds)} s{work}; the goal of {goal:g} s is {outcome}.")
         else:
             said.append(f"{what}: not measured{': ' + str(found['note']) if found.get('note') else ''}.")
     return tuple(said)

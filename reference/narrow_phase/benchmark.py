@@ -54,7 +54,7 @@ def callers(plan: Plan, mode: Mode, rooms: tuple[str, ...]) -> dict[str, tuple[C
     spheres = sequence(SPHERES, mode, plan.pairs, CALLS)
     found = {c.identity.name: (c, spheres) for c in contenders(rooms)[0] if c.identity.per_call}
     for contender, _ in found.values():
-        contender.load(spheres, mode)
+        contender.load_call(spheres, mode)
     return found
 
 

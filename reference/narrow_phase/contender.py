@@ -38,6 +38,9 @@ class Contender(Protocol):
     def load(self, sequence: Sequence, mode: Mode) -> None:
         """Make every object that the sequence needs."""
 
+    def load_call(self, spheres: Sequence, mode: Mode) -> None:
+        """Make ready for the cheapest call that there is: pairs of spheres that are apart, in closed form."""
+
     def begin(self) -> None:
         """Forget what was learnt from earlier frames."""
 

@@ -72,6 +72,8 @@ class Coal:
             request.epa_max_iterations = EPA_ITERATIONS
         return request
 
+    load_call = load
+
     def begin(self) -> None:
         """See Contender."""
         # a request carries the guess of its pair, so each pair has its own

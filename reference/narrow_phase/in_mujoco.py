@@ -77,6 +77,8 @@ class MuJoCo:
         flat = Rotation.from_matrix(sequence.turns.reshape(-1, 3, 3)).as_quat(scalar_first=True)
         self._qpos[..., 3:] = flat.reshape(*sequence.at.shape[:2], 4)
 
+    load_call = load
+
     def begin(self) -> None:
         """See Contender."""
 

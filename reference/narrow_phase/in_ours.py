@@ -30,6 +30,8 @@ class Ours:
         self._sequence, self._pairs = sequence, Pairs(sequence.shapes)
         self._query = cold_queries if mode == "cold" else coherent_queries
 
+    load_call = load
+
     def begin(self) -> None:
         """See Contender."""
         self._pairs.forget()

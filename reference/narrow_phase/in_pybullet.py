@@ -60,6 +60,8 @@ class PyBullet:
         self._turns = turns.reshape(*sequence.at.shape[:2], 4).tolist()
         self._found: list[tuple[tuple[float, ...], ...]] = []
 
+    load_call = load
+
     def begin(self) -> None:
         """See Contender."""
         if not self.identity.per_call:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reference.narrow_phase.cells import Cell
 from reference.narrow_phase.rows import Row
 
 OURS, OURS_CALLED, LIBRARY = "ours", "ours/call", "avatarsim"
@@ -57,9 +58,9 @@ class Judged:
         return self.ratio if self.rival else self.ratio_called
 
     @property
-    def name(self) -> str:
-        """As tables name it."""
-        return f"{self.mode} {self.shape_a}-{self.shape_b} {self.regime}"
+    def cell(self) -> Cell:
+        """Where."""
+        return Cell(self.shape_a, self.shape_b, self.regime)
 
 
 def call_costs(rows: Iterable[Row]) -> dict[tuple[str, str], float]:

@@ -14,7 +14,7 @@ from reference.narrow_phase.cells import Cell
 from reference.narrow_phase.clock import Clocked
 from reference.narrow_phase.contender import Identity
 from reference.narrow_phase.rows import Row, csv_text, row
-from reference.narrow_phase.table import report
+from reference.narrow_phase.table import SCREEN, report
 from reference.narrow_phase.verdict import judged
 
 
@@ -84,15 +84,23 @@ def made_up(theirs: float, error: float = 1e-9) -> list[Row]:
 def test_the_table_begins_with_what_is_lost() -> None:
     rows = made_up(1.5)
     text = report(rows, judged(rows), (0.01, 0.03))
-    assert text.startswith("LOST cold box-hull deep: 2.00 us, 2.00 of lib fast (1.00 us); allowed 1\ncold: 0 of 1 cells hold")
+    assert text.startswith("cold: 1 of 1 cells LOST, 0 hold.") and "\n  LOST box-hull deep 2.00 of lib fast\n" in text
     assert "*box-hull deep" in text and "lib fast 0.50" in text and "0.030 us" in text
 
 
 def test_the_table_marks_who_is_not_right_and_fits_a_screen() -> None:
     rows = made_up(1.5, error=1e-3)
+    rows += [replace(row, mode="coherent", regime="apart") for row in rows]
     text = report(rows, judged(rows), (0.01, 0.03))
-    assert not text.startswith("LOST") and "1.50!" in text and "cold: 1 of 1 cells hold" in text
-    assert max(map(len, text.splitlines())) <= 190
+    assert "  LOST " not in text and "1.50!" in text and "cold: 0 of 1 cells LOST, 1 hold." in text
+    assert max(map(len, text.splitlines())) <= SCREEN
+
+
+def test_defaults_stand_with_the_exactness_only() -> None:
+    rows = made_up(1.5)
+    rows.append(replace(rows[-1], engine="lib default", us_p50=7.0))
+    text = report(rows, judged(rows), (0.01, 0.03))
+    assert text.count("lib default") == 2 and "7.00       nan" in text
 
 
 def test_files_are_replaced_whole(tmp_path: Path) -> None:
