@@ -9,7 +9,7 @@ from reports.marks import FONT
 from reports.narrow_phase import MODES, OURS, CellLine, NarrowPhase
 from reports.palette import GRID, MUTED, TEXT, Stroke, strokes
 from reports.picture import picture
-from reports.wording import limit, quantity
+from reports.wording import count, limit, quantity
 
 # Height of a row and width of the plotting area [px].
 ROW, WIDTH = 13, 300
@@ -45,8 +45,8 @@ def panels(narrow: NarrowPhase) -> list[Panel]:
         ]
         if dots:
             lost = sum(not line.held for line in lines)
-            allowed = f"{lines[0].allowed:g} of the fastest other's time"
-            said = f"{lost} of {len(lines)} cells need more than {allowed}; they stand on top."
+            slower = "more than the time" if lines[0].allowed == 1.0 else f"more than {lines[0].allowed:g} of the time"
+            said = f"In {lost} of {count(len(lines), 'cell')} ours takes {slower} of the fastest that is right, calls taken off."
             first = lines[0]
             text = f"{mode}. Microseconds per query in {len(lines)} cells. {said} First: {first.name}, ours " \
                    f"{quantity(first.ours_us, 'us')}, {first.rival} {quantity(first.rival_us, 'us')}."

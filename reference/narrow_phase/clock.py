@@ -17,6 +17,10 @@ Array = NDArray[np.float64]
 WARM_FRAMES = 2
 """Frames that a contender runs before each of its turns, untimed: the others have just emptied the processor's caches."""
 
+ENOUGH = 2.0
+"""Time [s] after which a contender gets no further repeat in a cell: python-fcl iterates for milliseconds on spheres that
+overlap, and the row says how many repeats it had."""
+
 
 def _none() -> Array:
     return np.zeros((0, 0))
@@ -76,6 +80,8 @@ def clocked(
             first = round_ % max(1, len(running))
             for contender in running[first:] + running[:first]:
                 name = contender.identity.name
+                if sum(map(sum, times[name])) > 1e9 * ENOUGH:
+                    continue
                 times[name].append(_times(contender, sequence))
                 if name in callers:
                     calls[name].append(_times(*callers[name]))

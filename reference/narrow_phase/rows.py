@@ -51,6 +51,7 @@ class Row:
     share_over_coarse: float
     unanswered: float
     judged: int
+    repeats: int
     note: str = ""
 
     @property
@@ -69,12 +70,12 @@ def row(cell: Cell, mode: str, identity: Identity, clocked: Clocked, truth: Arra
     head = (cell.shape_a, cell.shape_b, cell.regime, mode, identity.name, identity.library, identity.per_call)
     if clocked.trouble:
         note, nothing = f"not measured: {clocked.trouble}", float("nan")
-        return Row(*head, nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing, 0, note)
+        return Row(*head, nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing, 0, 0, note)
     wrong = errors(clocked.answers, truth)
     low, middle, high = clocked.quartiles
     return Row(
         *head, middle, low, high, clocked.call, float(wrong.max()), float((wrong > RIGHT).mean()), float((wrong > COARSE).mean()),
-        float(np.isinf(wrong).mean()), wrong.size,
+        float(np.isinf(wrong).mean()), wrong.size, len(clocked.times),
     )
 
 

@@ -92,7 +92,8 @@ def test_a_chart_shows_only_who_is_right(tmp_path: Path) -> None:
     assert narrow is not None
     assert fastest_right(narrow.lines["cold"][0], narrow) == {"avatarsim": 2.0, "coal": 1.5}
     cold, coherent = panels(narrow)
-    assert cold.conclusion.startswith("1 of 2 cells need more") and coherent.scene == "coherent"
+    assert cold.conclusion.startswith("In 1 of 2 cells ours takes more than the time of the fastest that is right")
+    assert coherent.scene == "coherent"
     assert "box-hull deep" in cold.svg and "ours 2.00 µs, coal fast 1.00 µs" in cold.svg
     ink = inks(narrow)
     assert cold.svg.count(f'fill="{ink["avatarsim"].light}"') == 2 and f'fill="{ink["python-fcl"].light}"' not in cold.svg

@@ -63,17 +63,17 @@ def test_a_row_counts_what_is_over_and_what_is_missing() -> None:
     clocked = Clocked(np.full((3, 2), 2.5), np.array([[0.0, 1e-5], [1e-3, np.inf]]), np.full((3, 1), 0.5))
     made = row(CELL, "cold", IDENTITY, clocked, np.zeros((2, 2)))
     assert (made.us_p25, made.us_p50, made.us_p75, made.call_us) == (2.5, 2.5, 2.5, 0.5)
-    assert (made.share_over_right, made.share_over_coarse, made.unanswered, made.judged) == (0.75, 0.5, 0.25, 4)
+    assert (made.share_over_right, made.share_over_coarse, made.unanswered, made.judged, made.repeats) == (0.75, 0.5, 0.25, 4, 3)
     assert made.max_error_m == np.inf and not made.right
 
 
 def test_a_row_of_who_failed_says_why_and_is_right_in_nothing() -> None:
     made = row(CELL, "cold", IDENTITY, Clocked(trouble="ValueError: no"), np.zeros((2, 2)))
     assert made.note == "not measured: ValueError: no" and made.us_p50 != made.us_p50 and not made.right
-    assert csv_text([made]).splitlines()[1].endswith("nan,0,not measured: ValueError: no")
+    assert csv_text([made]).splitlines()[1].endswith("nan,0,0,not measured: ValueError: no")
 
 
-BASE = Row("box", "hull", "deep", "cold", "ours", "avatarsim", False, 2.0, 1.9, 2.1, np.nan, 1e-15, 0.0, 0.0, 0.0, 200)
+BASE = Row("box", "hull", "deep", "cold", "ours", "avatarsim", False, 2.0, 1.9, 2.1, np.nan, 1e-15, 0.0, 0.0, 0.0, 200, 9)
 
 
 def made_up(theirs: float, error: float = 1e-9) -> list[Row]:

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
+from reference.narrow_phase import clock
 from reference.narrow_phase.cells import Cell, Mode, Sequence, sequence
 from reference.narrow_phase.clock import Clocked, clocked
 from reference.narrow_phase.contender import Identity
@@ -71,6 +73,12 @@ def test_who_fails_is_out_and_says_why() -> None:
     assert found["bad"].trouble == "RuntimeError: no such thing" and not found["bad"].times.size
     assert found["good"].times.shape == (2, 3)
     assert notes.count("bad ask 0") == 1
+
+
+def test_who_takes_very_long_gets_no_further_repeat(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock, "ENOUGH", 0.0)
+    found, _ = run(5, lambda n: Noting("slow", n))
+    assert found["slow"].times.shape == (1, 3)
 
 
 def test_calls_are_timed_in_the_same_turns() -> None:

@@ -8,7 +8,7 @@ import pytest
 from reference.narrow_phase.rows import Row
 from reference.narrow_phase.verdict import Judged, call_costs, judged
 
-BASE = Row("box", "hull", "deep", "cold", "ours", "avatarsim", False, 2.0, 1.9, 2.1, np.nan, 1e-15, 0.0, 0.0, 0.0, 200)
+BASE = Row("box", "hull", "deep", "cold", "ours", "avatarsim", False, 2.0, 1.9, 2.1, np.nan, 1e-15, 0.0, 0.0, 0.0, 200, 9)
 
 
 def rival(name: str, us: float, call: float = np.nan, error: float = 1e-9) -> Row:
