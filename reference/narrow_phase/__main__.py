@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from reference.narrow_phase.benchmark import FULL, QUICK, about, measure, write
+from reference.narrow_phase.benchmark import FULL, QUICK, ROWS, about, measure, write
 from reference.narrow_phase.cells import cells
 from reference.narrow_phase.field import ROOMS
 from reference.narrow_phase.harness_cost import loop_cost
@@ -15,7 +15,10 @@ from reference.narrow_phase.start_up import measured
 from reference.narrow_phase.table import report
 from reference.narrow_phase.verdict import judged
 
-LATEST = Path(__file__).resolve().parents[2] / "reports" / "out" / "latest"
+OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
+"""Where runs are. The files go to the last one, which `make bench` has just made, or to a folder of their own without any: a
+folder named `latest` would stand in the way of the link."""
+
 NOTHING, MISSING = 5, 3
 """Exit codes, those of `python -m scenarios`: the filter matched nothing; a library is missing. Losing a cell is no error."""
 
@@ -23,7 +26,7 @@ NOTHING, MISSING = 5, 3
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(prog="python -m reference.narrow_phase", description=__doc__)
-    parser.add_argument("--run", type=Path, default=LATEST, metavar="FOLDER", help="folder for the files (default: the last run)")
+    parser.add_argument("--run", type=Path, metavar="FOLDER", help="folder for the files (default: the last run)")
     parser.add_argument("--cells", default="*", metavar="GLOB", help='cells by name, such as "box-*" or "* deep"')
     parser.add_argument("--quick", action="store_true", help="a few pairs: shows that it runs, times mean nothing")
     asked = parser.parse_args(argv)
@@ -42,13 +45,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         say("start-up: compiling the collide room from nothing, then starting the engine")
         start_up = measured()
     said = about(plan, rows, identities, absent, start_up, time.monotonic() - begun)
-    write(asked.run, rows, said)
+    folder = asked.run or (OUT / "latest" if (OUT / "latest").exists() else OUT / "narrow_phase")
+    write(folder, rows, said)
     print(report(rows, judged(rows), loop_cost(plan.pairs)))
     for name, why in absent.items():
         print(f"{name}: {why}")
     if start_up:
         print(f"\n{start_up}")
-    print(f"\n{asked.run / 'narrow_phase.csv'}")
+    print(f"\n{folder / ROWS}")
     return MISSING if absent else 0
 
 

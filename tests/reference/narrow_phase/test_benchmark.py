@@ -47,6 +47,18 @@ def test_a_filter_that_matches_nothing(tmp_path: Path, capsys: pytest.CaptureFix
     assert "no cell matches 'pyramid*'; there are: sphere-sphere apart" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("few")
+def test_files_go_to_the_last_run_and_never_into_a_folder_in_its_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(program, "OUT", tmp_path)
+    words = ["--quick", "--cells", "sphere-sphere apart"]
+    program.main(words)
+    assert (tmp_path / "narrow_phase" / ROWS).exists() and not (tmp_path / "latest").exists()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "latest").symlink_to("run", target_is_directory=True)
+    program.main(words)
+    assert (tmp_path / "run" / ROWS).exists()
+
+
 def test_only_those_called_per_query_have_the_cost_of_a_call() -> None:
     found = callers(QUICK, "cold", ("in_ours", "in_mujoco"))
     assert set(found) == {"ours/call", "mj geomDist default", "mj geomDist"}
