@@ -40,17 +40,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{time.monotonic() - begun:6.1f} s  {line}", file=sys.stderr, flush=True)
 
     rows, identities, absent = measure(ROOMS, chosen, plan, say)
-    start_up = None
-    if not asked.quick:
-        say("start-up: compiling the collide room from nothing, then starting the engine")
-        start_up = measured()
-    said = about(plan, rows, identities, absent, start_up, time.monotonic() - begun)
     folder = asked.run or (OUT / "latest" if (OUT / "latest").exists() else OUT / "narrow_phase")
+    said = about(plan, rows, identities, absent, time.monotonic() - begun)
     write(folder, rows, said)
     print(report(rows, judged(rows), loop_cost(plan.pairs)))
     for name, why in absent.items():
         print(f"{name}: {why}")
-    if start_up:
+    if not asked.quick:
+        say("start-up: compiling the collide room from nothing, then starting the engine")
+        start_up = measured()
+        write(folder, rows, {**said, "start_up": start_up.as_dict()})
         print(f"\n{start_up}")
     print(f"\n{folder / ROWS}")
     return MISSING if absent else 0

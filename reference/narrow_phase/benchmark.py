@@ -17,7 +17,6 @@ from reference.narrow_phase.contender import Contender, Identity
 from reference.narrow_phase.field import contenders
 from reference.narrow_phase.harness_cost import loop_cost
 from reference.narrow_phase.rows import Row, csv_text, row
-from reference.narrow_phase.start_up import StartUp
 from reference.narrow_phase.truth import truths
 from reference.narrow_phase.verdict import call_costs, judged
 
@@ -77,7 +76,7 @@ def measure(
 
 
 def about(
-    plan: Plan, rows: Many[Row], identities: Many[Identity], absent: Mapping[str, str], start_up: StartUp | None, seconds: float
+    plan: Plan, rows: Many[Row], identities: Many[Identity], absent: Mapping[str, str], seconds: float
 ) -> dict[str, object]:
     """Everything that is no table: what was run, where, with which settings and reasons, and what a call costs."""
     clock, loop = loop_cost(plan.pairs)
@@ -90,7 +89,7 @@ def about(
         "absent": dict(absent),
         "call_us": [{"engine": name, "mode": mode, "us": us} for (name, mode), us in call_costs(rows).items()],
         "harness_us": {"clock": clock, "clock_and_loop": loop},
-        "start_up": start_up.as_dict() if start_up else None,
+        "start_up": None,
         "provenance": {
             "ended": datetime.now(UTC).isoformat(timespec="seconds"), "seconds": round(seconds, 1),
             "python": platform.python_version(), "platform": platform.platform(), "cpus": os.cpu_count() or 1,
