@@ -40,6 +40,7 @@ class CellLine:
     rival_us: float
     ours_us: float
     ratio_called: float
+    ratio_placed: float
     figures: Mapping[str, Figure]
 
 
@@ -108,7 +109,8 @@ def _line(one: Mapping[str, str], figures_: Mapping[str, Figure]) -> CellLine:
         f"{one['shape_a']}-{one['shape_b']} {one['regime']}", one["held"] == "True",
         float(one["ratio" if within else "ratio_called"]), float(one["allowed"]),
         one["rival"] if within else one["rival_called"], float(one["rival_us" if within else "rival_called_us"]),
-        float(one["ours_us" if within else "ours_called_us"]), float(one["ratio_called"]), figures_,
+        float(one["ours_us" if within else "ours_called_us"]), float(one["ratio_called"]), float(one["ratio_placed"]),
+        figures_,
     )
 
 
@@ -140,6 +142,11 @@ def conclusion(narrow: NarrowPhase) -> str:
             parts.append(f"{mode.capitalize()}, we lose {len(lost)} of {count(len(lines), 'cell')}: {named}.")
         elif lines:
             parts.append(f"{mode.capitalize()}, all {count(len(lines), 'cell')} hold.")
+        if lines:
+            placed, called = (sum(ratio <= line.allowed for line, ratio in zip(lines, ratios, strict=True)) for ratios in (
+                [line.ratio_placed for line in lines], [line.ratio_called for line in lines]))
+            parts.append(f"With our world vertices computed within the time {placed} hold, with a call from Python per query on "
+                         f"both sides {called}.")
     return " ".join(parts) or "Nothing was measured."
 
 

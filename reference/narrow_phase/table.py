@@ -37,10 +37,11 @@ def lost_lines(verdicts: Many[Judged]) -> str:
         if of_mode:
             held, called = sum(one.held for one in of_mode), [one for one in of_mode if one.rival_called]
             won = sum(one.ratio_called <= allowed for one in called)
+            placed = sum(one.ratio_placed <= allowed for one in of_mode if one.rival)
             lines += textwrap.wrap(
                 f"{mode}: {len(of_mode) - held} of {len(of_mode)} cells LOST, {held} hold. Allowed: {allowed:g} of the fastest "
-                f"that is right to {RIGHT:g} m, its call from Python taken off. With a call per query on both sides {won} of "
-                f"{len(called)} hold.", SCREEN,
+                f"that is right to {RIGHT:g} m, its call from Python taken off. With our world vertices computed in the time "
+                f"{placed} hold; with a call per query on both sides {won} of {len(called)}.", SCREEN,
             )
             lost = "; ".join(f"{one.cell.name} {reason(one)}" for one in of_mode if not one.held)
             lines += textwrap.wrap(lost, SCREEN, initial_indent="  LOST ", subsequent_indent="       ")

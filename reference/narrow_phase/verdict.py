@@ -14,7 +14,7 @@ import numpy as np
 from reference.narrow_phase.cells import Cell
 from reference.narrow_phase.rows import Row
 
-OURS, OURS_CALLED, LIBRARY = "ours", "ours/call", "avatarsim"
+OURS, OURS_PLACED, OURS_CALLED, LIBRARY = "ours", "ours+place", "ours/call", "avatarsim"
 
 ALLOWED = {"cold": 1.0, "coherent": 0.5}
 """Largest share of the rival's time that ours may take: cold no slower, coherent at most half."""
@@ -27,7 +27,10 @@ its mj_collision computes in C as well, where nothing has to be taken off."""
 
 @dataclass(frozen=True)
 class Judged:
-    """One cell and mode. Ratios are ours / rival; nan, and the rival empty, where nobody else was right."""
+    """One cell and mode. Ratios are ours / rival; nan, and the rival empty, where nobody else was right.
+
+    ratio_placed is `ratio` with the world vertices of both shapes computed within our time.
+    """
 
     shape_a: str
     shape_b: str
@@ -38,6 +41,7 @@ class Judged:
     rival: str
     rival_us: float
     ratio: float
+    ratio_placed: float
     ours_called_us: float
     rival_called: str
     rival_called_us: float
@@ -90,7 +94,7 @@ def _judged(group: list[Row]) -> Judged:
     outside = {row.engine: row.us_p50 for row in rivals if row.per_call}
     rival, rival_us = _fastest(inside)
     rival_called, rival_called_us = _fastest(outside)
-    ours_us, called_us = (row.us_p50 if row else np.nan for row in (ours, called))
+    ours_us, placed_us, called_us = (row.us_p50 if row else np.nan for row in (ours, by_name.get(OURS_PLACED), called))
     ratio, ratio_called = ours_us / rival_us, called_us / rival_called_us
     allowed = ALLOWED[first.mode]
     right = bool(ours and called and ours.right and called.right)
@@ -98,8 +102,8 @@ def _judged(group: list[Row]) -> Judged:
     # without a rival nothing can be lost; nan beside a rival is a missing figure of ours, and lost
     within_limits = not (rival or rival_called) or decisive <= allowed
     return Judged(
-        *first.cell, first.mode, allowed, ours_us, rival, rival_us, ratio, called_us, rival_called, rival_called_us,
-        ratio_called, right, right and within_limits,
+        *first.cell, first.mode, allowed, ours_us, rival, rival_us, ratio, placed_us / rival_us, called_us, rival_called,
+        rival_called_us, ratio_called, right, right and within_limits,
     )
 
 

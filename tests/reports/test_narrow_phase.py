@@ -20,7 +20,8 @@ ROW = {"shape_a": "box", "shape_b": "hull", "regime": "deep", "mode": "cold", "e
        "per_call": "False", "us_p50": "2.0", "us_p25": "1.9", "us_p75": "2.1", "call_us": "nan", "max_error_m": "1e-15",
        "share_over_1e-06": "0", "share_over_0.0001": "0", "unanswered": "0", "judged": "200", "note": ""}
 VERDICT = {"shape_a": "box", "shape_b": "hull", "regime": "deep", "mode": "cold", "allowed": "1", "ours_us": "2.0",
-           "rival": "coal fast", "rival_us": "1.0", "ratio": "2.0", "ours_called_us": "2.5", "rival_called": "coal fast",
+           "rival": "coal fast", "rival_us": "1.0", "ratio": "2.0", "ratio_placed": "0.95", "ours_called_us": "2.5",
+           "rival_called": "coal fast",
            "rival_called_us": "1.5", "ratio_called": "1.667", "ours_right": "True", "held": "False"}
 SAID = {
     "engines": [{"name": "coal fast", "what": "asks <coal>", "settings": {"gjk_variant": ["Nesterov", "it is faster"]}}],
@@ -80,6 +81,7 @@ def test_lost_cells_stand_first_and_nan_is_nothing(tmp_path: Path) -> None:
     assert narrow is not None
     assert [line.held for line in narrow.lines["cold"]] == [False, True]
     assert conclusion(narrow).startswith("Cold, we lose 1 of 2 cells")
+    assert "computed within the time 2 hold, with a call from Python per query on both sides 0. Coherent" in conclusion(narrow)
     assert "coal fast 0.5 µs (cold)" in call_costs(narrow) and "0.03 µs per query" in call_costs(narrow)
     assert len(start_up(narrow)) == 2
     exact = {one.engine: one for one in narrow.exactness}

@@ -17,6 +17,7 @@ def rival(name: str, us: float, call: float = np.nan, error: float = 1e-9) -> Ro
 
 def verdict(*rivals: Row, ours: float = 2.0, called: float = 2.5, mode: str = "cold", error: float = 1e-15) -> Judged:
     mine = (replace(BASE, us_p50=ours, max_error_m=error),
+            replace(BASE, engine="ours+place", us_p50=1.5 * ours, max_error_m=error),
             replace(BASE, engine="ours/call", per_call=True, us_p50=called, call_us=0.5, max_error_m=error))
     (one,) = judged([replace(row, mode=mode) for row in (*mine, *rivals)])
     return one
@@ -31,7 +32,7 @@ def test_a_call_is_taken_off_the_rival_and_said() -> None:
 def test_nothing_is_taken_off_who_answers_all_pairs_in_one_call() -> None:
     one = verdict(rival("calls", 2.9, 0.5), rival("inside", 2.1))
     assert (one.rival, one.held) == ("inside", True)
-    assert one.rival_called == "calls"
+    assert one.rival_called == "calls" and one.ratio_placed == pytest.approx(3.0 / 2.1)
 
 
 @pytest.mark.parametrize("error", [1.01e-6, np.inf, np.nan])
