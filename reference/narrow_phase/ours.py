@@ -59,18 +59,16 @@ def opened_memory(o: Opening) -> PairMemory:
 
 
 @kernel
-def opened_all(o: Opening) -> tuple[Shapes, Array, Array, Array, Array, Array, Scratch, PairMemory]:
-    """The next Table, field by field in its order, see `world.arena`."""
+def opened_table(o: Opening) -> tuple[Shapes, Array, Array, Array, Array, Array, Scratch]:
+    """The next Table up to its memory, field by field in its order, see `world.arena`."""
     shapes = Shapes(index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0])
-    return (
-        shapes, vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], opened_scratch(o), opened_memory(o)
-    )
+    return shapes, vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], opened_scratch(o)
 
 
 @kernel
 def place_pairs(words: Index, first: int, last: int) -> None:
     """World vertices of the shapes of pairs first .. last - 1: v = R x + p."""
-    shapes, vertices, local, turns, at, _, _, _ = opened_all(opening(words))
+    shapes, vertices, local, turns, at, _, _ = opened_table(opening(words))
     for s in range(2 * first, 2 * last):
         R, p = turns[s], at[s]
         for i in range(shapes.start[s], shapes.start[s + 1]):
@@ -82,7 +80,7 @@ def place_pairs(words: Index, first: int, last: int) -> None:
 @kernel
 def cold_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, with nothing known about them."""
-    shapes, vertices, _, _, _, gaps, scratch, _ = opened_all(opening(words))
+    shapes, vertices, _, _, _, gaps, scratch = opened_table(opening(words))
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance(vertices, shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), scratch)
         gaps[k] = gap
@@ -91,7 +89,9 @@ def cold_queries(words: Index, first: int, last: int) -> None:
 @kernel
 def coherent_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, each begun from what its last query left in the memory."""
-    shapes, vertices, _, _, _, gaps, scratch, memory = opened_all(opening(words))
+    o = opening(words)
+    shapes, vertices, _, _, _, gaps, scratch = opened_table(o)
+    memory = opened_memory(o)
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance_coherent(vertices, shapes, 2 * k, 2 * k + 1, inf, scratch, memory, k)
         gaps[k] = gap
