@@ -99,12 +99,21 @@ def measured() -> StartUp:
             said, _ = _child(COMPILE, {"NUMBA_CACHE_DIR": folder, "NUMBA_DISABLE_JIT": "0"})
             compiled, worked = (float(word) for word in said.split())
     except (subprocess.SubprocessError, OSError, ValueError) as error:
-        notes.append(f"compile: {error}")
+        notes.append(f"compile: {_why(error)}")
     try:
         starts = [_child(START, {"NUMBA_DISABLE_JIT": "0"})[1] for _ in range(1 + STARTS)][1:]
     except (subprocess.SubprocessError, OSError) as error:
-        notes.append(f"start: {error}")
+        notes.append(f"start: {_why(error)}")
     return StartUp(compiled, worked, float(np.median(starts)) if starts else np.nan, "; ".join(notes))
+
+
+def _why(error: Exception) -> str:
+    """How a child failed, in a line; without its program, which is all that subprocess would say."""
+    if isinstance(error, subprocess.TimeoutExpired):
+        return f"not done after {error.timeout:g} s; is everything compiled?"
+    if isinstance(error, subprocess.CalledProcessError):
+        return f"code {error.returncode}: {(str(error.stderr).strip().splitlines() or ['no word'])[-1]}"
+    return f"{type(error).__name__}: {error}"
 
 
 def _child(program: str, environment: dict[str, str]) -> tuple[str, float]:
