@@ -38,9 +38,11 @@ check: $(READY)  ## the gate: fails when the engine leaves more overlap than a s
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios check
 
-bench: $(READY)  ## time per frame only
+bench: $(READY)  ## time per frame in every scene, and per collision query beside coal, python-fcl, MuJoCo and PyBullet
 	@$(COMPILED)
-	@$(VENV_PYTHON) -m scenarios bench
+	@code=0; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
+	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
+	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write

@@ -20,6 +20,8 @@ from reports.conclusions import (
     time_summary,
 )
 from reports.load import EngineNote, Results
+from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
+from reports.narrow_phase_chart import inks, panels
 from reports.palette import dark_rules, strokes
 from reports.tables import Block, Cell, blocks, more_truths
 from reports.verdict import Verdict, believed, losing_scenes
@@ -62,8 +64,8 @@ class EngineCard:
     cannot: tuple[tuple[str, str, str], ...]
 
 
-def page(results: Results, verdict: Verdict) -> str:
-    """The whole page as text."""
+def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None) -> str:
+    """The whole page as text; with the section on single queries when the run has it."""
     first = losing_scenes(verdict)
     shown = blocks(results, first)
     runs = [line.run for block in shown for line in block.lines]
@@ -84,7 +86,18 @@ def page(results: Results, verdict: Verdict) -> str:
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
+        narrow=narrow, **(_narrow(narrow) if narrow else {}),
     )
+
+
+def _narrow(narrow: NarrowPhase) -> dict[str, object]:
+    """What the section on single queries is made of."""
+    facts = {name: value for name in ("plan", "motion", "provenance") if isinstance(value := narrow.about.get(name), Mapping)}
+    return {
+        "narrow_conclusion": conclusion(narrow), "narrow_panels": panels(narrow), "narrow_inks": inks(narrow),
+        "narrow_factor": factor, "narrow_calls": call_costs(narrow), "narrow_start_up": start_up(narrow),
+        "narrow_provenance": _flat(facts),
+    }
 
 
 def _heads(shown: tuple[Block, ...]) -> Mapping[str, str]:

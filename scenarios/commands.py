@@ -208,6 +208,9 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         return nothing(asked)
     ran = begun(asked, words, made, {})
     code = passes(asked, made, ran, timed=True)
+    if ran.folder.parent == asked.out.resolve():
+        # what times single queries, and the report after it, look for this run there
+        point_latest(ran.folder)
     rows = [row for row in ran.rows() if is_time(row.metric) or row.status in ("crashed", "not-measured")]
     if asked.json:
         show(asked, rows, frozenset())
