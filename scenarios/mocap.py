@@ -7,7 +7,7 @@ Hinge angles keep their sign, because the hinge axes of the humanoid turn along.
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +151,18 @@ def repeated(clip: Clip, times: int) -> Clip:
         root_positions=np.vstack([places, (times - 1) * stride + clip.root_positions[-1]]),
         rotations={link: joined(values) for link, values in clip.rotations.items()},
         angles={link: joined(values) for link, values in clip.angles.items()},
+    )
+
+
+def placed(clip: Clip, x: float, y: float, heading: float) -> Clip:
+    """The clip begun at (x, y) [m] on the floor and turned by `heading` [rad] about the vertical through there."""
+    turn = rotation.from_axis_angle((0.0, 0.0, 1.0), heading)
+    from_start = clip.root_positions - clip.root_positions[0] * np.array([1.0, 1.0, 0.0])
+    frames = len(clip.times)
+    return replace(
+        clip,
+        root_positions=rotation.rotate(np.tile(turn, (frames, 1)), from_start) + np.array([x, y, 0.0]),
+        rotations={**clip.rotations, "root": rotation.multiply(np.tile(turn, (frames, 1)), clip.rotations["root"])},
     )
 
 

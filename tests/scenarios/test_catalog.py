@@ -14,19 +14,21 @@ from avatarsim.scene.tracker import TrackerSample, checked, link_poses
 from reference.judge import Judge
 from scenarios import catalog
 from scenarios.catalog import ball_drop, hand_over_table, mocap_punch_wall, mocap_walk_wall
+from scenarios.mocap import clip_names
 from scenarios.reach import reach
 from scenarios.scenario import Bound, Drop, Motion, Region, Scenario
+from tests.scenarios.raw_overlap import RAW
 
 Array = NDArray[np.float64]
 ALL = sorted(catalog.scenarios())
 CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
 
-RAW = {
-    # scene: what the raw motion is inside -> in how many frames, and how deep [m]
-    "mocap_punch_wall": {"wall": (155, 0.1855), "floor": (296, 0.0441), "self": (8, 0.0775)},
-    "mocap_walk_wall": {"wall": (42, 0.1862), "floor": (54, 0.0104), "self": (148, 0.0511)},
-    "mocap_getup_floor": {"floor": (314, 0.0617), "low_table": (111, 0.1264), "self": (22, 0.0191)},
-}
+LOOKED_AT = 3
+"""The raw motion is judged in every third frame: the judge is dear, and what it finds lasts longer."""
+FASTEST = 0.21
+"""Largest way of a link's origin per frame [m]: 12.6 m/s, the foot of a recorded kick. A fist makes 0.15."""
+JUMPS_ABOUT = ("limit_torture", "teleport", "thin_wall_hand")
+"""Scenes whose users jump on purpose."""
 
 
 def poses(scene: Scene, sample: TrackerSample) -> tuple[Array, Array]:
@@ -52,6 +54,10 @@ def test_the_first_five_scenes_are_found() -> None:
 def test_an_unknown_scene_is_refused_with_the_names_that_exist() -> None:
     with pytest.raises(UnknownName, match="ball_drop"):
         catalog.get("ball_dorp")
+
+
+def test_every_recorded_clip_is_a_scene() -> None:
+    assert {f"mocap_{clip}" for clip in clip_names()} <= set(ALL)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -81,7 +87,7 @@ def test_a_scene_begins_free_of_overlap_where_its_regions_allow(name: str) -> No
 def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
     scenario, scene, motion = built(name)
     again = scenario.motion(scene, 0)
-    frames = range(min(scenario.frames, 400))
+    frames = range(min(scenario.frames, 150))
     last = link_poses(scene.avatars, scene.first_sample)[0]
     for frame in frames:
         sample = checked(motion(frame), scene.avatars)
@@ -89,9 +95,8 @@ def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
         same = again(frame)
         assert (sample.positions == same.positions).all() and (sample.rotations == same.rotations).all()
         here = link_poses(scene.avatars, sample)[0]
-        if name in RAW or name == "hand_over_table":
-            # 0.15 m in a sixtieth of a second is 9 m/s, the speed of a fist
-            assert np.linalg.norm(here - last, axis=1).max() < 0.15
+        if name not in JUMPS_ABOUT and len(here):
+            assert np.linalg.norm(here - last, axis=1).max() < FASTEST
         last = here
 
 
@@ -101,19 +106,25 @@ def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
     judge = Judge(scene)
     frames: dict[str, int] = {}
     deepest: dict[str, float] = {}
-    for frame in range(scenario.frames):
+    avatars = {avatar.name for avatar in scene.avatars}
+    for frame in range(0, scenario.frames, LOOKED_AT):
         verdict = judge.overlaps(*poses(scene, motion(frame)))
         found: dict[str, float] = {}
-        for a, _, depth in verdict.pairs:
-            what = "self" if a.startswith("human/") else a
+        for a, b, depth in verdict.pairs:
+            met = [body for body in (a, b) if body.split("/")[0] not in avatars]
+            what = met[0] if met else "self"
             found[what] = max(found.get(what, 0.0), depth)
         for what, depth in found.items():
-            frames[what] = frames.get(what, 0) + 1
+            frames[what] = frames.get(what, 0) + LOOKED_AT
             deepest[what] = max(deepest.get(what, 0.0), depth)
-    assert set(frames) == set(RAW[name])
-    for what, (count, depth) in RAW[name].items():
-        assert frames[what] == pytest.approx(count, abs=2)
-        assert deepest[what] == pytest.approx(depth, abs=1e-3)
+    lasting = {what for what, (count, _) in RAW[name].items() if count > 3 * LOOKED_AT}
+    assert lasting and lasting <= set(frames) <= set(RAW[name])
+    for what in frames:
+        count, depth = RAW[name][what]
+        # the ends of each touch may fall between two looks
+        assert frames[what] == pytest.approx(count, rel=0.15, abs=2 * LOOKED_AT)
+        assert deepest[what] <= depth + 1e-3
+        assert what not in lasting or deepest[what] >= 0.25 * depth
 
 
 @pytest.mark.parametrize(

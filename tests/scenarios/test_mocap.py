@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
 from avatarsim.spatial import rotation
 from scenarios import data_folder
-from scenarios.mocap import COLUMNS, LAYOUT, clip_names, load_clip, read_clip, repeated, retimed, z_up, z_up_rotation
+from scenarios.mocap import COLUMNS, LAYOUT, clip_names, load_clip, placed, read_clip, repeated, retimed, z_up, z_up_rotation
 
 Array = NDArray[np.float64]
 NUMBER = st.floats(-3.0, 3.0)
@@ -149,3 +149,14 @@ def test_without_the_data_package_the_error_says_what_to_install(monkeypatch: py
     monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
     with pytest.raises(MissingPackage, match="pybullet_data"):
         load_clip("walk")
+
+
+def test_a_placed_clip_begins_where_it_is_put_and_is_otherwise_the_same() -> None:
+    clip = load_clip("walk")
+    there = placed(clip, 2.0, -1.0, np.pi / 2)
+    assert np.allclose(there.root_positions[0], [2.0, -1.0, clip.root_positions[0, 2]])
+    way, before = there.root_positions[-1] - there.root_positions[0], clip.root_positions[-1] - clip.root_positions[0]
+    assert np.allclose(way, [-before[1], before[0], before[2]])
+    forward, was = (rotation.rotate(played.rotations["root"][0], [1.0, 0.0, 0.0]) for played in (there, clip))
+    assert np.allclose(forward, [-was[1], was[0], was[2]])
+    assert there.rotations["chest"] is clip.rotations["chest"]
