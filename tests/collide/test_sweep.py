@@ -174,3 +174,16 @@ def test_inserting_twice_and_removing_twice_is_as_once():
     remove(memory, 0)
     remove(memory, 0)
     assert sweep_and_prune(boxes, wanted, memory, pairs) == (CONVERGED, 0)
+
+
+def test_a_few_huge_boxes_among_many_small_ones():
+    """One that spans more cells than are looked into at once, and some beyond all cells, one after the other."""
+    low = np.stack(np.meshgrid(*[np.arange(7) * 1.5] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    boxes, wanted = np.hstack([low, low + 1.0]), pair_filter([OPEN] * 343)
+    boxes[7] = [-1.0, -1.0, 2.2, 8.0, 9.0, 9.2]
+    boxes[11:13] = [[-(2.0**41), -1.0, 2.2, 2.0**41, 4.0, 2.4], [0.0, 0.0, -(2.0**42), 0.5, 3.0, 2.0**42]]
+    memory = make_sweep_memory(343, 4000)
+    assert both(boxes, wanted, memory)[1] > 150
+    for b in (7, 11, 12, 100):
+        forget(memory, b)
+        both(boxes, wanted, memory)
