@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidShape, UnknownName
 from avatarsim.pieces import from_mesh, pieces_of_mesh
 from avatarsim.pieces.found import Pieces
-from avatarsim.pieces.inside import inside_closed
 from avatarsim.scene.mass import volume
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
 from tests.pieces.solids import Soup, cube, ell, obj_text, surface_points, together, torus
@@ -199,14 +198,3 @@ def test_wishes_out_of_range_are_refused() -> None:
         pieces_of_mesh(cube(), repair="pray")
     with pytest.raises(InvalidFile, match=r"nowhere\.obj"):
         pieces_of_mesh("nowhere.obj")
-
-
-def test_the_inside_of_the_two_boxes_is_that_of_the_ell() -> None:
-    found = pieces_of_mesh(ell(), quiet=True, kept=False)
-    from avatarsim.pieces.hulls import hull_of
-
-    hulls = [hull_of(points(found, k), "piece") for k in range(2)]
-    probes = np.random.default_rng(0).uniform(-0.5, 3.5, (5000, 3))
-    within = np.min([hull.heights(probes) for hull in hulls], axis=0) <= 0.0
-    wrong = within != inside_closed(probes, ell()[0][ell()[1]])
-    assert wrong.mean() < 0.01
