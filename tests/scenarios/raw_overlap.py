@@ -34,7 +34,7 @@ RAW = {
     "self_collision": {"self": (194, 0.0754)},
     "shallow_overlap": {"table": (41, 0.01)},
     "singular_chain": {"wall": (140, 0.08)},
-    "squeeze": {"box": (107, 0.119)},
+    "squeeze": {"box": (77, 0.119)},
     "start_inside": {"table": (60, 0.0157)},
     "teleport": {"self": (172, 0.1076), "wall_west": (60, 0.2121), "wall_door_north": (30, 0.0692), "table": (30, 0.0818)},
     "thin_wall_hand": {"wall": (32, 0.0369)},
