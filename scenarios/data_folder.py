@@ -20,3 +20,11 @@ def data_file(name: str) -> Path:
     if not path.is_file():
         raise InvalidFile("file of pybullet_data", name, f"a file below {path.parents[len(Path(name).parts) - 1]}")
     return path
+
+
+def robotics_assets() -> Path:
+    """Folder of gymnasium-robotics' models; MissingPackage when the package is not there."""
+    found = find_spec("gymnasium_robotics")
+    if found is None or not found.submodule_search_locations:
+        raise MissingPackage("gymnasium-robotics", "assets", "reading the articulated hand")
+    return Path(next(iter(found.submodule_search_locations))) / "envs" / "assets"

@@ -27,7 +27,7 @@ LOOKED_AT = 3
 """The raw motion is judged in every third frame: the judge is dear, and what it finds lasts longer."""
 FASTEST = 0.21
 """Largest way of a link's origin per frame [m]: 12.6 m/s, the foot of a recorded kick. A fist makes 0.15."""
-JUMPS_ABOUT = ("limit_torture", "teleport", "thin_wall_hand")
+JUMPS_ABOUT = ("limit_torture", "limit_torture_hinges", "teleport", "thin_wall_hand")
 """Scenes whose users jump on purpose."""
 
 
