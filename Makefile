@@ -38,10 +38,11 @@ check: $(READY)  ## the gate: fails when the engine leaves more overlap than a s
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios check
 
-bench: $(READY)  ## time per frame in every scene, and per collision query beside coal, python-fcl, MuJoCo and PyBullet
+bench: $(READY)  ## time per frame, per collision query beside coal, python-fcl, MuJoCo, PyBullet, and per object up to 20,000
 	@$(COMPILED)
 	@code=0; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
 	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
+	  $(VENV_PYTHON) -m reference.broad_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 report: $(READY)  ## the pages again, from the files of the last run

@@ -22,8 +22,8 @@ class Snapshot:
     velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes.
     `event` names what happened: "step", or "impact" for the velocities right after a collision at this instant
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
-    surfaces meet, where the engine knows that better than from its last pose: a few nanoseconds after the frame's end at most
-    when that pose keeps a gap.
+    surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the
+    time in which the gap closes, and so may be after the frame's end: nanoseconds at 2 m/s, the longer the slower the impact.
     """
 
     time: float

@@ -12,7 +12,7 @@ def write_report(run_dir: Path) -> None:
     All three are made before one of them is replaced. Raises InvalidFile when results.json is missing, truncated or of
     another schema; what stands in the folder then stays as it is.
     """
-    from reports import narrow_phase
+    from reports import broad_phase, narrow_phase
     from reports.junit import junit
     from reports.load import load
     from reports.page import page
@@ -21,7 +21,8 @@ def write_report(run_dir: Path) -> None:
 
     results = load(run_dir)
     judged = verdict(results)
-    texts = {SUMMARY: summary(results, judged), JUNIT: junit(judged), PAGE: page(results, judged, narrow_phase.load(run_dir))}
+    whole = page(results, judged, narrow_phase.load(run_dir), broad_phase.load(run_dir))
+    texts = {SUMMARY: summary(results, judged), JUNIT: junit(judged), PAGE: whole}
     for name, text in texts.items():
         half_written = run_dir / f".{name}.part"
         half_written.write_text(text, encoding="utf-8")

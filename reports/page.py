@@ -7,6 +7,8 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from reports.broad_phase import BroadPhase
+from reports.broad_phase_chart import section
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.columns import COLUMNS
 from reports.conclusions import (
@@ -64,8 +66,8 @@ class EngineCard:
     cannot: tuple[tuple[str, str, str], ...]
 
 
-def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None) -> str:
-    """The whole page as text; with the section on single queries when the run has it."""
+def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None, broad: BroadPhase | None = None) -> str:
+    """The whole page as text; with the sections on single queries and on many objects when the run has them."""
     first = losing_scenes(verdict)
     shown = blocks(results, first)
     runs = [line.run for block in shown for line in block.lines]
@@ -87,6 +89,7 @@ def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None) 
         more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
         narrow=narrow, **(_narrow(narrow) if narrow else {}),
+        broad=broad, **(section(broad) if broad else {}),
     )
 
 

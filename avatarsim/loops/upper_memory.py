@@ -12,6 +12,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.manifold import Manifold, make_manifold
 from avatarsim.motion.path import Paths, make_paths
+from avatarsim.motion.two_bodies import ROUND
 from avatarsim.scene.body import Role
 from avatarsim.world.dynamics import Dynamics
 from avatarsim.world.geometry import Geometry, Poses
@@ -25,9 +26,6 @@ PAIRS_ROOM = 65536
 
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
-
-ROUND = 1e-12
-"""Principal moments closer than this part of the largest are equal: spinning about any axis is then free of torque."""
 
 DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
 """Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last

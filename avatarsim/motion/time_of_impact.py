@@ -50,9 +50,6 @@ LEAVING, RESTING = 1e-4, -1.5e-3
 ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
-ROUNDS = 200
-"""Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
-
 STALLED = 1e-13
 """A safe step shorter than this [s] is none: even at 1 km/s nothing gets on by a tenth of a nanometre."""
 

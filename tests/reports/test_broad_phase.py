@@ -1,12 +1,18 @@
 """Sweep and prune in the report: there when its file is, what is not flat is named first, and a damaged file is said to be."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from avatarsim.errors import InvalidFile
+from reports import write_report
 from reports.broad_phase import ROWS, BroadPhase, conclusion, load
 from reports.broad_phase_chart import inks, panels, section
+from tests.reports.test_page import Tree
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
 
 HEAD = "layout,motion,objects,kernel,us_per_object_p50,bytes_per_object,near_pairs,found_is_twin\n"
 
@@ -66,3 +72,17 @@ def test_a_panel_per_layout_with_words_and_a_stroke_per_line(tmp_path: Path) -> 
     for name, stroke in inks(broad).items():
         assert stroke.light in made[0].svg, name
     assert set(section(broad)) == {"broad_conclusion", "broad_panels", "broad_inks"}
+
+
+def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    write_report(folder)
+    assert 'id="many"' not in (folder / "index.html").read_text()
+    fill(folder, *rows(1.5), *rows(9.0, motion="all fast"), *rows(99.0, kernel="one axis"))
+    write_report(folder)
+    text = (folder / "index.html").read_text()
+    tree = Tree()
+    tree.feed(text)
+    assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
+    assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
+    assert 'id="many"' in text and "from 20 to 20,000 objects" in text and "one axis, all slow" in text

@@ -1,6 +1,7 @@
 """Hostile fuzz of the checked posture, judged by poses alone. Longer by hand: python -m tests.stability.test_posture_fuzz."""
 
 import argparse
+import sys
 import time
 from collections import Counter
 from dataclasses import dataclass, field
@@ -105,14 +106,14 @@ def test_same_seed_same_bits() -> None:
     assert len(set(first.hashes)) > 20
 
 
-def main() -> None:
-    """Long runs by hand."""
+def main() -> int:
+    """Long runs by hand; 1 if something overlapped, got out, passed a limit or was not finite."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--avatar", choices=sorted(TRIALS), default="hinged")
     parser.add_argument("--frames", type=int, default=3000)
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--judge-every", type=int, default=1)
-    chosen = parser.parse_args()
+    chosen, broken = parser.parse_args(), 0
     for seed in chosen.seeds:
         r = run(chosen.avatar, seed, chosen.frames, judge_every=chosen.judge_every)
         p50, p99 = np.percentile(r.micros[5:], [50, 99])
@@ -123,7 +124,9 @@ def main() -> None:
             for found in getattr(r, title)[:5]:
                 print("   ", title, found)
         print("   ", dict(r.counts))
+        broken += len(r.overlaps) + len(r.outside) + len(r.hinges) + len(r.balls) + len(r.not_finite)
+    return 1 if broken else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
