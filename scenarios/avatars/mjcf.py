@@ -73,7 +73,8 @@ class Mjcf:
             at = place + rotation.rotate(turn, here) - parent_centre if k == 0 else here - groups[k - 1][0]
             small = Mass(BETWEEN * mass.mass, inertia=BETWEEN * mass.inertia)
             between = f"{name}_{k}"
-            yield Link(between, before, Hinges(hinges), (Piece(Sphere(BALL)),), small, anchor=_vector(at), orientation=_quaternion(turn))
+            ball = (Piece(Sphere(BALL)),)
+            yield Link(between, before, Hinges(hinges), ball, small, anchor=_vector(at), orientation=_quaternion(turn))
             before, turn = between, np.array(rotation.IDENTITY)
             at = groups[k + 1][0] - here
         if len(groups) == 1:
