@@ -1,7 +1,8 @@
 """Avatars from MJCF files: bodies, limited hinges, capsules, spheres, boxes and meshes; nothing else of the format.
 
 A body's frame becomes a link's frame moved into the centre of its hinges. Hinges of one body with different centres become
-links of their own, without shape, in front of it. The first body goes where the user goes, whatever holds it in the file.
+links of their own in front of it, each a little ball in its joint. The first body goes where the user goes, whatever holds
+it in the file.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,8 +26,9 @@ from scenarios.avatars.stl import hull_of
 Array = NDArray[np.float64]
 
 UP = np.array([0.0, 0.0, 1.0])
-BETWEEN = 0.01
-"""Mass of a link without shape between two hinges, as a share of the body's: nothing for a user, enough for a solver."""
+BETWEEN, BALL = 0.1, 0.005
+"""Mass of a link between two hinges of one body, as a share of the body's, and radius [m] of its ball, which lies inside its
+neighbours: next to nothing for a user, but engines want mass and shape of every link."""
 DIRECTIONS = 64
 """Directions in which a mesh's farthest points are taken as the vertices of its hull."""
 
@@ -71,7 +73,8 @@ class Mjcf:
             at = place + rotation.rotate(turn, here) - parent_centre if k == 0 else here - groups[k - 1][0]
             small = Mass(BETWEEN * mass.mass, inertia=BETWEEN * mass.inertia)
             between = f"{name}_{k}"
-            yield Link(between, before, Hinges(hinges), (), small, anchor=_vector(at), orientation=_quaternion(turn))
+            ball = (Piece(Sphere(BALL)),)
+            yield Link(between, before, Hinges(hinges), ball, small, anchor=_vector(at), orientation=_quaternion(turn))
             before, turn = between, np.array(rotation.IDENTITY)
             at = groups[k + 1][0] - here
         if len(groups) == 1:
