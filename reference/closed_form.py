@@ -35,6 +35,7 @@ from reference.closed_form_sliding import (
     stop_distance,
     stop_time,
     tips_over,
+    tripod_load,
 )
 from reference.closed_form_spring import (
     coach_offset,
@@ -51,6 +52,7 @@ __all__ = [
     "incline_acceleration",
     "oblique_bounce", "oblique_bounce_literal", "point_impact", "reach_angles", "reach_shortfall",
     "rod_angular_velocity", "roll_distance", "roll_speed", "roll_time", "semi_implicit_fall_error", "spring_overshoot",
-    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over", "two_spheres",
+    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over", "tripod_load",
+    "two_spheres",
     "wall_contact_time", "zeno_time",
 ]
