@@ -1,4 +1,4 @@
-"""Item 18: a heavy box on a light one, from equal masses to a thousand to one. How much can an engine stack?
+"""Item 18: a heavy box on a light one, a thousand to one. How much can an engine stack?
 
 Each tower begins with a millimetre of air below either box. A tower that stands has its boxes where they touch.
 """
@@ -14,7 +14,7 @@ from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
 from scenarios.untracked import untracked
 
-RATIOS = (1.0, 10.0, 100.0, 300.0, 1e3)
+RATIOS = (1e3,)
 """Mass of the upper box over that of the lower, which is 1 kg."""
 EDGE, AIR = 0.2, 1e-3
 """Edge of a box, air below each at the start [m]."""
@@ -26,7 +26,7 @@ BOXES = tuple(name for ratio in RATIOS for name in (f"light_{ratio:g}", f"heavy_
 
 
 def build() -> Scene:
-    """Five towers of two boxes on one floor."""
+    """Towers of two boxes on one floor."""
     pieces = (Piece(Box((EDGE, EDGE, EDGE))),)
     bodies: list[Body] = [fixed("floor", (Piece(Box((8.0, 4.0, 0.2))),), "floor", (0.0, 0.0, -0.1))]
     for k, ratio in enumerate(RATIOS):
@@ -49,8 +49,8 @@ def courses() -> tuple[Course, ...]:
 
 SCENARIO = Scenario(
     name="heavy_on_light",
-    title="Heavy boxes on light ones: 1, 10, 100, 300 and 1000 to one.",
-    judged="Whether the towers stand, and how far into each other.",
+    title="A heavy box on a light one, a thousand to one.",
+    judged="Whether the tower stands, and how far into each other.",
     build=build,
     motion=untracked(),
     frames=600,
