@@ -25,6 +25,7 @@ from reference.closed_form_impact import (
     two_spheres,
 )
 from reference.closed_form_reach import reach_angles, reach_shortfall
+from reference.closed_form_rotation import flip_times
 from reference.closed_form_sliding import (
     incline_acceleration,
     rod_angular_velocity,
@@ -34,6 +35,7 @@ from reference.closed_form_sliding import (
     stop_distance,
     stop_time,
     tips_over,
+    tripod_load,
 )
 from reference.closed_form_spring import (
     coach_offset,
@@ -46,9 +48,11 @@ from reference.closed_form_spring import (
 
 __all__ = [
     "Oblique", "apex_height", "bounce_path", "bounce_state", "bounce_time", "coach_offset", "coach_steady_offset",
-    "cradle_velocities", "damping_ratio", "fall_height", "fall_velocity", "impact_speed", "incline_acceleration",
+    "cradle_velocities", "damping_ratio", "fall_height", "fall_velocity", "flip_times", "impact_speed",
+    "incline_acceleration",
     "oblique_bounce", "oblique_bounce_literal", "point_impact", "reach_angles", "reach_shortfall",
     "rod_angular_velocity", "roll_distance", "roll_speed", "roll_time", "semi_implicit_fall_error", "spring_overshoot",
-    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over", "two_spheres",
+    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over", "tripod_load",
+    "two_spheres",
     "wall_contact_time", "zeno_time",
 ]

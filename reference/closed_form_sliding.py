@@ -44,3 +44,12 @@ def rod_angular_velocity(start: float, angle: float, length: float, gravity: flo
     Its centre falls straight down, so energy alone decides: w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)).
     """
     return sqrt(12.0 * gravity * (cos(start) - cos(angle)) / (length * (1.0 + 3.0 * sin(angle) ** 2)))
+
+
+def tripod_load(mass: float, gravity: float, rough: float, smooth: float, friction: float, height: float) -> float:
+    """Load [N] on the one rough foot of a body that slides along on it and on two smooth ones, straight on.
+
+    Feet at `rough` and `smooth` [m] along the way from the centre of mass, which is `height` [m] above the ground. Moments about
+    the centre of mass: N_1 x_1 + (m g - N_1) x_2 = mu N_1 h, for the braking force turns the body forward.
+    """
+    return mass * gravity * smooth / (smooth - rough + friction * height)

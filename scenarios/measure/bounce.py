@@ -96,11 +96,13 @@ def _between_steps(way: Flight) -> Iterator[Impact]:
 
 def apex(way: Flight, start: float, end: float) -> float:
     """Largest gap [m] reached between `start` and `end` [s]; between two samples by the parabola of the last rising one."""
-    chosen = (way.time > start) & (way.time < end)
+    # the state right after the impact is at `start` itself; a low bounce has no other that rises
+    chosen = (way.time >= start) & (way.time < end)
     if not chosen.any():
         return 0.0
     height, speed = way.height[chosen], way.speed[chosen]
-    rising = np.flatnonzero((speed[:-1] > 0.0) & (speed[1:] <= 0.0))
+    # beyond the last sample comes the next impact, so there it falls
+    rising = np.flatnonzero((speed > 0.0) & (np.append(speed[1:], -1.0) <= 0.0))
     top = float(np.max(height))
     return max(top, float(height[rising[0]] + speed[rising[0]] ** 2 / (2.0 * way.gravity))) if len(rising) else top
 

@@ -6,15 +6,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
+from scenarios.measure.at_rest import at_rest
 from scenarios.measure.bounce import bounces
+from scenarios.measure.bounce_times import bounce_times, zeno_ends
+from scenarios.measure.conserved import conserved
 from scenarios.measure.counts import work
+from scenarios.measure.course import course_errors
 from scenarios.measure.energy import energy
+from scenarios.measure.escapes import escapes
 from scenarios.measure.finite import not_finite
 from scenarios.measure.free import free_frames
+from scenarios.measure.halts import halts
 from scenarios.measure.jumps import jumps
 from scenarios.measure.limits import limit_excess
 from scenarios.measure.overlap import INSIDE_JUDGED, depths, residual_overlap, substep_overlap
 from scenarios.measure.side import wrong_side
+from scenarios.measure.sliding import stops
+from scenarios.measure.spinning import flips, pivots
 from scenarios.measure.stillness import still_frames
 from scenarios.measure.tracker_offset import tracker_offset
 from scenarios.measure.travel import travel
@@ -34,12 +42,21 @@ class Measured:
     overlap: Array
 
 
+def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
+    """Closed forms and invariants of motion and impact, each only if the scenario expects it."""
+    found: dict[str, Value] = {**halts(recording, scene)}
+    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, escapes):
+        found |= family(recording, scenario, scene)
+    return found
+
+
 def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside: int | None = INSIDE_JUDGED) -> Measured:
     """Every metric that applies to the scene. Without the judge's package its metrics are Missing, all others stand."""
     values: dict[str, Value] = {
         **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
         **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
         **bounces(recording, scenario, scene), **travel(recording, scenario, scene), **work(recording),
+        **motion_figures(recording, scenario, scene),
     }
     try:
         # a compiled package that not every machine has; its absence costs the judged figures and nothing else

@@ -264,3 +264,16 @@ def test_falling_rod_is_what_its_equation_of_motion_gives():
     w = integrated(rate, [start, 0.0], 5.0, events=down).y_events[0][0][1]
     assert exact.rod_angular_velocity(start, pi / 2, length, G) == pytest.approx(w, abs=1e-9)
     assert w == pytest.approx(5.4114, abs=5e-5)
+
+
+@pytest.mark.parametrize(("rough", "smooth"), [(0.3, -0.3), (0.1, -0.5), (-0.4, 0.2)])
+def test_loads_of_a_sliding_tripod_balance_forces_and_moments(rough, smooth):
+    mass, friction, height, wide = 3.0, 0.2, 0.1, 0.4
+    feet = np.array([[rough, 0.0, -height], [smooth, wide, -height], [smooth, -wide, -height]])
+    up, back = np.array([0.0, 0.0, 1.0]), np.array([-1.0, 0.0, 0.0])
+    pushes = [up + friction * back, up, up]
+    # moments about x and y vanish (about z friction acts through the middle), and the feet carry the weight
+    rows = np.array([np.cross(foot, push) for foot, push in zip(feet, pushes, strict=True)]).T
+    loads = np.linalg.solve(np.array([rows[0], rows[1], np.ones(3)]), [0.0, 0.0, mass * G])
+    assert loads[0] == pytest.approx(exact.tripod_load(mass, G, rough, smooth, friction, height), rel=1e-12)
+    assert (loads > 0.0).all()

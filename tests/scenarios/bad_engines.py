@@ -23,6 +23,8 @@ from reference.judge import Judge
 Array = NDArray[np.float64]
 DEPTH = 2e-3
 """What the third of them leaves [m]."""
+STEPS = 8
+"""Parts of a frame in which it looks; a body that passes through another within one of them is not seen."""
 
 DISTRIBUTION, MODULE = "bad_engines_for_tests", "bad_engines_of_a_stranger"
 NAMES = {
@@ -112,11 +114,11 @@ class NotANumber(Tunnels):
 
 
 class TwoMillimetres(Frozen):
-    """A sound engine in all but one thing: it stops 2 mm inside, by halving the way until the judge finds just that."""
+    """It stops 2 mm inside, by halving the way until the judge finds just that."""
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         self.judge = Judge(scene)
-        self.sample = scene.first_sample
+        self.sample, self.stuck = scene.first_sample, False
         return super().load(scene, settings, dt)
 
     def depth(self, positions: Array, orientations: Array) -> float:
@@ -129,8 +131,8 @@ class TwoMillimetres(Frozen):
     def move(self, sample: TrackerSample, dt: float) -> None:
         if self.scene.avatars:
             self.follow(sample)
-        else:
-            self.fall(dt)
+        elif not self.stuck:
+            self.fly(dt)
 
     def follow(self, sample: TrackerSample) -> None:
         """From the posture shown towards the tracker's as far as DEPTH allows."""
@@ -146,26 +148,23 @@ class TwoMillimetres(Frozen):
         self.positions, self.orientations = self.posture(self.sample)
         self.angles = self.sample.angles
 
-    def fall(self, dt: float) -> None:
-        """Free fall, turned round with a third of the speed when DEPTH inside, where it waits for the frame to be shown."""
-        waiting: set[int] = set()
-        for _ in range(40):
-            h = dt / 40
-            for k in sorted(set(self.moving) - waiting):
-                self.velocities[k] += np.array(self.scene.gravity) * h
-                step = self.velocities[k] * h
-                trial = self.positions.copy()
-                trial[k] += step
-                if step[2] < 0.0 and trial[k, 2] < 0.2 and self.depth(trial, self.orientations) > DEPTH:
-                    low, high = 0.0, 1.0
-                    for _ in range(40):
-                        middle = 0.5 * (low + high)
-                        trial[k] = self.positions[k] + middle * step
-                        low, high = (middle, high) if self.depth(trial, self.orientations) <= DEPTH else (low, middle)
-                    step = low * step
-                    self.velocities[k] *= -0.3
-                    waiting.add(k)
-                self.positions[k] += step
+    def fly(self, dt: float) -> None:
+        """All bodies fly freely; at the first overlap of DEPTH the whole world stops, just that deep."""
+        for _ in range(STEPS):
+            h = dt / STEPS
+            self.velocities[self.moving] += np.array(self.scene.gravity) * h
+            way = np.zeros_like(self.positions)
+            way[self.moving] = self.velocities[self.moving] * h
+            if self.depth(self.positions + way, self.orientations) > DEPTH:
+                low, high = 0.0, 1.0
+                for _ in range(40):
+                    middle = 0.5 * (low + high)
+                    free = self.depth(self.positions + middle * way, self.orientations) <= DEPTH
+                    low, high = (middle, high) if free else (low, middle)
+                self.positions += low * way
+                self.stuck = True
+                return
+            self.positions += way
 
 
 def blend(a: TrackerSample, b: TrackerSample, fraction: float) -> TrackerSample:

@@ -1,0 +1,1 @@
+"""Scenes that are hard on purpose: where engines are known to fail."""

@@ -1,0 +1,35 @@
+"""What should rest: how far it drifts, and how much it still moves at the end."""
+
+import numpy as np
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from scenarios.expected import Rest
+from scenarios.measure.energy import kinetic
+from scenarios.measure.expecting import expected
+from scenarios.measure.value import Missing, Values
+from scenarios.record import Recording
+from scenarios.scenario import Scenario
+
+
+def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """drift_max [m]: farthest that a body at rest is from where it was when it came to rest; rest_energy_end [J]: kinetic energy
+    of all of them in the last state. Empty if nothing is said to rest."""
+    rests = expected(scenario, "rests", Rest)
+    if not rests:
+        return {}
+    if recording.times[-1] < max(entry.since for entry in rests):
+        early = Missing("the recording ends before all is at rest", "scene")
+        return {"drift_max": early, "rest_energy_end": early}
+    drift, bodies = [0.0], []
+    for entry in rests:
+        own = [scene.names.index(name) for name in entry.bodies]
+        path = recording.positions[recording.times >= entry.since][:, own]
+        drift.append(float(np.max(np.linalg.norm(path - path[0], axis=-1))))
+        bodies += [k for k in own if scene.roles[k] is Role.SIMULATED]
+    masses = [mass for k in bodies if (mass := scene.bodies[k].mass) is not None]
+    moving = kinetic(
+        np.array([m.mass for m in masses]), np.array([m.inertia for m in masses]), recording.orientations[-1:, bodies],
+        recording.velocities[-1:, bodies], recording.angular_velocities[-1:, bodies],
+    )
+    return {"drift_max": float(np.max(drift)), "rest_energy_end": float(moving.sum())}
