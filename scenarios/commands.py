@@ -37,10 +37,19 @@ class Plan:
 
 
 def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
-    """Scenes that the filter lets through, or the one that is named. Raises UnknownName; their bounds are known metrics."""
+    """Scenes that the filter lets through, or the one that is named. Raises UnknownName; their bounds are known metrics.
+
+    Without a filter a comparison, and a measurement of times, takes the everyday scenes, with `--full` all.
+    """
     name = getattr(asked, "scene", None)
     found = {name: catalog.get(name)} if name else catalog.scenarios()
-    found = {key: scenario for key, scenario in found.items() if fnmatchcase(key, asked.filter)}
+    if asked.filter is not None:
+        found = {key: scenario for key, scenario in found.items() if fnmatchcase(key, asked.filter)}
+    elif asked.command in ("compare", "bench") and not asked.full:
+        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday}
+        said = f"{len(everyday)} everyday scenes of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
+        print(said, file=sys.stderr)
+        found = everyday
     for scenario in found.values():
         bounds_of(scenario)
     return found
@@ -242,7 +251,8 @@ def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
     """What `list` says of one scene."""
-    entry: dict[str, Any] = {key: getattr(scenario, key) for key in ("name", "frames", "short", "dt", "title", "judged")}
+    told = ("name", "frames", "short", "dt", "everyday", "title", "judged")
+    entry: dict[str, Any] = {key: getattr(scenario, key) for key in told}
     if effects:
         scene = scenario.build()
         kept = scene.effects

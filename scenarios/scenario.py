@@ -87,7 +87,8 @@ class Scenario:
     `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
     standard list, `expects` holds closed forms by name, `hinge_order` the three hinges that stand in for a
-    ball joint in an engine that has none.
+    ball joint in an engine that has none. The `everyday` scenes are those of a comparison that was asked for without
+    filter and full lengths.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Scenario:
     expects: Mapping[str, object] = field(default_factory=dict)
     hinge_order: str = "xyz"
     short_motion: Callable[[Scene, int], Motion] | None = None
+    everyday: bool = False
 
     def __post_init__(self) -> None:
         positive(f"frames of {self.name}", self.frames, InvalidInput)

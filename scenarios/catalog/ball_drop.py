@@ -82,4 +82,5 @@ SCENARIO = Scenario(
     ),
     metrics=("restitution_error_max", "apex_error_max"),
     expects={"drops": DROPS},
+    everyday=True,
 )

@@ -114,4 +114,5 @@ SCENARIO = Scenario(
     bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE, BALL_PUSHED),
     expects={"travel": {"ball": PUSHED}},
     regions=(inside("hand", "ball"),),
+    everyday=True,
 )

@@ -56,4 +56,5 @@ SCENARIO = Scenario(
     frames=FRAMES,
     bounds=AVATAR,
     regions=(above_floor("human/*"),),
+    everyday=True,
 )

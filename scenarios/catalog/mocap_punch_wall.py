@@ -36,4 +36,5 @@ SCENARIO = Scenario(
     frames=FRAMES,
     bounds=AVATAR,
     regions=(before_wall(FACE, "human/*"),),
+    everyday=True,
 )
