@@ -272,3 +272,18 @@ def test_a_sample_of_words_is_refused_and_the_next_good_one_works(what: str, val
     with pytest.raises(InvalidSample, match="tracker sample is None"):
         engine.advance(None, DT)
     assert engine.advance(SCENE.first_sample, DT).shown.time == pytest.approx(DT)
+
+
+def test_a_link_without_pieces_is_a_point_that_meets_nobody() -> None:
+    """Beside something that moves, where every frame sweeps the boxes of all bodies."""
+    tip = Link("tip", "palm", Hinges((Hinge((0.0, 1.0, 0.0), -1.0, 1.0),)), (), solid(BALL, 1.0), anchor=(0.2, 0.0, 0.0))
+    palm = Link("palm", None, Free(), BALL, solid(BALL, 1.0))
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
+    ball = simulated("ball", BALL, "wood", solid(BALL, 1.0), (1.0, 0.0, 0.15))
+    avatar = Avatar("hand", (palm, tip), ("tip",), ())
+    start = replace(rest((avatar,)), positions=np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]))
+    engine = loaded(Scene("bare", (floor, ball), (avatar,), start=start))
+    for k in range(30):
+        record = engine.advance(replace(start, time=(k + 1) * DT), DT)
+        assert not any("not finite" in status for status in record.statuses)
+    assert 0.1 <= record.shown.positions[1, 2] < 0.15

@@ -116,9 +116,11 @@ def place(geo: Geometry, poses: Poses, b: int) -> None:
     r10, r11, r12 = R[b, 1, 0], R[b, 1, 1], R[b, 1, 2]
     r20, r21, r22 = R[b, 2, 0], R[b, 2, 1], R[b, 2, 2]
     px, py, pz = p[b, 0], p[b, 1], p[b, 2]
+    # a body without pieces is a point, which has a place among the boxes and nothing to meet anybody with
+    bare = geo.first_shape[b] == geo.first_shape[b + 1]
     for k in range(3):
-        poses.hulls[b, k] = np.inf
-        poses.hulls[b, 3 + k] = -np.inf
+        poses.hulls[b, k] = p[b, k] if bare else np.inf
+        poses.hulls[b, 3 + k] = p[b, k] if bare else -np.inf
     for s in range(geo.first_shape[b], geo.first_shape[b + 1]):
         first, last = geo.shapes.start[s], geo.shapes.start[s + 1]
         radius = geo.shapes.radius[s]

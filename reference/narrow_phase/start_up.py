@@ -23,11 +23,15 @@ PATIENCE = 300.0
 COMPILE = """
 import time
 import numpy as np
+from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.global_depth import global_depth
+from avatarsim.collide.pair_memory import make_pair_memory
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import separated_beyond, signed_distance
 from avatarsim.collide.support import gap_along
 from avatarsim.collide.sweep import sweep_and_prune
+from avatarsim.collide.sweep_memory import make_sweep_memory
+from avatarsim.world.pair_filter import OPEN, pair_filter
 from avatarsim.world.shapes import POINTS, Shapes
 
 begun, worked = time.perf_counter(), time.process_time()
@@ -38,9 +42,10 @@ scratch, up = make_scratch(), (0.0, 0.0, 1.0)
 signed_distance(vertices, shapes, 0, 1, up, scratch)
 separated_beyond(vertices, shapes, 0, 1, up, 0.0, scratch)
 gap_along(vertices, shapes, 0, 1, up)
+signed_distance_coherent(vertices, shapes, 0, 1, 1.0, scratch, make_pair_memory(1), 0)
 global_depth(vertices, shapes, np.array([0, 1, 2]), 0, 1, scratch)
 boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [0.5, 0.5, 0.5, 2.0, 2.0, 2.0]])
-sweep_and_prune(boxes, np.ones((2, 2), dtype=np.bool_), np.arange(2), np.zeros((4, 2), dtype=np.int64))
+sweep_and_prune(boxes, pair_filter([OPEN, OPEN]), make_sweep_memory(2, 4), np.zeros((4, 2), dtype=np.int64))
 print(time.perf_counter() - begun, time.process_time() - worked)
 """
 """Every entry of the room called once; the time without imports."""
