@@ -30,7 +30,7 @@ ifneq ($(strip $(PYTHON)),)
 $(READY): FORCE
 endif
 
-compare: $(READY)  ## every scenario in every engine, the report, the verdict table (FULL=1: full lengths, every preset)
+compare: $(READY)  ## the everyday scenes in every engine, the report, the verdict table (FULL=1: every scene, full lengths)
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
 

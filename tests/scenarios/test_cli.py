@@ -4,10 +4,12 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from scenarios import catalog
 from scenarios.__main__ import main
 from tests.scenarios.command_line import called, last, latest
 
@@ -139,6 +141,23 @@ def test_list_and_metrics_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"residual_overlap_max": "m"}.items() <= {
         row["metric"]: row["unit"] for row in json.loads(capsys.readouterr().out)
     }.items()
+
+
+def test_without_a_filter_a_comparison_takes_the_everyday_scenes_and_the_gate_takes_all(
+    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:
+    drop = catalog.get("ball_drop")
+    both = {"ball_drop": drop, "rare": replace(drop, name="rare", everyday=False)}
+    monkeypatch.setattr(catalog, "scenarios", lambda: both)
+    monkeypatch.setattr(catalog, "get", both.__getitem__)
+
+    def taken(*words: str) -> set[str]:
+        called(tmp_path, *words, "--engine", "tunnels", "--preset", "default", frames=2)
+        return {row["scenario"] for row in latest(tmp_path)["rows"]}
+
+    assert taken("compare") == {"ball_drop"}
+    assert "1 everyday scenes of 2" in capsys.readouterr().err
+    assert taken("compare", "--filter", "*") == taken("compare", "--full") == taken("check") == {"ball_drop", "rare"}
 
 
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
