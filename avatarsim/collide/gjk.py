@@ -114,21 +114,26 @@ def gjk(
         scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
         than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
-    v = seed
-    if not (0.0 < dot(v, v) < inf):
-        v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
-        if dot(v, v) == 0.0:
-            v = (1.0, 0.0, 0.0)
-    return gjk_from(vertices, shapes, a, b, v, 0, margin, scratch)
+    return gjk_from(vertices, shapes, a, b, first_direction(vertices, shapes, a, b, seed), 0, margin, CLOSE_ENOUGH, scratch)
+
+
+@kernel
+def first_direction(vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3) -> Vec3:
+    """The seed, if it is a direction; else from the first row of b to that of a; never zero."""
+    if 0.0 < dot(seed, seed) < inf:
+        return seed
+    v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
+    return (1.0, 0.0, 0.0) if dot(v, v) == 0.0 else v
 
 
 @kernel
 def gjk_from(
-    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, close: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int]:
     """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
 
-    Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth.
+    Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
+    is found when it is proved but for ``close``, relative to the shapes' size.
     """
     size = max(shapes.size[a], shapes.size[b])
     length, stalled = norm(v), False
@@ -142,11 +147,12 @@ def gjk_from(
         measured = count > 0
         if measured:
             missing = length - proved
-            done = missing <= CLOSE_ENOUGH * size + ROUNDING * length
+            # A coarse answer must at least prove the cores apart; a fine one that does not says that they touch.
+            done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + ROUNDING * length
             if done or stalled or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
-                if missing <= ACCEPTED * size + ROUNDING * length:
+                if missing <= max(close, ACCEPTED) * size + ROUNDING * length:
                     return CONVERGED, scale(v, 1.0 / length), length, count
                 return DEGENERATE, scale(v, 1.0 / length), proved, count
         inside, closest, count = closest_in_simplex(count + 1, scratch)
