@@ -60,7 +60,7 @@ def signed_distance_coherent(
             known, distance, n, on_a, on_b = still_apart(vertices, shapes, a, b, count, wanted, scratch, memory_out, pair)
         if not known:
             status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
-            if status != CONVERGED or (distance > 0.0) == (faces > 0):
+            if status != CONVERGED:
                 points, faces = 0, 0
             if faces > 0:
                 remember_polytope(shapes, a, b, n, points, faces, scratch, memory_out, pair)

@@ -7,7 +7,7 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 from math import inf, nan
 
 from avatarsim.collide.closed_forms import closed_form
-from avatarsim.collide.epa import SIGN_DOUBT, deepest_points, epa
+from avatarsim.collide.epa import EXACT, SIGN_DOUBT, deepest_points, epa_to
 from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.smooth_distance import smooth_distance
@@ -63,7 +63,7 @@ def core_distance(
     if distance > 0.0:
         return status, distance, n, on_a, on_b, points, 0
     size = max(shapes.size[a], shapes.size[b])
-    status, m, depth, points, faces = epa(vertices, shapes, a, b, seed, points, scratch)
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
     if faces > 0:
