@@ -152,7 +152,9 @@ def gjk_from(
             if done or stalled or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
-                if missing <= max(close, ACCEPTED) * size + ROUNDING * length:
+                # Far from the origin the coordinates themselves are no finer than this.
+                grain = ROUNDING * norm(row(scratch.on_a, count))
+                if missing <= max(close, ACCEPTED) * size + ROUNDING * length + grain:
                     return CONVERGED, scale(v, 1.0 / length), length, count
                 return DEGENERATE, scale(v, 1.0 / length), proved, count
         inside, closest, count = closest_in_simplex(count + 1, scratch)

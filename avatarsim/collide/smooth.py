@@ -172,7 +172,8 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
     above = reach(vertices, shapes, a, m) + reach(vertices, shapes, b, neg(m))
     between = sub(on_a, on_b)
     missed = max(norm(along(between, -above, m)), abs(above - height))
-    return missed <= PROVED * size + ROUNDING * abs(above), m, above, on_a, on_b
+    # Far from the origin the coordinates themselves are no finer than ROUNDING times their size.
+    return missed <= PROVED * size + ROUNDING * (abs(above) + norm(on_a)), m, above, on_a, on_b
 
 
 @kernel
@@ -239,9 +240,10 @@ def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth:
     """Cosine of a cone about the stationary normal m in which h is nowhere below ``depth`` = h(m); above 1: none is known.
 
     For a unit vector d at angle t from m, x the point of an ellipsoid E with normal m, r = |E m|, and k the radius of
-    curvature towards d: |E d|^2 = (x.d)^2 + r k sin^2 t, so |E d| - x.d >= r k sin^2 t / (2 |E d|), and |E d| is at most
-    r cos t + L sin t, L the longest semi-axis. The points of the two shapes that make h(m) add depth cos t. Together
-    h(d) - depth >= sin^2 t (k r / (2 (r cos t + L sin t)) - depth / (1 + cos t)), k and r of both shapes where both bend.
+    curvature towards d: |E d|^2 = (x.d)^2 + r k sin^2 t, so |E d| - x.d = r k sin^2 t / (|E d| + x.d). With s the length of
+    x across m and L the longest semi-axis, x.d <= r cos t + s sin t and
+    |E d|^2 <= r^2 cos^2 t + 2 r s sin t cos t + L^2 sin^2 t. The points of the two shapes that make h(m) add depth cos t.
+    Together h(d) - depth >= sin^2 t (k r / (|E d| + x.d) - depth / (1 + cos t)), k and r of both shapes where both bend.
     """
     am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
     u = perpendicular(m)
@@ -251,20 +253,26 @@ def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth:
     uu, vv = curvature(am, au, au) + curvature(bm, bu, bu), curvature(am, av, av) + curvature(bm, bv, bv)
     uv = curvature(am, au, av) + curvature(bm, bu, bv)
     least = 0.5 * (uu + vv) - sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv)
-    lean_a, lean_b = longest_axis(vertices, shapes, a), longest_axis(vertices, shapes, b)
     from_one = 1.0
     for _ in range(HALVINGS):
         cos = 1.0 - from_one
-        sin = sqrt(1.0 - cos * cos)
-        share = 1.0
-        if lean_a > 0.0:
-            share = min(share, norm(am) / (norm(am) * cos + lean_a * sin))
-        if lean_b > 0.0:
-            share = min(share, norm(bm) / (norm(bm) * cos + lean_b * sin))
-        if share * least * (1.0 + cos) * (1.0 - SLACK) >= 2.0 * depth:
+        share = min(least_share(vertices, shapes, a, m, am, cos), least_share(vertices, shapes, b, m, bm, cos))
+        if share * least * (1.0 + cos) * (1.0 - SLACK) >= depth:
             return cos
         from_one *= 0.5
     return 2.0
+
+
+@kernel
+def least_share(vertices: Rows, shapes: Shapes, s: int, m: Vec3, e: Vec3, cos: float) -> float:
+    """Least r / (|E d| + x.d) over d in a cone about m, for `least_cosine`; e = E m. 1/2 at m; inf for points."""
+    r = norm(e)
+    if not (r > 0.0):
+        return inf
+    sin, longest = sqrt(1.0 - cos * cos), longest_axis(vertices, shapes, s)
+    x = gathered(vertices, shapes, s, scale(e, 1.0 / r))
+    across = norm(along(x, -r, m))
+    return r / (r * cos + across * sin + sqrt(r * cos * (r * cos + 2.0 * across * sin) + longest * longest * sin * sin))
 
 
 @kernel
