@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test check bench report lint lock clean FORCE
+.PHONY: help setup compare test fuzz check bench report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -50,6 +50,16 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -m nojit
 	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck
+
+# Everything runs, whatever fails; the exit status is then 1.
+fuzz: $(READY)  ## a million pairs of shapes against exact answers, then hostile motion (PAIRS=..., FRAMES=..., SEED=...)
+	@$(COMPILED)
+	@failed=0; \
+	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
+	for avatar in hinged humanoid; do \
+	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),20000) \
+	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \
+	done; exit $$failed
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .
