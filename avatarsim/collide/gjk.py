@@ -133,7 +133,7 @@ def gjk_from(
     """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
 
     Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
-    is found when it is proved but for ``close``, relative to the shapes' size.
+    is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
     """
     size = max(shapes.size[a], shapes.size[b])
     length, stalled = norm(v), False
@@ -155,7 +155,8 @@ def gjk_from(
                 # Far from the origin the coordinates themselves are no finer than this.
                 grain = ROUNDING * norm(row(scratch.on_a, count))
                 if missing <= max(close, ACCEPTED) * size + ROUNDING * length + grain:
-                    return CONVERGED, scale(v, 1.0 / length), length, count
+                    # Only what was proved may be above the margin, and that was not.
+                    return CONVERGED, scale(v, 1.0 / length), min(length, margin), count
                 return DEGENERATE, scale(v, 1.0 / length), proved, count
         inside, closest, count = closest_in_simplex(count + 1, scratch)
         if inside:

@@ -1,6 +1,6 @@
 """Signed distance of two cores of which one is an ellipsoid: GJK or EPA until Newton's method can finish, with a proof."""
 
-from math import inf, nan
+from math import nan
 
 from avatarsim.collide.closed_forms import Answer
 from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, closest_in_simplex, closest_points, first_direction, gjk_from
@@ -38,6 +38,7 @@ def smooth_distance(
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
     if distance > margin:
+        # Proved along n, however coarse GJK was asked to be.
         return status, distance, n, NOWHERE, NOWHERE, 0, 0
     if not (distance > 0.0):
         return smooth_depth(vertices, shapes, a, b, seed, count, scratch)
@@ -54,7 +55,7 @@ def smooth_distance(
         scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
         return CONVERGED, -height, neg(m), on_a, on_b, FEATURE, 0
     _, v, count = closest_in_simplex(kept, scratch)
-    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, inf, CLOSE_ENOUGH, scratch)
+    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, margin, CLOSE_ENOUGH, scratch)
     if distance > 0.0:
         on_a, on_b = closest_points(count, scratch)
         return status, distance, n, on_a, on_b, 0, 0

@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from avatarsim.collide.coherent import signed_distance_coherent
+from avatarsim.collide.pair_memory import make_pair_memory
+from avatarsim.collide.scratch import make_scratch
+from avatarsim.collide.signed_distance import separated_beyond, signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.support import gap_along
 from tests.collide.solids import as_arrays, ask, ball, box, capsule, dumb_ellipsoid_gap, ellipsoid, random_hull
@@ -99,3 +103,26 @@ def test_grazing_gaps(exponent):
             assert found == pytest.approx(wanted, abs=1e-11)
             if exponent > -11:
                 assert found * wanted > 0.0
+
+
+@pytest.mark.parametrize("distance", [1e-6, 1e-3, 0.02, 0.3])
+def test_a_gap_beyond_the_margin_is_proved_by_its_normal(distance):
+    rng = np.random.default_rng(64)
+    scratch, memory, no_seed = make_scratch(), make_pair_memory(1), (0.0, 0.0, 0.0)
+    for k in range(8):
+        a = ellipsoid(*rng.uniform(0.2, 0.6, 3)).moved(some_turn(rng))
+        b = [ellipsoid(0.4, 0.3, 0.3), box(0.3, 0.2, 0.4), random_hull(rng, 15), capsule(0.1, 0.4)][k % 4]
+        b = b.moved(some_turn(rng), rng.normal(size=3))
+        _, gap, n, _, _ = ask(a, b)
+        vertices, shapes = as_arrays(a.moved(shift=n * (distance - gap)), b)
+        for share in (0.0, 0.5, 0.9, 0.99, 1.0 - 1e-6, 1.0 + 1e-6, 1.01, 1.5):
+            margin = share * distance
+            answers = [signed_distance_up_to(vertices, shapes, 0, 1, no_seed, margin, scratch)]
+            answers += [signed_distance_coherent(vertices, shapes, 0, 1, margin, scratch, memory, 0) for _ in range(2)]
+            for status, bound, along, _, _ in answers:
+                assert status == CONVERGED
+                assert gap_along(vertices, shapes, 0, 1, along) >= bound - 1e-15
+                assert bound == pytest.approx(distance, abs=1e-11) if share > 1.0 else margin < bound <= distance + 1e-11
+            apart, along = separated_beyond(vertices, shapes, 0, 1, no_seed, margin, scratch)
+            assert apart == (share < 1.0)
+            assert not apart or gap_along(vertices, shapes, 0, 1, along) > margin - 1e-15
