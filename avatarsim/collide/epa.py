@@ -11,11 +11,11 @@ from math import inf
 from avatarsim.collide.gjk import NOWHERE, add_support
 from avatarsim.collide.polytope import cone_to, find_horizon, start_polytope
 from avatarsim.collide.scratch import POINTS_CAP, Scratch
-from avatarsim.collide.simplex import closest_on_triangle
+from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.tetrahedron import grow_tetrahedron
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, norm, perpendicular, row, scale, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 EXACT = 1e-12
@@ -121,7 +121,7 @@ def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
     wish = scale(seed, -1.0)
     if points == 3:
         edge = sub(row(scratch.w, 1), row(scratch.w, 0))
-        n = cross(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
+        n = upright(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
         n = scale(n, 1.0 / norm(n))
         return scale(n, -1.0) if dot(n, wish) < 0.0 else n
     if points == 2:

@@ -35,6 +35,10 @@ vanishing distance."""
 ROUNDING = 1e-15
 """A few units in the last place of a float64: the relative error of a distance however large."""
 
+STALLS_CAP = 8
+"""Times that rounding may leave a point no nearer than the last. Fewer: a pair with nearly parallel edges, where the next
+support would have mattered, is given up; more: only costs time on a failure."""
+
 NOWHERE = (0.0, 0.0, 0.0)
 
 
@@ -136,7 +140,7 @@ def gjk_from(
     is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
     """
     size = max(shapes.size[a], shapes.size[b])
-    length, stalled = norm(v), False
+    length, stalls = norm(v), 0
     for _ in range(ITERATIONS_CAP):
         w = add_support(vertices, shapes, a, b, neg(v), count, scratch)
         proved = dot(v, w) / length
@@ -149,7 +153,7 @@ def gjk_from(
             missing = length - proved
             # A coarse answer must at least prove the cores apart; a fine one that does not says that they touch.
             done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + ROUNDING * length
-            if done or stalled or known(count, scratch):
+            if done or stalls > STALLS_CAP or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
                 # Far from the origin the coordinates themselves are no finer than this.
@@ -164,8 +168,9 @@ def gjk_from(
         closer = norm(closest)
         if closer <= TOUCHING * size:
             return CONVERGED, NOWHERE, 0.0, count
-        # Rounding: no nearer than before. The direction is checked once more, then taken or refused.
-        stalled = measured and not (closer < length)
+        # Rounding: no nearer than before. The new direction may still be the better one.
+        if measured and not (closer < length):
+            stalls += 1
         v, length = closest, closer
     n = scale(v, 1.0 / length)
     proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)
