@@ -1,15 +1,16 @@
 """THE query again, for a pair that was asked about a frame ago: it starts from what made the last answer.
 
-Apart: GJK goes on from the last simplex. Overlapping: EPA goes on from the whole last surface around the origin. If
-nothing new happened, one support proves the answer, by the same test that ends the cold algorithms: both accept any
-points of A - B, so the memory cannot make an answer wrong. Whatever it does not lead to is asked cold.
+Apart: GJK goes on from the last simplex. Overlapping: EPA goes on from the whole last surface around the origin. With
+an ellipsoid: Newton goes on from the last normal and feature. If nothing new happened, one support proves the answer,
+by the same test that ends the cold algorithms: they accept any points of A - B, so the memory cannot make an answer
+wrong. Whatever it does not lead to is asked cold.
 """
 
 from math import inf
 
 from avatarsim.collide.closed_forms import closed_form
-from avatarsim.collide.epa import deepest_points, expand
-from avatarsim.collide.gjk import NOWHERE, closest_in_simplex, closest_points, gjk_from
+from avatarsim.collide.epa import EXACT, deepest_points, expand
+from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, closest_in_simplex, closest_points, gjk_from
 from avatarsim.collide.pair_memory import (
     PairMemory,
     recall_axis,
@@ -20,9 +21,11 @@ from avatarsim.collide.pair_memory import (
 )
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import core_distance, with_radii
+from avatarsim.collide.smooth_depth import FEATURE
+from avatarsim.collide.smooth_distance import same_feature
 from avatarsim.collide.status import CONVERGED
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm
+from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm, put_row
 from avatarsim.world.shapes import POINTS, Shapes
 
 CLEARLY_DEEP = 1e-9
@@ -46,18 +49,18 @@ def signed_distance_coherent(
     if not known:
         wanted = margin + (shapes.radius[a] + shapes.radius[b])
         seed = recall_axis(memory_out, pair)
-        count = 0
-        # The points of an ellipsoid are no vertices: only the axis is kept.
-        remembering = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
-        if remembering:
-            count = recall_points(vertices, shapes, a, b, memory_out, pair, scratch)
-        if count > 3:
+        count = recall_points(vertices, shapes, a, b, memory_out, pair, scratch)
+        if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
+            if count == FEATURE:
+                known, distance, n, on_a, on_b = same_feature(vertices, shapes, a, b, seed, scratch)
+                put_row(memory_out.axis, pair, n)
+        elif count > 3:
             known, distance, n, on_a, on_b = still_overlapping(vertices, shapes, a, b, count, scratch, memory_out, pair)
         elif count > 0:
             known, distance, n, on_a, on_b = still_apart(vertices, shapes, a, b, count, wanted, scratch, memory_out, pair)
         if not known:
             status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
-            if not remembering or status != CONVERGED or (distance > 0.0) == (faces > 0):
+            if status != CONVERGED:
                 points, faces = 0, 0
             if faces > 0:
                 remember_polytope(shapes, a, b, n, points, faces, scratch, memory_out, pair)
@@ -74,7 +77,7 @@ def still_apart(
     _, v, count = closest_in_simplex(count, scratch)
     if not (0.0 < norm(v) < inf):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
-    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, margin, scratch)
+    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, margin, CLOSE_ENOUGH, scratch)
     if status != CONVERGED or not (distance > 0.0):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     on_a, on_b = closest_points(count, scratch)
@@ -94,7 +97,7 @@ def still_overlapping(
     before = recall_faces(count, memory_out, pair, scratch)
     if before == 0:
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
-    status, m, depth, points, faces = expand(vertices, shapes, a, b, count, before, scratch)
+    status, m, depth, points, faces, _ = expand(vertices, shapes, a, b, count, before, EXACT * size, scratch)
     if status != CONVERGED or not (depth > CLEARLY_DEEP * size):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     on_a, on_b = deepest_points(m, depth, faces, size, scratch)

@@ -11,11 +11,11 @@ from math import inf
 from avatarsim.collide.gjk import NOWHERE, add_support
 from avatarsim.collide.polytope import cone_to, find_horizon, start_polytope
 from avatarsim.collide.scratch import POINTS_CAP, Scratch
-from avatarsim.collide.simplex import closest_on_triangle
+from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.tetrahedron import grow_tetrahedron
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, norm, perpendicular, row, scale, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 EXACT = 1e-12
@@ -35,6 +35,11 @@ SAME_FACE = 1e-9
 looked for."""
 
 
+SIGN_DOUBT = 1e-9
+"""Relative to the shapes' size: GJK found no gap between the cores, EPA found one larger than this. Reported
+as DEGENERATE."""
+
+
 @kernel
 def epa(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, scratch: Scratch
@@ -48,31 +53,41 @@ def epa(
         side of -seed, faces 0. Otherwise so many points and face slots are in use.
     """
     size = max(shapes.size[a], shapes.size[b])
+    both_points = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
+    tolerance = (EXACT if both_points else SMOOTH) * size
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, count, tolerance, scratch)
+    return status, m, depth, points, faces
+
+
+@kernel
+def epa_to(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, tolerance: float, scratch: Scratch
+) -> tuple[int, Vec3, float, int, int, int]:
+    """As `epa` to a tolerance [m]; the face that is lowest comes last."""
+    size = max(shapes.size[a], shapes.size[b])
     points = grow_tetrahedron(vertices, shapes, a, b, count, size, scratch)
     if points < 4:
-        return CONVERGED, flat_normal(points, seed, scratch), 0.0, points, 0
+        return CONVERGED, flat_normal(points, seed, scratch), 0.0, points, 0, 0
     if not start_polytope(scratch):
         m = flat_normal(points - 1, seed, scratch)
-        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, points, scratch), m), points, 0
-    return expand(vertices, shapes, a, b, points, points, scratch)
+        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, points, scratch), m), points, 0, 0
+    return expand(vertices, shapes, a, b, points, points, tolerance, scratch)
 
 
 @kernel
 def expand(
-    vertices: Rows, shapes: Shapes, a: int, b: int, points: int, faces: int, scratch: Scratch
-) -> tuple[int, Vec3, float, int, int]:
+    vertices: Rows, shapes: Shapes, a: int, b: int, points: int, faces: int, tolerance: float, scratch: Scratch
+) -> tuple[int, Vec3, float, int, int, int]:
     """Push out the polytope of ``points`` points and ``faces`` face slots that is in the scratch until its lowest face
-    is on the surface of A - B.
+    is on the surface of A - B but for ``tolerance`` [m].
 
     Returns:
-        (status, m, depth, points, faces), as `epa`. Why CONVERGED with depth > 0 holds for *any* closed oriented surface
-        whose corners are points of A - B, convex or not: if every face has the origin below its plane, each covers a
-        positive solid angle seen from there, so together they cover every direction, and what they bound holds a ball
-        of the lowest height; the support says that no larger one fits.
+        (status, m, depth, points, faces) as `epa`, and the lowest face. Why CONVERGED with depth > 0 holds for *any*
+        closed oriented surface whose corners are points of A - B, convex or not: if every face has the origin below its
+        plane, each covers a positive solid angle seen from there, so together they cover every direction, and what they
+        bound holds a ball of the lowest height; the support says that no larger one fits.
     """
     size = max(shapes.size[a], shapes.size[b])
-    both_points = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
-    tolerance = (EXACT if both_points else SMOOTH) * size
     least, toward = inf, NOWHERE
     while True:
         f, lowest = -1, inf
@@ -80,24 +95,24 @@ def expand(
             if scratch.alive[g] == 1 and scratch.height[g] < lowest:
                 f, lowest = g, scratch.height[g]
         if f < 0:
-            return NOT_FINITE, toward, least, points, faces
+            return NOT_FINITE, toward, least, points, faces, f
         m = row(scratch.normal, f)
         slot = min(points, POINTS_CAP - 1)
         w = add_support(vertices, shapes, a, b, m, slot, scratch)
         depth = dot(w, m)
         if depth - lowest <= tolerance or depth < 0.0:
-            return CONVERGED, m, depth, points, faces
+            return CONVERGED, m, depth, points, faces, f
         if depth < least:
             least, toward = depth, m
         if points == POINTS_CAP - 1:
-            return OUT_OF_ITERATIONS, toward, least, points, faces
+            return OUT_OF_ITERATIONS, toward, least, points, faces, f
         if not (depth < inf):
-            return NOT_FINITE, toward, least, points, faces
+            return NOT_FINITE, toward, least, points, faces, f
         points += 1
         edges = find_horizon(f, w, VISIBLE * size, scratch)
         whole, faces = cone_to(slot, edges, faces, scratch)
         if not whole:
-            return DEGENERATE, toward, least, points, faces
+            return DEGENERATE, toward, least, points, faces, f
 
 
 @kernel
@@ -106,7 +121,7 @@ def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
     wish = scale(seed, -1.0)
     if points == 3:
         edge = sub(row(scratch.w, 1), row(scratch.w, 0))
-        n = cross(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
+        n = upright(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
         n = scale(n, 1.0 / norm(n))
         return scale(n, -1.0) if dot(n, wish) < 0.0 else n
     if points == 2:

@@ -35,6 +35,10 @@ vanishing distance."""
 ROUNDING = 1e-15
 """A few units in the last place of a float64: the relative error of a distance however large."""
 
+STALLS_CAP = 8
+"""Times that rounding may leave a point no nearer than the last. Fewer: a pair with nearly parallel edges, where the next
+support would have mattered, is given up; more: only costs time on a failure."""
+
 NOWHERE = (0.0, 0.0, 0.0)
 
 
@@ -114,24 +118,29 @@ def gjk(
         scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
         than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
-    v = seed
-    if not (0.0 < dot(v, v) < inf):
-        v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
-        if dot(v, v) == 0.0:
-            v = (1.0, 0.0, 0.0)
-    return gjk_from(vertices, shapes, a, b, v, 0, margin, scratch)
+    return gjk_from(vertices, shapes, a, b, first_direction(vertices, shapes, a, b, seed), 0, margin, CLOSE_ENOUGH, scratch)
+
+
+@kernel
+def first_direction(vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3) -> Vec3:
+    """The seed, if it is a direction; else from the first row of b to that of a; never zero."""
+    if 0.0 < dot(seed, seed) < inf:
+        return seed
+    v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
+    return (1.0, 0.0, 0.0) if dot(v, v) == 0.0 else v
 
 
 @kernel
 def gjk_from(
-    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, close: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int]:
     """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
 
-    Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth.
+    Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
+    is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
     """
     size = max(shapes.size[a], shapes.size[b])
-    length, stalled = norm(v), False
+    length, stalls = norm(v), 0
     for _ in range(ITERATIONS_CAP):
         w = add_support(vertices, shapes, a, b, neg(v), count, scratch)
         proved = dot(v, w) / length
@@ -142,12 +151,16 @@ def gjk_from(
         measured = count > 0
         if measured:
             missing = length - proved
-            done = missing <= CLOSE_ENOUGH * size + ROUNDING * length
-            if done or stalled or known(count, scratch):
+            # A coarse answer must at least prove the cores apart; a fine one that does not says that they touch.
+            done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + ROUNDING * length
+            if done or stalls > STALLS_CAP or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
-                if missing <= ACCEPTED * size + ROUNDING * length:
-                    return CONVERGED, scale(v, 1.0 / length), length, count
+                # Far from the origin the coordinates themselves are no finer than this.
+                grain = ROUNDING * norm(row(scratch.on_a, count))
+                if missing <= max(close, ACCEPTED) * size + ROUNDING * length + grain:
+                    # Only what was proved may be above the margin, and that was not.
+                    return CONVERGED, scale(v, 1.0 / length), min(length, margin), count
                 return DEGENERATE, scale(v, 1.0 / length), proved, count
         inside, closest, count = closest_in_simplex(count + 1, scratch)
         if inside:
@@ -155,8 +168,9 @@ def gjk_from(
         closer = norm(closest)
         if closer <= TOUCHING * size:
             return CONVERGED, NOWHERE, 0.0, count
-        # Rounding: no nearer than before. The direction is checked once more, then taken or refused.
-        stalled = measured and not (closer < length)
+        # Rounding: no nearer than before. The new direction may still be the better one.
+        if measured and not (closer < length):
+            stalls += 1
         v, length = closest, closer
     n = scale(v, 1.0 / length)
     proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)

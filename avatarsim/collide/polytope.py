@@ -5,15 +5,16 @@ found by walking from one of them, and the rim of that patch, the horizon, is wh
 """
 
 from avatarsim.collide.scratch import FACES_CAP, Scratch
+from avatarsim.collide.simplex import upright
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 
 
 @kernel
 def set_plane(f: int, scratch: Scratch) -> bool:
     """Give the face in slot f the outward plane of its corners; False if they are in line."""
     p = row(scratch.w, scratch.corner[f, 0])
-    n = cross(sub(row(scratch.w, scratch.corner[f, 1]), p), sub(row(scratch.w, scratch.corner[f, 2]), p))
+    n = upright(sub(row(scratch.w, scratch.corner[f, 1]), p), sub(row(scratch.w, scratch.corner[f, 2]), p))
     area = norm(n)
     if not (area > 0.0):
         return False

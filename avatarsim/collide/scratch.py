@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-POINTS_CAP = 256
-"""Vertices of the growing polytope. Two hulls of 60 vertices need under 100; concentric round ellipsoids
-reach any cap."""
+POINTS_CAP = 512
+"""Vertices of the growing polytope. Two hulls of 60 vertices need under 100, of 300 under 200. Nearly round ellipsoids about
+one centre need most of it to show that no other way out is shorter; smaller: more of them end OUT_OF_ITERATIONS."""
 
 FACES_CAP = 2 * POINTS_CAP
 """A closed triangulated polytope of v vertices has 2 v - 4 faces."""

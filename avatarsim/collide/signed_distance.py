@@ -7,17 +7,14 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 from math import inf, nan
 
 from avatarsim.collide.closed_forms import closed_form
-from avatarsim.collide.epa import deepest_points, epa
+from avatarsim.collide.epa import EXACT, SIGN_DOUBT, deepest_points, epa_to
 from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.smooth_distance import smooth_distance
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
-from avatarsim.world.shapes import Shapes
-
-SIGN_DOUBT = 1e-9
-"""Relative to the shapes' size: GJK found no gap between the cores, EPA found one larger than this. Reported
-as DEGENERATE."""
+from avatarsim.world.shapes import POINTS, Shapes
 
 
 @kernel
@@ -51,12 +48,14 @@ def with_radii(
 def core_distance(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
-    """Signed distance of the cores, radii left out, by GJK and, if they overlap, by EPA.
+    """Signed distance of the cores, radii left out, by GJK and, if they overlap, by EPA; ellipsoids by Newton after them.
 
     Returns:
         (status, distance, n, point_a, point_b, points, faces). The scratch holds ``points`` points: the simplex of cores
-        apart, without faces, or the corners of the surface in ``faces`` face slots.
+        apart, without faces, or the corners of the surface in ``faces`` face slots. With an ellipsoid: `smooth_distance`.
     """
+    if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
+        return smooth_distance(vertices, shapes, a, b, seed, margin, scratch)
     status, n, distance, points = gjk(vertices, shapes, a, b, seed, margin, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
@@ -64,7 +63,7 @@ def core_distance(
     if distance > 0.0:
         return status, distance, n, on_a, on_b, points, 0
     size = max(shapes.size[a], shapes.size[b])
-    status, m, depth, points, faces = epa(vertices, shapes, a, b, seed, points, scratch)
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
     if faces > 0:

@@ -2,6 +2,7 @@
 
 from avatarsim.collide.gjk import add_support
 from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.simplex import upright
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import (
     Rows,
@@ -36,7 +37,7 @@ def off_the_others(points: int, w: Vec3, scratch: Scratch) -> float:
     edge = sub(row(scratch.w, 1), row(scratch.w, 0))
     if points == 2:
         return norm(cross(from_first, edge)) / norm(edge)
-    n = cross(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
+    n = upright(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
     return abs(dot(from_first, n)) / norm(n)
 
 
@@ -60,7 +61,7 @@ def outward_try(points: int, k: int, scratch: Scratch) -> Vec3:
         elif third == 2:
             d = along(scale(x, -0.5), 0.8660254037844386, y)
         return d if k < 3 else neg(d)
-    n = cross(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
+    n = upright(edge, sub(row(scratch.w, 2), row(scratch.w, 0)))
     return n if k % 2 == 0 else neg(n)
 
 
@@ -103,7 +104,7 @@ def grow_tetrahedron(
             return points
         points += 1
     p = row(scratch.w, 0)
-    n = cross(sub(row(scratch.w, 1), p), sub(row(scratch.w, 2), p))
+    n = upright(sub(row(scratch.w, 1), p), sub(row(scratch.w, 2), p))
     if dot(n, sub(row(scratch.w, 3), p)) > 0.0:
         # Points 1 and 2 change places by way of slot 4. Slots are counted from ``points``, which is 4, because every
         # literal argument would make the compiler write the whole function again.

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle
+from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle, upright
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -72,3 +72,33 @@ def test_the_direction_stays_right_far_below_the_rounding_of_the_corners():
     assert p == pytest.approx((0.0, 0.0, height), rel=1e-6)
     p, _ = closest_on_segment((1.0, 0.0, height), (-0.7, 0.0, height))
     assert p == pytest.approx((0.0, 0.0, height), rel=1e-6)
+
+
+@pytest.mark.parametrize("exponent", range(-14, 0))
+def test_thin_triangles_prove_their_distance_by_its_direction(exponent):
+    rng = np.random.default_rng(5)
+    for k in range(60):
+        a, u = rng.normal(size=3), rng.normal(size=3)
+        v = rng.uniform(-1.0, 1.0) * u + 10.0**exponent * rng.normal(size=3)
+        # Some with the origin's foot inside, at a distance far above the triangle's width or far below it.
+        normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+        a = a if k % 3 == 0 else -0.3 * u - 0.3 * v + normal * 10.0 ** rng.uniform(-8, 0)
+        corners = [a, a + u, a + v][k % 3 :] + [a, a + u, a + v][: k % 3]
+        p, share = closest_on_triangle(*(tuple(map(float, corner)) for corner in corners))
+        assert min(share) >= 0.0
+        np.testing.assert_allclose(np.array(share) @ np.array(corners), p, atol=2e-14)
+        # Below: no corner is nearer along p; above: p is a point of the triangle.
+        length = np.linalg.norm(p)
+        assert min(np.array(corners) @ p) / length >= length - 2e-14
+
+
+def test_a_normal_is_at_right_angles_to_nearly_parallel_edges():
+    rng = np.random.default_rng(6)
+    for exponent in range(-14, 0):
+        u = rng.normal(size=3)
+        v = 0.3 * u + 10.0**exponent * rng.normal(size=3)
+        for first, second in ((u, v), (v, u)):
+            n = np.array(upright(tuple(map(float, first)), tuple(map(float, second))))
+            n /= np.linalg.norm(n)
+            assert abs(n @ u) < 2e-15 and abs(n @ v) < 2e-15
+            assert n @ np.cross(first, second) > 0.0

@@ -1,0 +1,146 @@
+"""Depth of two overlapping cores of which one is an ellipsoid: EPA says where to look, Newton's method looks.
+
+EPA alone approaches a smooth surface facet by facet. Here a facet is left alone once a stationary point that Newton found
+near it explains it: around that point the support function is proved to be nowhere lower, and the facet cannot hide
+anything outside that cone. What is left when every facet is high enough or explained is the shortest way out of all.
+"""
+
+from math import inf, nan, sqrt
+
+from avatarsim.collide.epa import SIGN_DOUBT, SMOOTH, VISIBLE, deepest_points, epa_to
+from avatarsim.collide.gjk import NOWHERE, add_support, closest_points
+from avatarsim.collide.polytope import cone_to, find_horizon
+from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch
+from avatarsim.collide.smooth import least_cosine, polish, proves_itself
+from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Rows, Vec3, dot, neg, put_row, row
+from avatarsim.world.shapes import POINTS, Shapes
+
+START = 0.03
+"""Relative to the shapes' size: how near GJK and EPA come before Newton is tried. Larger: it is tried in vain; smaller:
+they do slowly what it does fast."""
+
+NEARER = 0.5
+"""By this much nearer EPA comes before Newton is tried again, if it found nothing new."""
+
+FEATURE = 3
+"""Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""
+
+MINIMA_KEPT = 24
+"""Stationary points remembered in one query, in the last slots of the scratch. Fewer: symmetric pairs end slowly."""
+
+SAME = 1e-9
+"""One minus the cosine of two normals that are the same stationary point."""
+
+EXPLAINED = 1e-10
+"""Relative to the shapes' size: a facet lower than the answer by less needs no explanation."""
+
+
+@kernel
+def explained(f: int, minima: int, depth: float, scratch: Scratch) -> bool:
+    """Whether what face f may hide at less than ``depth`` lies in the cone of a stationary point.
+
+    A direction d with h(d) < depth has the point depth d outside the polytope, beyond the plane of a face of height H
+    and normal n, so n.d > H / depth; hence d is at most the sum of two angles from the stationary normal.
+    """
+    n, height = row(scratch.normal, f), scratch.height[f]
+    off = min(height / depth, 1.0)
+    if not (off > 0.0):
+        return False
+    for i in range(minima):
+        near = min(dot(n, row(scratch.w, POINTS_CAP - 2 - i)), 1.0)
+        if near > 0.0:
+            cos = near * off - sqrt((1.0 - near * near) * (1.0 - off * off))
+            if cos >= scratch.height[FACES_CAP - 1 - i]:
+                return True
+    return False
+
+
+@kernel
+def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
+    """Whether m is one of the stationary points kept."""
+    for i in range(minima):
+        if dot(m, row(scratch.w, POINTS_CAP - 2 - i)) > 1.0 - SAME:
+            return True
+    return False
+
+
+@kernel
+def smooth_depth(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
+    """As `core_distance`, for cores that GJK left with ``count`` points and no gap, one of them an ellipsoid.
+
+    Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
+    """
+    size = max(shapes.size[a], shapes.size[b])
+    side = 0 if shapes.kind[a] == POINTS else 1
+    flat_a, flat_b = closest_points(count, scratch)
+    try_at = START * size
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, count, try_at, scratch)
+    best, n, on_a, on_b, minima = inf, m, flat_a, flat_b, 0
+    i, j, k = scratch.rows[0, side], scratch.rows[0, side], scratch.rows[0, side]
+    while status == CONVERGED and faces > 0:
+        f, lowest = -1, inf
+        for g in range(faces):
+            if scratch.alive[g] == 1 and scratch.height[g] < lowest:
+                if scratch.height[g] < best - EXPLAINED * size and not explained(g, minima, best, scratch):
+                    f, lowest = g, scratch.height[g]
+        if f < 0:
+            break
+        m = row(scratch.normal, f)
+        w = add_support(vertices, shapes, a, b, m, points, scratch)
+        depth = dot(w, m)
+        if not (abs(depth) < inf):
+            status = NOT_FINITE
+            break
+        if depth - lowest <= try_at or depth < 0.0:
+            x, y, z = scratch.corner[f, 0], scratch.corner[f, 1], scratch.corner[f, 2]
+            i_f, j_f, k_f = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
+            found, better, height, p, q = polish(vertices, shapes, a, b, m, i_f, j_f, k_f)
+            new = found and not already_found(better, minima, scratch)
+            if new and height < best:
+                best, n, on_a, on_b, i, j, k = height, better, p, q, i_f, j_f, k_f
+                if proves_itself(vertices, shapes, a, b, found, better, height):
+                    break
+            if new and minima < MINIMA_KEPT:
+                put_row(scratch.w, POINTS_CAP - 2 - minima, better)
+                scratch.height[FACES_CAP - 1 - minima] = least_cosine(vertices, shapes, a, b, better, height)
+                minima += 1
+            if not new:
+                try_at = max(NEARER * (depth - lowest), SMOOTH * size)
+                if depth - lowest <= SMOOTH * size or depth < 0.0:
+                    # Newton has nothing to add: EPA's own answer.
+                    if depth < best:
+                        best, n, minima = depth, m, -1
+                    break
+        if points >= POINTS_CAP - 2 - MINIMA_KEPT:
+            status = OUT_OF_ITERATIONS
+            if depth < best:
+                best, n, minima = depth, m, -1
+            break
+        points += 1
+        edges = find_horizon(f, w, VISIBLE * size, scratch)
+        whole, faces = cone_to(points - 1, edges, faces, scratch)
+        if not whole:
+            status = DEGENERATE
+            if depth < best:
+                best, n, minima = depth, m, -1
+    if status == NOT_FINITE:
+        return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
+    if not (best < inf):
+        # A - B is flat, or EPA could not even begin.
+        if faces > 0:
+            flat_a, flat_b = deepest_points(m, depth, faces, size, scratch)
+        return status, -depth, neg(m), flat_a, flat_b, 0, 0
+    if minima < 0:
+        on_a, on_b = deepest_points(n, best, faces, size, scratch)
+        if -best > SIGN_DOUBT * size and status == CONVERGED:
+            status = DEGENERATE
+        return status, -best, neg(n), on_a, on_b, 0, 0
+    for slot in range(FEATURE):
+        scratch.rows[slot, 0] = scratch.rows[0, 0]
+        scratch.rows[slot, 1] = scratch.rows[0, 1]
+    scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
+    return status, -best, neg(n), on_a, on_b, FEATURE, 0
