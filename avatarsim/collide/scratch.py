@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-POINTS_CAP = 512
+POINTS_CAP = 768
 """Vertices of the growing polytope. Two hulls of 60 vertices need under 100, of 300 under 200. Nearly round ellipsoids about
 one centre need most of it to show that no other way out is shorter; smaller: more of them end OUT_OF_ITERATIONS."""
 

@@ -190,14 +190,16 @@ def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: fl
     minimises |x|^2 under one quadratic condition, and a stationary point is the global one if and only if
     Q - depth |E m| I has no negative eigenvalue. For two, A - B holds every ellipsoid of matrix A + T B, T orthogonal,
     because |A m| + |B m| >= |A m + T B m|; the T taken turns B m onto A m, so that this one touches at m too, and else
-    leaves as much of it as can be.
+    leaves as much of it as can be. The condition holds with equality at a common centre, so it is missed by rounding.
     """
+    # Far from the origin a depth is no finer than the coordinates it was measured with.
+    depth = (1.0 - SLACK) * depth - ROUNDING * norm(row(vertices, shapes.start[a]))
     am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
     if shapes.kind[a] == POINTS or shapes.kind[b] == POINTS:
         s = b if shapes.kind[a] == POINTS else a
         f = shapes.start[s]
         x, y, z = row(vertices, f + 1), row(vertices, f + 2), row(vertices, f + 3)
-        return min(dot(x, x), dot(y, y), dot(z, z)) >= (1.0 - SLACK) * depth * (norm(am) + norm(bm))
+        return min(dot(x, x), dot(y, y), dot(z, z)) >= depth * (norm(am) + norm(bm))
     reaching = norm(am) + norm(bm)
     am, bm = unit(am), unit(bm)
     p, q = perpendicular(am), perpendicular(bm)
@@ -214,7 +216,7 @@ def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: fl
     x = add(a_0, b_0)
     y = along(along(a_1, cos, b_1), -sin * mirror, b_2)
     z = along(along(a_2, sin, b_1), cos * mirror, b_2)
-    return not_negative(x, y, z, (1.0 - SLACK) * depth * reaching, SLACK * reaching * reaching)
+    return not_negative(x, y, z, depth * reaching, SLACK * reaching * reaching)
 
 
 @kernel
