@@ -23,10 +23,10 @@ Array = NDArray[np.float64]
 ALL = sorted(catalog.scenarios())
 CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
 
-LOOKED_AT = 3
-"""The raw motion is judged in every third frame: the judge is dear, and what it finds lasts longer."""
-FASTEST = 0.21
-"""Largest way of a link's origin per frame [m]: 12.6 m/s, the foot of a recorded kick. A fist makes 0.15."""
+BRISK = 0.15
+"""Largest way of a link's origin per frame [m]: 9 m/s, the speed of a fist."""
+FASTEST = dict.fromkeys(("mocap_backflip", "mocap_dance_a", "mocap_kick", "mocap_run", "mocap_spinkick"), 0.21)
+"""Clips that are faster as recorded: their feet make up to 12.3 m/s."""
 JUMPS_ABOUT = ("limit_torture", "limit_torture_hinges", "teleport", "thin_wall_hand")
 """Scenes whose users jump on purpose."""
 
@@ -87,7 +87,7 @@ def test_a_scene_begins_free_of_overlap_where_its_regions_allow(name: str) -> No
 def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
     scenario, scene, motion = built(name)
     again = scenario.motion(scene, 0)
-    frames = range(min(scenario.frames, 150))
+    frames = range(min(scenario.frames, 400))
     last = link_poses(scene.avatars, scene.first_sample)[0]
     for frame in frames:
         sample = checked(motion(frame), scene.avatars)
@@ -96,7 +96,7 @@ def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
         assert (sample.positions == same.positions).all() and (sample.rotations == same.rotations).all()
         here = link_poses(scene.avatars, sample)[0]
         if name not in JUMPS_ABOUT and len(here):
-            assert np.linalg.norm(here - last, axis=1).max() < FASTEST
+            assert np.linalg.norm(here - last, axis=1).max() < FASTEST.get(name, BRISK)
         last = here
 
 
@@ -107,7 +107,7 @@ def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
     frames: dict[str, int] = {}
     deepest: dict[str, float] = {}
     avatars = {avatar.name for avatar in scene.avatars}
-    for frame in range(0, scenario.frames, LOOKED_AT):
+    for frame in range(scenario.frames):
         verdict = judge.overlaps(*poses(scene, motion(frame)))
         found: dict[str, float] = {}
         for a, b, depth in verdict.pairs:
@@ -115,16 +115,12 @@ def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
             what = met[0] if met else "self"
             found[what] = max(found.get(what, 0.0), depth)
         for what, depth in found.items():
-            frames[what] = frames.get(what, 0) + LOOKED_AT
+            frames[what] = frames.get(what, 0) + 1
             deepest[what] = max(deepest.get(what, 0.0), depth)
-    lasting = {what for what, (count, _) in RAW[name].items() if count > 3 * LOOKED_AT}
-    assert lasting and lasting <= set(frames) <= set(RAW[name])
-    for what in frames:
-        count, depth = RAW[name][what]
-        # the ends of each touch may fall between two looks
-        assert frames[what] == pytest.approx(count, rel=0.15, abs=2 * LOOKED_AT)
-        assert deepest[what] <= depth + 1e-3
-        assert what not in lasting or deepest[what] >= 0.25 * depth
+    assert set(frames) == set(RAW[name])
+    for what, (count, depth) in RAW[name].items():
+        assert frames[what] == pytest.approx(count, abs=2)
+        assert deepest[what] == pytest.approx(depth, abs=1e-3)
 
 
 @pytest.mark.parametrize(
