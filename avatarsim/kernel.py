@@ -32,11 +32,16 @@ from typing import Any, TypeVar, cast
 import llvmlite
 import numba
 
+from avatarsim.linking import KernelDispatcher
+
 # numba makes its settings at run time; its annotations know neither them nor the option `_nrt`.
 config: Any = numba.config
 njit: Any = numba.njit
 
 Function = TypeVar("Function", bound=Callable[..., object])
+
+OPTIONS = {"error_model": "numpy", "fastmath": False, "_nrt": False, "boundscheck": None, "no_cfunc_wrapper": True}
+"""numba's options, as explained above; the wrapper for calls from C, which nobody makes, is left out."""
 
 ROOT = Path(__file__).resolve().parent
 """The package's own folder."""
@@ -62,7 +67,10 @@ def kernel(function: Function) -> Function:
     # Only while numba chooses this function's folder: other users of numba here keep their own setting.
     config.CACHE_DIR = str(folder or "")
     try:
-        compiled = njit(cache=folder is not None, error_model="numpy", fastmath=False, _nrt=False)(function)
+        if folder is None:
+            return cast(Function, njit(**OPTIONS)(function))
+        compiled = KernelDispatcher(function, {"nopython": True, **OPTIONS})
+        compiled.keep_in_cache()
         return cast(Function, compiled)
     finally:
         config.CACHE_DIR = kept
@@ -99,7 +107,7 @@ def source_hash(source: str) -> str:
 
 def _closure(source: Path) -> set[Path]:
     """Return ``source`` and every file of this package that it can reach through imports."""
-    found, waiting = {ROOT / "kernel.py"}, [source]
+    found, waiting = {ROOT / "kernel.py", ROOT / "linking.py"}, [source]
     while waiting:
         path = waiting.pop()
         if path not in found:

@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from avatarsim import kernel as real
+from avatarsim import linking
 
 CALLEE = (
     "from avatarsim.kernel import kernel\n\n\n@kernel\ndef twice(x: float) -> float:\n    return {} * x\n"
@@ -30,6 +31,7 @@ def package(tmp_path):
     root = tmp_path / "installed" / "avatarsim"
     root.mkdir(parents=True)
     shutil.copy(real.__file__, root / "kernel.py")
+    shutil.copy(linking.__file__, root / "linking.py")
     (root / "__init__.py").write_text("")
     (root / "callee.py").write_text(CALLEE.format("2.0"))
     (root / "caller.py").write_text(CALLER.format("callee"))

@@ -1,0 +1,192 @@
+"""How one compiled kernel calls another: small ones are inlined, large ones are compiled once and called by name.
+
+numba links the code of everything a function calls, directly or not, into that function's own module and optimises all of it
+again. A frame of this engine is a tree of some two hundred kernels, so the narrow phase was compiled again in each of its dozens
+of callers: two thirds of the compile time, and of what a start reads from disk. Here a kernel that is too large to be worth
+inlining is **sealed**: its callers know it by a name alone, which the JIT linker resolves to the one compiled copy.
+
+What must hold, and how it does:
+
+- a name must not change between processes, or a caller kept on disk would look for a callee that is not there. numba's own
+  symbol names count up per process, so a sealed kernel is registered under one made of its source digest and signature;
+- a callee must be in memory before its caller is loaded (an unresolved name ends the process), so a caller is kept on disk
+  together with the list of those it calls, and these are loaded, or compiled, first.
+"""
+
+import copy
+import fcntl
+import functools
+import hashlib
+import importlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import llvmlite.binding as llvm
+from numba.core import sigutils, types
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.registry import CPUDispatcher
+from numba.core.types.misc import unliteral
+
+SEALED_FROM = 200
+"""Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50; below this value
+compile time falls little, well above it the same code is compiled again in every caller."""
+
+PREFIX = "avatarsim-sealed:"
+"""What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""
+
+
+class Callee(NamedTuple):
+    """A sealed kernel as its callers' files on disk name it."""
+
+    module: str
+    qualname: str
+    arguments: tuple[types.Type, ...]
+
+
+_CALLEES: dict[str, Callee] = {}
+"""Sealed kernels of this process by the name that the linker knows."""
+
+
+class CalledKernel(CPUDispatcher):
+    """A kernel as other kernels call it: numba's dispatcher, but sealed where the compiled code is large."""
+
+    def keep_in_cache(self) -> None:
+        """Keep the compiled code on disk, in the folder that numba's settings name now."""
+        self._cache = KernelCache(self.py_func, type(self).__name__)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile for a signature, or load it, and let other kernels know how to call it."""
+        arguments = tuple(sigutils.normalize_signature(sig)[0])
+        if arguments in self.overloads or not isinstance(self._cache, KernelCache):
+            return super().compile(sig)
+        with global_compiler_lock, self._cache.turn():
+            entry = super().compile(sig)
+        self._seal(self.overloads[arguments], Callee(self.py_func.__module__, self.py_func.__qualname__, arguments))
+        return entry
+
+    def _seal(self, compiled: Any, callee: Callee) -> None:
+        name = sealed_name(compiled)
+        if name is None:
+            return
+        if name not in _CALLEES:
+            llvm.add_symbol(name, compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
+            _CALLEES[name] = callee
+        by_name = copy.copy(compiled.fndesc)
+        by_name.mangled_name = name
+        self.targetctx.remove_user_function(compiled.entry_point)
+        self.targetctx.insert_user_function(compiled.entry_point, by_name, [])
+
+
+class KernelDispatcher(CalledKernel):
+    """A kernel as Python sees it.
+
+    The way in from Python, which takes named tuples of arrays to pieces, is more code than most kernels have, and few are called
+    from Python. So a call by another kernel compiles ``called``, which has no such way in.
+    """
+
+    def __init__(self, function: Callable[..., object], options: dict[str, object]) -> None:
+        super().__init__(function, targetoptions=options)
+        self.called = CalledKernel(function, targetoptions={**options, "no_cpython_wrapper": True})
+
+    def keep_in_cache(self) -> None:
+        super().keep_in_cache()
+        self.called.keep_in_cache()
+
+    def get_call_template(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
+        """Take a literal as any number of its type: without this, numba compiles a kernel anew for every constant it is given."""
+        plain = tuple(unliteral(value) for value in args)
+        named = {name: unliteral(value) for name, value in kws.items()}
+        if plain in self.overloads:
+            return super().get_call_template(plain, named)
+        return self.called.get_call_template(plain, named)
+
+    def get_overload(self, sig: Any) -> Any:
+        """The compiled function for a signature that ``get_call_template`` found."""
+        arguments = tuple(sigutils.normalize_signature(sig)[0])
+        return (self if arguments in self.overloads else self.called).overloads[arguments].entry_point
+
+
+class KernelCacheImpl(CompileResultCacheImpl):
+    """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, and the sealed kernels it calls."""
+
+    def reduce(self, compiled: Any) -> Any:
+        name = sealed_name(compiled)
+        library, *rest = compiled._reduce()
+        if name is not None:
+            label, kind, (machine_code, _) = library
+            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+            library = (label, kind, (machine_code, names_alone(compiled)))
+        return name, called(compiled.library), (library, *rest)
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        name, callees, rest = payload
+        if not all(load(callee, known_as) for known_as, callee in callees.items()):
+            return None  # as if nothing were on disk
+        compiled = super().rebuild(target_context, rest)
+        compiled.library.sealed_name = name
+        return compiled
+
+
+class KernelCache(FunctionCache):
+    """numba's cache of one function, with KernelCacheImpl's data; ``kind`` keeps two compilations of it apart."""
+
+    _impl_class = KernelCacheImpl
+
+    def __init__(self, function: Callable[..., object], kind: str) -> None:
+        super().__init__(function)
+        self.kind = kind
+        self.latch = Path(self._cache_path) / f"{self._impl.filename_base}.compiling"
+
+    @contextmanager
+    def turn(self) -> Iterator[None]:
+        """Wait until no other process compiles this kernel: then it is on disk. Since no kernel calls itself, not even through
+        others, processes cannot wait for one another in a ring."""
+        with self.latch.open("w") as latch:
+            fcntl.flock(latch, fcntl.LOCK_EX)
+            yield
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        return (self.kind, *super()._index_key(sig, codegen))
+
+
+def sealed_name(compiled: Any) -> str | None:
+    """Name under which callers find a compiled kernel; None if it is small enough to be inlined."""
+    library = compiled.library
+    if not hasattr(library, "sealed_name"):
+        function = library._final_module.get_function(compiled.fndesc.llvm_func_name)
+        size = sum(1 for block in function.blocks for _ in block.instructions)
+        library.sealed_name = _name(compiled) if size >= SEALED_FROM and "<locals>" not in compiled.fndesc.qualname else None
+    return cast("str | None", library.sealed_name)
+
+
+def _name(compiled: Any) -> str:
+    from avatarsim.kernel import source_hash
+
+    descriptor = compiled.fndesc
+    digest = hashlib.sha256(repr((descriptor.argtypes, descriptor.restype)).encode()).hexdigest()[:16]
+    return f"{PREFIX}{descriptor.modname}.{descriptor.qualname}:{source_hash(descriptor.lookup_module().__file__)}:{digest}"
+
+
+def called(library: Any) -> dict[str, Callee]:
+    """Sealed kernels that the code of a library calls, by the name that it knows them by."""
+    names = [function.name for function in library._final_module.functions if function.is_declaration]
+    return {name: _CALLEES[name] for name in names if name.startswith(PREFIX)}
+
+
+def load(callee: Callee, name: str) -> bool:
+    """Bring a sealed kernel into memory, from disk or by compiling it; False if it is not known by that name then."""
+    if name not in _CALLEES:
+        found = functools.reduce(getattr, callee.qualname.split("."), importlib.import_module(callee.module))
+        cast(KernelDispatcher, found).called.compile(callee.arguments)
+    return name in _CALLEES
+
+
+def names_alone(compiled: Any) -> bytes:
+    """LLVM code that defines the names of a compiled kernel and no more: from it numba learns what the machine code defines."""
+    names = (compiled.fndesc.llvm_func_name, compiled.fndesc.llvm_cpython_wrapper_name)
+    defined = [name for name in names if compiled.library._codegen._engine.is_symbol_defined(name)]
+    lines = [f'define void @"{name}"() {{ unreachable }}' for name in defined]
+    return cast(bytes, llvm.parse_assembly("\n".join(lines)).as_bitcode())
