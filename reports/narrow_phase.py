@@ -163,7 +163,7 @@ def start_up(narrow: NarrowPhase) -> tuple[str, ...]:
     if not isinstance(found, Mapping):
         return ()
     said = []
-    for key, what in (("compile", "First compile of the collide room from an empty cache, in one process"),
+    for key, what in (("compile", "First compile of the collide room from an empty cache, in two processes"),
                       ("start", "Cached start of the whole engine, from interpreter to first frame")):
         seconds, goal = found.get(f"{key}_s"), found.get(f"{key}_goal_s")
         if isinstance(seconds, int | float) and isinstance(goal, int | float):

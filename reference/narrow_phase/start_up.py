@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -20,7 +21,8 @@ STARTS = 3
 PATIENCE = 300.0
 """Longest a child may take [s]; beyond, the figure is missing."""
 
-COMPILE = """
+PREPARE = """
+import gc
 import time
 import numpy as np
 from avatarsim.collide.coherent import signed_distance_coherent
@@ -34,21 +36,28 @@ from avatarsim.collide.sweep_memory import make_sweep_memory
 from avatarsim.world.pair_filter import OPEN, pair_filter
 from avatarsim.world.shapes import POINTS, Shapes
 
-begun, worked = time.perf_counter(), time.process_time()
+gc.disable()
 corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 vertices = np.ascontiguousarray(np.vstack([corners, corners + 0.5]))
 shapes = Shapes(np.array([POINTS, POINTS]), np.array([0, 8, 16]), np.zeros(2), np.full(2, 2.0))
 scratch, up = make_scratch(), (0.0, 0.0, 1.0)
-signed_distance(vertices, shapes, 0, 1, up, scratch)
+boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [0.5, 0.5, 0.5, 2.0, 2.0, 2.0]])
+begun, worked = time.time(), time.process_time()
+"""
+ENTRIES = (
+    """signed_distance(vertices, shapes, 0, 1, up, scratch)
 separated_beyond(vertices, shapes, 0, 1, up, 0.0, scratch)
 gap_along(vertices, shapes, 0, 1, up)
-signed_distance_coherent(vertices, shapes, 0, 1, 1.0, scratch, make_pair_memory(1), 0)
 global_depth(vertices, shapes, np.array([0, 1, 2]), 0, 1, scratch)
-boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [0.5, 0.5, 0.5, 2.0, 2.0, 2.0]])
-sweep_and_prune(boxes, pair_filter([OPEN, OPEN]), make_sweep_memory(2, 4), np.zeros((4, 2), dtype=np.int64))
-print(time.perf_counter() - begun, time.process_time() - worked)
-"""
-"""Every entry of the room called once; the time without imports."""
+""",
+    """sweep_and_prune(boxes, pair_filter([OPEN, OPEN]), make_sweep_memory(2, 4), np.zeros((4, 2), dtype=np.int64))
+signed_distance_coherent(vertices, shapes, 0, 1, 1.0, scratch, make_pair_memory(1), 0)
+""",
+)
+"""Every entry of the room called once, dealt out to as many processes as `python -m avatarsim` uses: what one compiles the
+others find."""
+
+SAY = "print(begun, time.time(), time.process_time() - worked)"
 
 START = """
 from avatarsim.compile_ahead import part_scene
@@ -67,8 +76,8 @@ engine.advance(scene.first_sample, 1.0 / 60.0)
 class StartUp:
     """Seconds; nan where a child failed, and then `note` says how.
 
-    compile_s      compiling the collide room from an empty cache, one process, without imports: wall time
-    compile_cpu_s  the same as time of the processor: what the wall time is on a machine that does nothing else
+    compile_s      compiling the collide room from an empty cache, two processes, without imports: wall time
+    compile_cpu_s  the same as time of the processor, both together
     start_s        median wall time of a process that imports the engine, loads a scene and shows one frame, all compiled
     """
 
@@ -84,7 +93,7 @@ class StartUp:
     def __str__(self) -> str:
         """Two lines for the terminal."""
         return (
-            f"first compile of the collide room, empty cache, one process: {self.compile_s:.1f} s, "
+            f"first compile of the collide room, empty cache, two processes: {self.compile_s:.1f} s, "
             f"of the processor {self.compile_cpu_s:.1f} s ({_word(self.compile_s, COMPILE_GOAL)})\n"
             f"cached start of the whole engine, import to first frame: {self.start_s:.2f} s ({_word(self.start_s, START_GOAL)})"
             + (f"\n{self.note}" if self.note else "")
@@ -100,9 +109,7 @@ def measured() -> StartUp:
     notes: list[str] = []
     compiled, worked, starts = np.nan, np.nan, []
     try:
-        with tempfile.TemporaryDirectory() as folder:
-            said, _ = _child(COMPILE, {"NUMBA_CACHE_DIR": folder, "NUMBA_DISABLE_JIT": "0"})
-            compiled, worked = (float(word) for word in said.split())
+        compiled, worked = compiling()
     except (subprocess.SubprocessError, OSError, ValueError) as error:
         notes.append(f"compile: {_why(error)}")
     try:
@@ -110,6 +117,15 @@ def measured() -> StartUp:
     except (subprocess.SubprocessError, OSError) as error:
         notes.append(f"start: {_why(error)}")
     return StartUp(compiled, worked, float(np.median(starts)) if starts else np.nan, "; ".join(notes))
+
+
+def compiling() -> tuple[float, float]:
+    """Wall time from the first process's begin to the last one's end, and time of the processor of all [s]."""
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(len(ENTRIES)) as at_once:
+        environment = {"NUMBA_CACHE_DIR": folder, "NUMBA_DISABLE_JIT": "0"}
+        children = [at_once.submit(_child, PREPARE + entries + SAY, environment) for entries in ENTRIES]
+        said = np.array([[float(word) for word in child.result()[0].split()] for child in children])
+    return float(said[:, 1].max() - said[:, 0].min()), float(said[:, 2].sum())
 
 
 def _why(error: Exception) -> str:
