@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from avatarsim.by_reference import refer
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, pull
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs
@@ -35,17 +36,18 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     since each kernel that calls `follow` compiles all of it again.
     """
     o = opening(world)
-    geometry, dynamics, poses, velocities = opened_geometry(o), opened_dynamics(o), opened_poses(o), opened_velocities(o)
-    skeleton, posture = opened_skeleton(o), opened_posture(o)
-    tracker = opened_posture(opening(target))
+    geometry, dynamics = refer(opened_geometry(o)), refer(opened_dynamics(o))
+    poses, velocities = refer(opened_poses(o)), refer(opened_velocities(o))
+    skeleton, posture = refer(opened_skeleton(o)), refer(opened_posture(o))
+    tracker = refer(opened_posture(opening(target)))
     o = opening(kept)
-    coupled, springs = yes(o), opened_springs(o)
+    coupled, springs = yes(o), refer(opened_springs(o))
     if answering:
         if coupled:
             give(skeleton, received, dynamics.inverse_mass, springs.rate)
         if not moving.any():
             return
-    settings, memory = opened_settings(o), opened_memory(o)
+    settings, memory = refer(opened_settings(o)), refer(opened_memory(o))
     if not answering:
         if coupled:
             pull(geometry, skeleton, dt, tracker, velocities, springs)

@@ -1,0 +1,89 @@
+"""Named tuples of arrays, handed from kernel to kernel by reference.
+
+numba hands a tuple over by value: an array is seven to eleven words, a world some hundred arrays, so every call of a kernel that
+is not inlined copied kilobytes, and half of what the compiler worked on was this copying. `refer` puts the tuple into memory once,
+in the entry kernel; from there on one word is handed over, and ``reference.field`` reads what it needs. A field that is itself a
+named tuple is again a reference.
+
+A reference is valid until the kernel that called `refer` returns, so none may be returned from it or kept.
+"""
+
+from typing import Any, TypeVar
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.datamodel.registry import register_default
+from numba.core.extending import intrinsic
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
+
+from avatarsim.kernel import config
+
+Tree = TypeVar("Tree")
+
+
+class Reference(types.Type):
+    """numba's type of a reference to a named tuple of type ``whole``."""
+
+    def __init__(self, whole: Any) -> None:
+        self.whole = whole
+        super().__init__(name=f"reference({whole})")
+
+
+@register_default(Reference)
+class ReferenceModel(models.PrimitiveModel):
+    """One word: where the tuple lies, laid out as LLVM lays out its value."""
+
+    def __init__(self, manager: Any, of: Reference) -> None:
+        super().__init__(manager, of, manager.lookup(of.whole).get_value_type().as_pointer())
+
+
+@infer_getattr
+class ReferenceFields(AttributeTemplate):
+    """A field of a reference has the type that it has in the tuple; of a tuple in a tuple there is a reference."""
+
+    key = Reference
+
+    def generic_resolve(self, of: Reference, name: str) -> Any:
+        if name not in of.whole.fields:
+            return None
+        field = of.whole.types[of.whole.fields.index(name)]
+        return Reference(field) if isinstance(field, types.BaseNamedTuple) else field
+
+
+@lower_getattr_generic(Reference)
+def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str) -> Any:
+    """Machine code for ``reference.name``."""
+    place = of.whole.fields.index(name)
+    field = cgutils.gep_inbounds(builder, value, 0, place)
+    return field if isinstance(of.whole.types[place], types.BaseNamedTuple) else parts(builder, field)
+
+
+def parts(builder: Any, pointer: Any) -> Any:
+    """Load a value part by part, for LLVM drops the reading of parts that nobody uses, but not of parts of a whole."""
+    kind = pointer.type.pointee
+    if not isinstance(kind, ir.Aggregate):
+        return builder.load(pointer)
+    value = ir.Constant(kind, ir.Undefined)
+    for k in range(len(kind)):
+        value = builder.insert_value(value, parts(builder, cgutils.gep_inbounds(builder, pointer, 0, k)), k)
+    return value
+
+
+def refer(tree: Tree) -> Tree:
+    """The same named tuple, by reference; a reference itself stays as it is."""
+    return tree
+
+
+if not config.DISABLE_JIT:
+
+    @intrinsic
+    def refer(context: Any, tree: Any) -> Any:
+        if isinstance(tree, Reference):
+            return signature(tree, tree), lambda _context, _builder, _signature, values: values[0]
+        if isinstance(tree, types.BaseNamedTuple):
+            return signature(Reference(tree), tree), lambda _context, builder, _signature, values: cgutils.alloca_once_value(
+                builder, values[0]
+            )
+        return None
