@@ -1,9 +1,9 @@
 """Named tuples of arrays, handed from kernel to kernel by reference.
 
 numba hands a tuple over by value: an array is seven to eleven words, a world some hundred arrays, so every call of a kernel that
-is not inlined copied kilobytes, and half of what the compiler worked on was this copying. `refer` puts the tuple into memory once,
-in the entry kernel; from there on one word is handed over, and ``reference.field`` reads what it needs. A field that is itself a
-named tuple is again a reference.
+is not inlined copied kilobytes, and half of what the compiler worked on was this copying. `refer` puts the tuple into memory
+once, in the entry kernel; from there on one word is handed over, and ``reference.field`` reads what it needs. A field that is
+itself a named tuple is again a reference.
 
 A reference is valid until the kernel that called `refer` returns, so none may be returned from it or kept.
 """
@@ -16,6 +16,7 @@ from numba.core.datamodel import models
 from numba.core.datamodel.registry import register_default
 from numba.core.extending import intrinsic
 from numba.core.imputils import lower_getattr_generic
+from numba.core.types.containers import BaseNamedTuple
 from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
 
 from avatarsim.kernel import config
@@ -49,7 +50,7 @@ class ReferenceFields(AttributeTemplate):
         if name not in of.whole.fields:
             return None
         field = of.whole.types[of.whole.fields.index(name)]
-        return Reference(field) if isinstance(field, types.BaseNamedTuple) else field
+        return Reference(field) if isinstance(field, BaseNamedTuple) else field
 
 
 @lower_getattr_generic(Reference)
@@ -57,7 +58,7 @@ def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str)
     """Machine code for ``reference.name``."""
     place = of.whole.fields.index(name)
     field = cgutils.gep_inbounds(builder, value, 0, place)
-    return field if isinstance(of.whole.types[place], types.BaseNamedTuple) else parts(builder, field)
+    return field if isinstance(of.whole.types[place], BaseNamedTuple) else parts(builder, field)
 
 
 def parts(builder: Any, pointer: Any) -> Any:
@@ -82,7 +83,7 @@ if not config.DISABLE_JIT:
     def refer(context: Any, tree: Any) -> Any:
         if isinstance(tree, Reference):
             return signature(tree, tree), lambda _context, _builder, _signature, values: values[0]
-        if isinstance(tree, types.BaseNamedTuple):
+        if isinstance(tree, BaseNamedTuple):
             return signature(Reference(tree), tree), lambda _context, builder, _signature, values: cgutils.alloca_once_value(
                 builder, values[0]
             )

@@ -5,6 +5,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.by_reference import refer
 from avatarsim.collide.ascending import merge_ascending, sort_ascending
 from avatarsim.collide.cell_search import FEW, boxes_meet, partners
 from avatarsim.collide.cells import FARTHEST, Boxes, link
@@ -167,6 +168,7 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
         (status, count). OUT_OF_ROOM: count says how many there are; some cap of them were written.
         NOT_FINITE: a bound is nan or infinite, nothing was written.
     """
+    wanted, memory = refer(wanted), refer(memory)
     leavers = find_leavers(boxes, memory.fat, memory.body)
     if leavers < 0:
         return NOT_FINITE, 0

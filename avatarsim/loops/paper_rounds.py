@@ -8,6 +8,7 @@ is all: nothing is known of the way between two shown states, and a limb may jum
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, CONVERGED
 from avatarsim.kernel import kernel
@@ -169,6 +170,9 @@ def follow_as_printed(
     Bodies that are no links are obstacles; simulated ones are moved only where driven ones could not part from them. Counts
     and statuses are in ``memory_out.counts`` (`paper_memory.COUNT_NAMES`, `STATUS_NAMES`).
     """
+    geo, skel, tracker, settings, coupling = refer(geo), refer(skel), refer(tracker), refer(settings), refer(coupling)
+    attraction, posture_out, poses_out = refer(attraction), refer(posture_out), refer(poses_out)
+    memory_out = refer(memory_out)
     m, counts = memory_out, memory_out.counts
     counts[:] = 0
     m.overlaps.tally[:] = 0

@@ -1,0 +1,103 @@
+"""A named tuple by reference reads, nests and changes its arrays as the tuple itself does."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from avatarsim.by_reference import refer
+from avatarsim.kernel import config, kernel
+
+pytestmark = pytest.mark.nojit
+
+
+class Inner(NamedTuple):
+    """Arrays of all kinds that kernels use."""
+
+    real: NDArray[np.float64]
+    flags: NDArray[np.bool_]
+    whole: NDArray[np.int64]
+
+
+class Alike(NamedTuple):
+    """Fields of one type: numba keeps these apart from other tuples."""
+
+    x: float
+    y: float
+
+
+class Outer(NamedTuple):
+    """A tuple in a tuple, and numbers beside it."""
+
+    factor: float
+    inner: Inner
+    alike: Alike
+    on: bool
+    count: int
+
+
+@kernel
+def deep(inner: Inner, k: int) -> float:
+    """Read and write through what may be a reference."""
+    inner.flags[k] = not inner.flags[k]
+    inner.whole[k, 1] += k
+    inner.real[k] *= 2.0
+    return inner.real[k] + inner.real.shape[0]
+
+
+@kernel
+def body(outer: Outer) -> float:
+    """Something with every field, in a loop, with the inner tuple handed on."""
+    total = outer.alike.x - outer.alike.y
+    for k in range(outer.count):
+        inner = refer(outer.inner)
+        total += deep(inner, k) * outer.factor
+    return total if outer.on else -total
+
+
+@kernel
+def by_reference(outer: Outer) -> float:
+    """Twice by reference is once."""
+    return body(refer(refer(outer)))
+
+
+@kernel
+def two_at_once(a: Outer, b: Outer, second: bool) -> float:
+    """Which reference it is may be known at run time only."""
+    one = refer(b) if second else refer(a)
+    return one.alike.x
+
+
+def sample(count, factor, on):
+    rng = np.random.default_rng(count)
+    inner = Inner(rng.normal(size=count), rng.random(count) < 0.5, rng.integers(-5, 5, (count, 2)))
+    return Outer(factor, inner, Alike(factor, 3.0 * factor), on, count)
+
+
+@given(st.integers(0, 9), st.floats(-1e3, 1e3), st.booleans())
+def test_a_reference_does_what_the_tuple_does(count, factor, on):
+    ours, twin = sample(count, factor, on), sample(count, factor, on)
+    assert by_reference(ours) == body(twin)
+    for left, right in zip(ours.inner, twin.inner, strict=True):
+        assert np.array_equal(left, right)
+
+
+def test_references_of_one_type_are_interchangeable():
+    a, b = sample(2, 1.0, True), sample(2, 2.0, True)
+    assert two_at_once(a, b, False) == 1.0
+    assert two_at_once(a, b, True) == 2.0
+
+
+def test_only_a_named_tuple_is_referred_to():
+    @kernel
+    def of_a_number(x: float) -> float:
+        return refer(x)
+
+    if config.DISABLE_JIT:
+        assert of_a_number(1.0) == 1.0  # nothing is compiled, and nothing handed over
+    else:
+        with pytest.raises(Exception, match="refer"):
+            of_a_number(1.0)
