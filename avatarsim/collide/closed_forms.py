@@ -63,7 +63,7 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
         of_q, of_s = x[1] + x[2], x[2]
         if dot(u, u) < dot(v, v):
             v, of_q, of_s = u, y[1], y[1] + y[2]
-    length, size = norm(v), max(shapes.size[a], shapes.size[b])
+    length, size = norm(v), max(shapes.extent[a], shapes.extent[b])
     if not (TOUCHING * size < length < inf):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     n = scale(v, 1.0 / length)
@@ -76,7 +76,7 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
 @kernel
 def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     """Signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
-    first, size = shapes.start[b], max(shapes.size[a], shapes.size[b])
+    first, size = shapes.start[b], max(shapes.extent[a], shapes.extent[b])
     low, high = row(vertices, first), row(vertices, first + 7)
     x, y, z = sub(row(vertices, first + 4), low), sub(row(vertices, first + 2), low), sub(row(vertices, first + 1), low)
     across = sub(high, low)
@@ -94,7 +94,7 @@ def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
         y, z = z, y
     lx, ly, lz = norm(x), norm(y), norm(z)
     skew = max(abs(dot(x, y)), abs(dot(z, x))) / lx
-    if not (bent <= SQUARE * shapes.size[b] and max(skew, abs(dot(y, z)) / ly) <= SQUARE * shapes.size[b] and lz > 0.0):
+    if not (bent <= SQUARE * shapes.extent[b] and max(skew, abs(dot(y, z)) / ly) <= SQUARE * shapes.extent[b] and lz > 0.0):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     x = scale(x, 1.0 / lx)
     y = unit(along(y, -dot(y, x), x))

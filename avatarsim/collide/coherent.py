@@ -13,6 +13,8 @@ from avatarsim.collide.epa import EXACT, deepest_points, expand
 from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, closest_in_simplex, closest_points, gjk_from
 from avatarsim.collide.pair_memory import (
     PairMemory,
+    PairRecord,
+    keep_axis,
     recall_axis,
     recall_faces,
     recall_points,
@@ -25,7 +27,7 @@ from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
 from avatarsim.collide.status import CONVERGED
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm, put_row
+from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm
 from avatarsim.world.shapes import POINTS, Shapes
 
 CLEARLY_DEEP = 1e-9
@@ -48,30 +50,31 @@ def signed_distance_coherent(
     status = CONVERGED
     if not known:
         wanted = margin + (shapes.radius[a] + shapes.radius[b])
-        seed = recall_axis(memory_out, pair)
-        count = recall_points(vertices, shapes, a, b, memory_out, pair, scratch)
+        kept = memory_out[pair]
+        seed = recall_axis(kept)
+        count = recall_points(vertices, shapes, a, b, kept, scratch)
         if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
             if count == FEATURE:
                 known, distance, n, on_a, on_b = same_feature(vertices, shapes, a, b, seed, scratch)
-                put_row(memory_out.axis, pair, n)
+                keep_axis(n, kept)
         elif count > 3:
-            known, distance, n, on_a, on_b = still_overlapping(vertices, shapes, a, b, count, scratch, memory_out, pair)
+            known, distance, n, on_a, on_b = still_overlapping(vertices, shapes, a, b, count, scratch, kept)
         elif count > 0:
-            known, distance, n, on_a, on_b = still_apart(vertices, shapes, a, b, count, wanted, scratch, memory_out, pair)
+            known, distance, n, on_a, on_b = still_apart(vertices, shapes, a, b, count, wanted, scratch, kept)
         if not known:
             status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
             if status != CONVERGED:
                 points, faces = 0, 0
             if faces > 0:
-                remember_polytope(shapes, a, b, n, points, faces, scratch, memory_out, pair)
+                remember_polytope(shapes, a, b, n, points, faces, scratch, kept)
             else:
-                remember_points(shapes, a, b, n, points, scratch, memory_out, pair)
+                remember_points(shapes, a, b, n, points, scratch, kept)
     return with_radii(shapes, a, b, status, distance, n, on_a, on_b, margin)
 
 
 @kernel
 def still_apart(
-    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, margin: float, scratch: Scratch, memory_out: PairMemory, pair: int
+    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, margin: float, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
     """Distance of the cores by GJK from the ``count`` remembered points in the scratch; not known if they touch."""
     _, v, count = closest_in_simplex(count, scratch)
@@ -81,20 +84,20 @@ def still_apart(
     if status != CONVERGED or not (distance > 0.0):
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     on_a, on_b = closest_points(count, scratch)
-    remember_points(shapes, a, b, n, count, scratch, memory_out, pair)
+    remember_points(shapes, a, b, n, count, scratch, memory_out)
     return True, distance, n, on_a, on_b
 
 
 @kernel
 def still_overlapping(
-    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, scratch: Scratch, memory_out: PairMemory, pair: int
+    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
     """Depth of the cores by EPA from the remembered surface over the ``count`` points in the scratch.
 
     Not known if the surface is none or does not hold the origin. The answer is proved by `expand` alone.
     """
-    size = max(shapes.size[a], shapes.size[b])
-    before = recall_faces(count, memory_out, pair, scratch)
+    size = max(shapes.extent[a], shapes.extent[b])
+    before = recall_faces(count, memory_out, scratch)
     if before == 0:
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     status, m, depth, points, faces, _ = expand(vertices, shapes, a, b, count, before, EXACT * size, scratch)
@@ -102,5 +105,5 @@ def still_overlapping(
         return False, 0.0, NOWHERE, NOWHERE, NOWHERE
     on_a, on_b = deepest_points(m, depth, faces, size, scratch)
     if points > count:
-        remember_polytope(shapes, a, b, neg(m), points, faces, scratch, memory_out, pair)
+        remember_polytope(shapes, a, b, neg(m), points, faces, scratch, memory_out)
     return True, -depth, neg(m), on_a, on_b

@@ -52,7 +52,7 @@ def epa(
         apart. A - B flat (two segments, a point and a point): depth 0, m at right angles to it and on the
         side of -seed, faces 0. Otherwise so many points and face slots are in use.
     """
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     both_points = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
     tolerance = (EXACT if both_points else SMOOTH) * size
     status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, count, tolerance, scratch)
@@ -64,7 +64,7 @@ def epa_to(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, tolerance: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int, int, int]:
     """As `epa` to a tolerance [m]; the face that is lowest comes last."""
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     points = grow_tetrahedron(vertices, shapes, a, b, count, size, scratch)
     if points < 4:
         return CONVERGED, flat_normal(points, seed, scratch), 0.0, points, 0, 0
@@ -87,7 +87,7 @@ def expand(
         plane, each covers a positive solid angle seen from there, so together they cover every direction, and what they
         bound holds a ball of the lowest height; the support says that no larger one fits.
     """
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     least, toward = inf, NOWHERE
     while True:
         f, lowest = -1, inf

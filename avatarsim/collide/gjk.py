@@ -139,7 +139,7 @@ def gjk_from(
     Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
     is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
     """
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     length, stalls = norm(v), 0
     for _ in range(ITERATIONS_CAP):
         w = add_support(vertices, shapes, a, b, neg(v), count, scratch)

@@ -1,9 +1,13 @@
-"""Working memory of the convex queries: made once, handed to every call, holds nothing between calls."""
+"""Working memory of the convex queries: made once, handed to every call, holds nothing between calls.
 
-from typing import NamedTuple
+One structured record and no tuple of arrays: numba hands a record on as one pointer, an array as seven words or more. With a
+tuple of these fifteen arrays the calls within the narrow phase copied more than 1 kB each.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
+
+from avatarsim.record import pointed_at
 
 POINTS_CAP = 768
 """Vertices of the growing polytope. Two hulls of 60 vertices need under 100, of 300 under 200. Nearly round ellipsoids about
@@ -16,7 +20,7 @@ PIECES_CAP = 256
 """Overlapping piece pairs of two bodies in eq. 1; more is reported as OUT_OF_ROOM, never dropped."""
 
 
-class Scratch(NamedTuple):
+class Scratch(np.record):  # type: ignore[misc]  # numpy calls it final, and its manual derives from it
     """Points of A - B, faces of the polytope they span, and the piece pairs of eq. 1."""
 
     w: NDArray[np.float64]
@@ -51,22 +55,38 @@ class Scratch(NamedTuple):
     """(PIECES_CAP, 3) n_i of eq. 1."""
 
 
+SCRATCH = np.dtype(
+    (
+        Scratch,
+        np.dtype(
+            [
+                ("w", np.float64, (POINTS_CAP, 3)),
+                ("on_a", np.float64, (POINTS_CAP, 3)),
+                ("on_b", np.float64, (POINTS_CAP, 3)),
+                ("rows", np.int64, (POINTS_CAP, 2)),
+                ("share", np.float64, (4,)),
+                ("corner", np.int64, (FACES_CAP, 3)),
+                ("across", np.int64, (FACES_CAP, 3)),
+                ("normal", np.float64, (FACES_CAP, 3)),
+                ("height", np.float64, (FACES_CAP,)),
+                ("alive", np.int64, (FACES_CAP,)),
+                ("stack", np.int64, (FACES_CAP,)),
+                ("horizon", np.int64, (FACES_CAP, 3)),
+                ("spoke", np.int64, (POINTS_CAP,)),
+                ("depth", np.float64, (PIECES_CAP,)),
+                ("direction", np.float64, (PIECES_CAP, 3)),
+            ],
+            align=True,
+        ),
+    )
+)
+"""The record's layout; aligned, or the compiler may not load two numbers at once."""
+
+scratch_at = pointed_at(Scratch, SCRATCH)
+"""The Scratch that lies in these words."""
+
+
 def make_scratch() -> Scratch:
     """Allocate the working memory; one per thread."""
-    return Scratch(
-        w=np.zeros((POINTS_CAP, 3)),
-        on_a=np.zeros((POINTS_CAP, 3)),
-        on_b=np.zeros((POINTS_CAP, 3)),
-        rows=np.zeros((POINTS_CAP, 2), np.int64),
-        share=np.zeros(4),
-        corner=np.zeros((FACES_CAP, 3), np.int64),
-        across=np.zeros((FACES_CAP, 3), np.int64),
-        normal=np.zeros((FACES_CAP, 3)),
-        height=np.zeros(FACES_CAP),
-        alive=np.zeros(FACES_CAP, np.int64),
-        stack=np.zeros(FACES_CAP, np.int64),
-        horizon=np.zeros((FACES_CAP, 3), np.int64),
-        spoke=np.zeros(POINTS_CAP, np.int64),
-        depth=np.zeros(PIECES_CAP),
-        direction=np.zeros((PIECES_CAP, 3)),
-    )
+    scratch: Scratch = np.zeros(1, SCRATCH)[0]
+    return scratch

@@ -62,7 +62,7 @@ def core_distance(
     on_a, on_b = closest_points(points, scratch)
     if distance > 0.0:
         return status, distance, n, on_a, on_b, points, 0
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0

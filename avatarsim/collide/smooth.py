@@ -122,7 +122,7 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
     with points of A and B that differ by h(m) m. If h(m) < 0 that is a proof: the shapes are no nearer than h says and no
     farther than the points. If not, it may be a way out that is only locally the shortest.
     """
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     cornered = a if shapes.kind[a] == POINTS else b
     sign = 1.0 if cornered == a else -1.0
     first, free, edge, other = NOWHERE, 2, NOWHERE, NOWHERE

@@ -74,7 +74,7 @@ def smooth_depth(
 
     Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
     """
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     side = 0 if shapes.kind[a] == POINTS else 1
     flat_a, flat_b = closest_points(count, scratch)
     try_at = START * size

@@ -1,6 +1,6 @@
 """What the checked lower loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
-from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.scratch import Scratch, scratch_at
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import Springs
 from avatarsim.posture.workspace import Goal, Memory, PairMemory, Rows
@@ -15,7 +15,6 @@ from avatarsim.world.arena import (
     index_line,
     line,
     real,
-    triples,
     vectors,
     whole,
 )
@@ -25,10 +24,7 @@ from avatarsim.world.opened import opened_poses, opened_posture
 @kernel
 def opened_scratch(o: Opening) -> Scratch:
     """The next Scratch."""
-    return Scratch(
-        vectors(o)[0], vectors(o)[0], vectors(o)[0], index_grid(o)[0], line(o)[0], triples(o)[0], triples(o)[0], vectors(o)[0],
-        line(o)[0], index_line(o)[0], index_line(o)[0], triples(o)[0], index_line(o)[0], line(o)[0], vectors(o)[0],
-    )
+    return scratch_at(index_line(o)[0])
 
 
 @kernel

@@ -51,7 +51,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
     contacts.used[0] = 0
     worst, outcome = inf, FOUND
     shapes, vertices = geometry.shapes, poses.vertices
-    pieces = shapes.radius.shape[0]
+    pieces = geometry.body.shape[0]
     for p in range(pair_count):
         a, b = memory.pairs[p, 0], memory.pairs[p, 1]
         if memory.moving[a] + memory.moving[b] == 0:

@@ -144,7 +144,7 @@ def first_contact_of_pieces(
         return Found(BROKEN, 0.0, 0.0, inf, 0, sa, sb)
     far = farthest(start, a, b)
     stand_off = max(budget.stand_off, FAR_OUT * far)
-    rounding = ROUNDING * max(geometry.shapes.size[sa], geometry.shapes.size[sb]) + ROUNDING_FAR * far
+    rounding = ROUNDING * max(geometry.shapes.extent[sa], geometry.shapes.extent[sb]) + ROUNDING_FAR * far
     move_along(geometry, start, linear, angular, paths, series, a, 0.0, trial)
     move_along(geometry, start, linear, angular, paths, series, b, 0.0, trial)
     zero = (0.0, 0.0, 0.0)

@@ -84,7 +84,7 @@ def feature(
         if side * height >= top - band and count < loose.shape[0]:
             loose[count, 0], loose[count, 1], loose[count, 2] = dot(u, d), dot(v, d), height
             count += 1
-    corners = wrap(loose, count, EQUAL * shapes.size[s], out)
+    corners = wrap(loose, count, EQUAL * shapes.extent[s], out)
     return to_segment(out, corners) if flat(out, corners) else corners
 
 
@@ -117,7 +117,7 @@ def manifold(
         if lone_a != lone_b:
             found.face[0] = FACE_OF_B if lone_a else FACE_OF_A
         return only_witness(found, on_a, on_b, gap), n
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     # everything nearer than the band takes part, however deep the deepest point has dipped
     tolerance = band - min(gap, 0.0) + 1e-9 * size
     u = perpendicular(n)

@@ -46,10 +46,11 @@ class Opening(NamedTuple):
 
 
 def packed(tree: Tree) -> tuple[Index, Tree]:
-    """Copy the arrays and numbers of nested tuples into one array of words.
+    """Copy the arrays, records and numbers of nested tuples into one array of words.
 
-    Returns the words, and the tuples with views of them in place of the arrays; numbers stay as they are. An array that occurs
-    twice is laid out once: who writes to one of them writes to both. Arrays: C order, float64, int64 or bool, up to four axes.
+    Returns the words, and the tuples with views of them in place of the arrays and records; numbers stay as they are. What
+    occurs twice is laid out once: who writes to one of them writes to both. Arrays: C order, float64, int64 or bool, up to four
+    axes; or one axis of records that fill whole words. A record or an array of records is opened as the words that it is.
     """
     leaves: list[object] = []
     _collect(tree, leaves)
@@ -58,7 +59,7 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     arrays, starts, end = [], [], head
     for leaf in leaves:
         array = _as_array(leaf)
-        if not isinstance(leaf, np.ndarray) or id(leaf) not in known:
+        if not isinstance(leaf, np.ndarray | np.void) or id(leaf) not in known:
             known[id(leaf)] = end
             end += _rounded(-(-array.nbytes // WORD))
         arrays.append(array)
@@ -71,7 +72,7 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
         words[row], words[row + 1 : row + 1 + array.ndim] = start, array.shape
         view = words.view(array.dtype)[start : start + array.size].reshape(array.shape)
         view[...] = array
-        views.append(view if isinstance(leaf, np.ndarray) else leaf)
+        views.append(_like(leaf, view))
     views.reverse()
     return words, _rebuilt(tree, views)
 
@@ -82,12 +83,23 @@ def _rounded(words: int) -> int:
 
 def _as_array(leaf: object) -> NDArray[np.generic]:
     if isinstance(leaf, np.ndarray):
-        array = leaf
+        array = leaf if leaf.dtype.fields is None or leaf.ndim != 1 else leaf.view(np.ndarray).view(np.int64)
+    elif isinstance(leaf, np.void):
+        array = np.asarray(leaf).reshape(1).view(np.int64)
     else:
         array = np.array([leaf], dtype=np.float64 if isinstance(leaf, float) else np.int64)
     if array.dtype not in (np.float64, np.int64, np.bool_) or array.ndim not in range(1, START_AND_SHAPE):
         raise AvatarsimError(f"an arena holds no array of {array.dtype} with {array.ndim} axes: this is a defect")
     return array
+
+
+def _like(leaf: object, view: NDArray[np.generic]) -> object:
+    """What stands for a leaf: an array as it is, a record or an array of records again as such, a number itself."""
+    if isinstance(leaf, np.void):
+        return view.view(leaf.dtype)[0]
+    if isinstance(leaf, np.ndarray):
+        return view if leaf.dtype.fields is None else view.view(leaf.dtype).view(type(leaf))
+    return leaf
 
 
 def _collect(tree: object, leaves: list[object]) -> None:

@@ -11,7 +11,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
 from avatarsim.world.pair_filter import PairFilter, pair_filter
-from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes
+from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -84,11 +84,8 @@ def geometry(scene: Scene) -> Geometry:
             owners.append(owner)
         first.append(len(kinds))
     start = np.cumsum([0] + [len(block) for block in blocks])
-    shapes = Shapes(
-        np.array(kinds, dtype=np.int64), start.astype(np.int64),
-        np.array(radii, dtype=np.float64), np.array(sizes, dtype=np.float64),
-    )
     local = np.ascontiguousarray(np.vstack(blocks)) if blocks else np.zeros((0, 3))
+    shapes = make_shapes(kinds, start, radii, sizes, local)
     return Geometry(
         shapes, local, np.array(first, dtype=np.int64), np.array(owners, dtype=np.int64),
         pair_filter(scene.families, scene.skipped),

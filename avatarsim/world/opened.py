@@ -5,7 +5,7 @@ from avatarsim.world.arena import Opening, flag_grid, grid, index_line, line, ma
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import PairFilter
-from avatarsim.world.shapes import Shapes
+from avatarsim.world.shapes import shapes_in
 from avatarsim.world.skeleton import Posture, Skeleton
 
 
@@ -18,8 +18,7 @@ def opened_filter(o: Opening) -> PairFilter:
 @kernel
 def opened_geometry(o: Opening) -> Geometry:
     """The next Geometry."""
-    shapes = Shapes(index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0])
-    return Geometry(shapes, vectors(o)[0], index_line(o)[0], index_line(o)[0], opened_filter(o))
+    return Geometry(shapes_in(index_line(o)[0])[0], vectors(o)[0], index_line(o)[0], index_line(o)[0], opened_filter(o))
 
 
 @kernel

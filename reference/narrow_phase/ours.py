@@ -8,29 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.coherent import signed_distance_coherent
-from avatarsim.collide.pair_memory import FACES_KEPT, POINTS_KEPT, PairMemory, make_pair_memory
+from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.kernel import kernel
 from avatarsim.loops.opened_checked import opened_scratch
 from avatarsim.scene.shape import Piece, Shape
 from avatarsim.spatial.vec3 import row
-from avatarsim.world.arena import Opening, index_grid, index_line, line, matrices, opening, packed, vectors
+from avatarsim.world.arena import Opening, index_line, line, matrices, opening, packed, vectors
 from avatarsim.world.geometry import piece_points
-from avatarsim.world.shapes import Shapes
+from avatarsim.world.shapes import Shapes, make_shapes, shapes_in
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-
-class MemoryWords(NamedTuple):
-    """A PairMemory whose short integers lie in words of 64 bits, as an arena wants them: fields and their order are its own."""
-
-    axis: Array
-    used: Index
-    rows: Index
-    corner: Index
-    twin: Index
 
 
 class Table(NamedTuple):
@@ -44,24 +34,13 @@ class Table(NamedTuple):
     at: Array
     gaps: Array
     scratch: Scratch
-    memory: MemoryWords
-
-
-@kernel
-def opened_memory(o: Opening) -> PairMemory:
-    """The next MemoryWords, as what they stand for."""
-    axis, used = vectors(o)[0], index_grid(o)[0]
-    n = used.shape[0]
-    return PairMemory(
-        axis, used, index_line(o)[0].view(np.int32).reshape((n, POINTS_KEPT, 2)),
-        index_line(o)[0].view(np.int16).reshape((n, FACES_KEPT, 3)), index_line(o)[0].view(np.int16).reshape((n, FACES_KEPT, 3)),
-    )
+    memory: PairMemory
 
 
 @kernel
 def opened_table(o: Opening) -> tuple[Shapes, Array, Array, Array, Array, Array, Scratch]:
     """The next Table up to its memory, field by field in its order, see `world.arena`."""
-    shapes = Shapes(index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0])
+    shapes = shapes_in(index_line(o)[0])[0]
     return shapes, vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], opened_scratch(o)
 
 
@@ -91,15 +70,10 @@ def coherent_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, each begun from what its last query left in the memory."""
     o = opening(words)
     shapes, vertices, _, _, _, gaps, scratch = opened_table(o)
-    memory = opened_memory(o)
+    memory = pair_memory_in(index_line(o)[0])[0]
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance_coherent(vertices, shapes, 2 * k, 2 * k + 1, inf, scratch, memory, k)
         gaps[k] = gap
-
-
-def memory_words(memory: PairMemory) -> MemoryWords:
-    """The same memory in words; a record of a pair fills whole words."""
-    return MemoryWords(memory.axis, memory.used, *(short.reshape(-1).view(np.int64) for short in memory[2:]))
 
 
 class Pairs:
@@ -111,11 +85,11 @@ class Pairs:
         start = np.cumsum([0, *map(len, blocks)]).astype(np.int64)
         radii = np.array([radius for _, _, radius in made])
         sizes = np.array([np.ptp(points, axis=0).max() for points in blocks]) + 2.0 * radii
-        arrays = Shapes(np.array([kind for kind, _, _ in made], dtype=np.int64), start, radii, sizes)
         n, local = len(shapes), np.vstack(blocks)
+        arrays = make_shapes([kind for kind, _, _ in made], start, radii, sizes, local)
         table = Table(
             arrays, np.zeros_like(local), local, np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(n // 2), make_scratch(),
-            memory_words(make_pair_memory(n // 2)),
+            make_pair_memory(n // 2),
         )
         self.count = n // 2
         # a bound of the gap's zero along any ray: two radii about the centres, and the largest gap wanted
@@ -124,8 +98,7 @@ class Pairs:
 
     def forget(self) -> None:
         """As if no pair had ever been asked about."""
-        for words in self.table.memory:
-            words[...] = 0
+        self.table.memory.view(np.int64)[...] = 0
 
     def pose(self, turns: Array, at: Array) -> None:
         """Set poses (2 n, 3, 3) and (2 n, 3) [m] without moving the vertices yet."""

@@ -34,12 +34,12 @@ from avatarsim.collide.support import gap_along
 from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import make_sweep_memory
 from avatarsim.world.pair_filter import OPEN, pair_filter
-from avatarsim.world.shapes import POINTS, Shapes
+from avatarsim.world.shapes import POINTS, make_shapes
 
 gc.disable()
 corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 vertices = np.ascontiguousarray(np.vstack([corners, corners + 0.5]))
-shapes = Shapes(np.array([POINTS, POINTS]), np.array([0, 8, 16]), np.zeros(2), np.full(2, 2.0))
+shapes = make_shapes([POINTS, POINTS], [0, 8, 16], [0.0, 0.0], [2.0, 2.0], vertices)
 scratch, up = make_scratch(), (0.0, 0.0, 1.0)
 boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [0.5, 0.5, 0.5, 2.0, 2.0, 2.0]])
 begun, worked = time.time(), time.process_time()

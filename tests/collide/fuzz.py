@@ -78,7 +78,7 @@ def show(label: str) -> bool:
     for name, s in (("a", 2 * pair), ("b", 2 * pair + 1)):
         rows = batch.vertices[start[s] : start[s + 1]].tolist()
         print(f"{name} = Solid(np.array({rows}), {shapes.radius[s]}, {shapes.kind[s]})")
-        print(f"# {'ellipsoid' if shapes.kind[s] == ELLIPSOID else 'points'}, size {shapes.size[s]:.6g}")
+        print(f"# {'ellipsoid' if shapes.kind[s] == ELLIPSOID else 'points'}, size {shapes.extent[s]:.6g}")
     first = tuple(batch.seed[pair].tolist())
     print(f"print(ask(a, b, {first}))")
     status, gap, n, on_a, on_b = signed_distance(batch.vertices, shapes, 2 * pair, 2 * pair + 1, first, SCRATCH)

@@ -77,7 +77,7 @@ def judge(batch: Batch, k: int, by_qhull: bool = False) -> Verdict:
     """Pair k of the batch; `by_qhull` adds the Minkowski difference to the oracles of a polytope pair."""
     a, b, shapes = 2 * k, 2 * k + 1, batch.shapes
     seed: Vec3 = tuple(batch.seed[k].tolist())
-    size = float(max(shapes.size[a], shapes.size[b]))
+    size = float(max(shapes.extent[a], shapes.extent[b]))
     rounding = ULPS * float(np.spacing(np.abs(batch.vertices[shapes.start[a] : shapes.start[b + 1]]).max()))
     status, gap, n, on_a, on_b = signed_distance(batch.vertices, shapes, a, b, seed, SCRATCH)
     if not np.isfinite([gap, *n, *on_a, *on_b]).all():
@@ -190,7 +190,7 @@ def _coherent(batch: Batch, k: int, size: float, moved: bool) -> tuple[float, st
         kept = v[here].copy()
         arms = kept - kept.mean(axis=0) if shapes.kind[b] != ELLIPSOID else np.vstack([np.zeros(3), kept[1:]])
         v[here] = kept + arms @ TURNED
-        v[here if shapes.kind[b] != ELLIPSOID else shapes.start[b]] += TURNED[k % 3] * shapes.size[b]
+        v[here if shapes.kind[b] != ELLIPSOID else shapes.start[b]] += TURNED[k % 3] * shapes.extent[b]
         signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)
         v[here] = kept
     status, gap, n, on_a, on_b = signed_distance_coherent(v, shapes, a, b, np.inf, SCRATCH, MEMORY, 0)

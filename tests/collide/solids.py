@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes
+from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes
 
 Array = NDArray[np.float64]
 SCRATCH = make_scratch()
@@ -84,9 +84,8 @@ def random_hull(rng: np.random.Generator, count: int = 30) -> Solid:
 def as_arrays(*solids: Solid) -> tuple[Array, Shapes]:
     """Vertex rows and shape arrays of several solids."""
     starts = np.cumsum([0, *(len(s.rows) for s in solids)]).astype(np.int64)
-    kinds = np.array([s.kind for s in solids], np.int64)
-    radii, sizes = np.array([s.radius for s in solids]), np.array([s.size for s in solids])
-    return np.ascontiguousarray(np.vstack([s.rows for s in solids])), Shapes(kinds, starts, radii, sizes)
+    rows = np.ascontiguousarray(np.vstack([s.rows for s in solids]))
+    return rows, make_shapes([s.kind for s in solids], starts, [s.radius for s in solids], [s.size for s in solids], rows)
 
 
 def ask(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from avatarsim.world.shapes import Shapes
+from avatarsim.world.shapes import Shapes, make_shapes
 from tests.collide.forms import KINDS, OUTLINES, Form, cross, draw_form, draw_spot
 
 Array = NDArray[np.float64]
@@ -159,11 +159,9 @@ def packed(pairs: list[tuple[Array, Form, Array, Form]], seeds: Array, labels: l
     forms = [f for _, form_a, _, form_b in pairs for f in (form_a, form_b)]
     centre = np.array([rows_b[0] if np.abs(rows_b[0]).max() > 0.1 * FAR else np.zeros(3) for _, _, rows_b, _ in pairs])
     centred = [at(form, r, -centre[k // 2]) for k, (r, form) in enumerate(zip(rows, forms, strict=True))]
-    shapes = Shapes(
-        np.array([form.code for form in forms], np.int64),
-        _starts([len(r) for r in rows]),
-        np.array([form.radius for form in forms]),
-        np.array([form.size for form in forms]),
+    shapes = make_shapes(
+        [form.code for form in forms], _starts([len(r) for r in rows]), [form.radius for form in forms],
+        [form.size for form in forms], np.vstack(centred),
     )
     return Batch(
         np.ascontiguousarray(np.vstack(rows)),

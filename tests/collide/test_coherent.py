@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.collide.coherent import signed_distance_coherent
-from avatarsim.collide.pair_memory import make_pair_memory
+from avatarsim.collide.pair_memory import PAIR, make_pair_memory
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import gap_along
@@ -129,11 +129,11 @@ def test_a_standing_pair_is_answered_from_the_memory_alone():
     for shift in ((0.1, 0.1, 0.0), (2.0, 0.3, 0.1)):
         memory, there = make_pair_memory(1), b.moved(shift=shift)
         first = coherent(a, there, memory)
-        kept = [field.copy() for field in memory]
+        kept = memory.copy()
         second = coherent(a, there, memory)
         assert second[1] == pytest.approx(first[1], abs=1e-15)
-        for field, before in zip(memory, kept, strict=True):
-            np.testing.assert_allclose(field, before, atol=1e-15)
+        for name in PAIR.names:
+            np.testing.assert_allclose(memory[name], kept[name], atol=1e-15)
 
 
 def test_a_margin_stops_early_with_a_proof():

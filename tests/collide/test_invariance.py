@@ -29,7 +29,10 @@ def moved(vertices, shapes, a, b, turn, shift, factor):
         here = slice(shapes.start[s], shapes.start[s + 1])
         rows[here] = turn.apply(rows[here]) * factor
         rows[here if shapes.kind[s] != ELLIPSOID else shapes.start[s]] += shift
-    return rows, shapes._replace(radius=shapes.radius * factor, size=shapes.size * factor)
+    larger = shapes.copy()
+    larger.radius *= factor
+    larger.extent *= factor
+    return rows, larger
 
 
 def gap_of(vertices, shapes, a, b):
@@ -50,11 +53,11 @@ def test_a_rigid_motion_and_a_scale_change_nothing_but_the_frame(stratum, number
     rows, larger = moved(vertices, shapes, a, b, turn, shift, factor)
     here, n = gap_of(vertices, shapes, a, b)
     there, turned = gap_of(rows, larger, a, b)
-    size = max(larger.size[a], larger.size[b])
+    size = max(larger.extent[a], larger.extent[b])
     rounding = ULPS * np.spacing(np.abs(rows[larger.start[a] : larger.start[b + 1]]).max())
     # The two answers may each be off by the bar, no more.
     assert abs(there - factor * here) <= 2.0 * RELATIVE * size + rounding
-    if here > 0.1 * max(shapes.size[a], shapes.size[b]):
+    if here > 0.1 * max(shapes.extent[a], shapes.extent[b]):
         # Apart the direction is unique, and as sure as the square root of the gap's error.
         np.testing.assert_allclose(turned, turn.apply(n), atol=1e-3)
 
@@ -63,7 +66,7 @@ def test_a_rigid_motion_and_a_scale_change_nothing_but_the_frame(stratum, number
 def test_moving_one_shape_changes_the_gap_by_no_more_than_it_was_moved(stratum, number, k, seed):
     vertices, shapes, a, b = one_pair(stratum, number, k)
     rng = np.random.default_rng(seed)
-    size = max(shapes.size[a], shapes.size[b])
+    size = max(shapes.extent[a], shapes.extent[b])
     step = rng.normal(size=3) * size * 10.0 ** rng.uniform(-9.0, 0.0)
     here, _ = gap_of(vertices, shapes, a, b)
     rows = vertices.copy()

@@ -156,7 +156,7 @@ def test_a_wrong_answer_is_noticed(stratum, fault, monkeypatch):
 
     def lies(vertices, shapes, a, b, seed, scratch):
         code, gap, n, on_a, on_b = honest(vertices, shapes, a, b, seed, scratch)
-        size = max(shapes.size[a], shapes.size[b])
+        size = max(shapes.extent[a], shapes.extent[b])
         if fault == "gap":
             gap += 3.0 * RELATIVE * size
         if fault == "normal":

@@ -31,7 +31,7 @@ def remembered(shift=(0.1, 0.05, 0.2)):
     scratch, memory = make_scratch(), make_pair_memory(2)
     count = gjk(vertices, shapes, 1, 2, NO_SEED, inf, scratch)[3]
     _, _, _, points, faces = epa(vertices, shapes, 1, 2, NO_SEED, count, scratch)
-    remember_polytope(shapes, 1, 2, UP, points, faces, scratch, memory, 1)
+    remember_polytope(shapes, 1, 2, UP, points, faces, scratch, memory[1])
     return vertices, shapes, scratch, memory, points, faces
 
 
@@ -45,8 +45,8 @@ def planes(scratch, faces):
 def test_a_surface_comes_back_with_the_same_faces():
     vertices, shapes, left, memory, _, faces = remembered()
     scratch = make_scratch()
-    points = recall_points(vertices, shapes, 1, 2, memory, 1, scratch)
-    back = recall_faces(points, memory, 1, scratch)
+    points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
+    back = recall_faces(points, memory[1], scratch)
     assert back == (left.alive[:faces] == 1).sum()
     np.testing.assert_allclose(planes(scratch, back), planes(left, faces), atol=1e-14)
     assert (points, back) == tuple(memory.used[1])
@@ -63,25 +63,25 @@ def test_every_single_wrong_number_in_the_surface_is_noticed():
     vertices, shapes, _, memory, _, _ = remembered()
     scratch = make_scratch()
     points, faces = (int(k) for k in memory.used[1])
-    assert recall_points(vertices, shapes, 1, 2, memory, 1, scratch) == points
+    assert recall_points(vertices, shapes, 1, 2, memory[1], scratch) == points
     for field, bound in ((memory.corner, points), (memory.twin, 3 * faces)):
         for f in range(faces):
             for e in range(3):
                 good = int(field[1, f, e])
                 for wrong in {(good + 1) % bound, (good + 3) % bound, -1, bound}:
                     field[1, f, e] = wrong
-                    assert recall_faces(points, memory, 1, scratch) == 0
+                    assert recall_faces(points, memory[1], scratch) == 0
                 field[1, f, e] = good
-    assert recall_faces(points, memory, 1, scratch) == faces
+    assert recall_faces(points, memory[1], scratch) == faces
 
 
 def test_a_surface_beside_the_origin_is_refused():
     vertices, shapes, _, memory, _, _ = remembered()
     scratch = make_scratch()
     vertices[shapes.start[1] : shapes.start[2], 0] += 3.0
-    points = recall_points(vertices, shapes, 1, 2, memory, 1, scratch)
+    points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
     assert points > 3
-    assert recall_faces(points, memory, 1, scratch) == 0
+    assert recall_faces(points, memory[1], scratch) == 0
 
 
 def test_a_number_that_is_no_vertex_is_refused():
@@ -90,29 +90,29 @@ def test_a_number_that_is_no_vertex_is_refused():
         good = int(memory.rows[1, 1, column])
         for wrong in (-1, many, 10**6):
             memory.rows[1, 1, column] = wrong
-            assert recall_points(vertices, shapes, 1, 2, memory, 1, make_scratch()) == 0
+            assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
         memory.rows[1, 1, column] = good
     for count in (0, -1, POINTS_KEPT + 1):
         memory.used[1, 0] = count
-        assert recall_points(vertices, shapes, 1, 2, memory, 1, make_scratch()) == 0
+        assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
 
 
 def test_a_simplex_comes_back_and_so_does_the_axis():
     vertices, shapes, left, memory, _, _ = remembered(shift=(2.0, 0.3, 0.1))
     count = gjk(vertices, shapes, 1, 2, NO_SEED, inf, left)[3]
-    remember_points(shapes, 1, 2, UP, count, left, memory, 0)
+    remember_points(shapes, 1, 2, UP, count, left, memory[0])
     scratch = make_scratch()
-    assert recall_points(vertices, shapes, 1, 2, memory, 0, scratch) == count
+    assert recall_points(vertices, shapes, 1, 2, memory[0], scratch) == count
     np.testing.assert_array_equal(scratch.w[:count], left.w[:count])
     np.testing.assert_array_equal(scratch.rows[:count], left.rows[:count])
-    assert recall_axis(memory, 0) == UP
+    assert recall_axis(memory[0]) == UP
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 0.0, 3.0])
 def test_an_axis_that_is_no_unit_vector_is_refused(bad):
     memory = make_pair_memory(1)
     memory.axis[0] = (bad, 0.0, 0.0)
-    assert recall_axis(memory, 0) == NO_SEED
+    assert recall_axis(memory[0]) == NO_SEED
 
 
 def test_a_surface_with_too_many_corners_is_forgotten():
@@ -121,5 +121,5 @@ def test_a_surface_with_too_many_corners_is_forgotten():
     scratch.corner[:many, 0] = np.arange(many)
     scratch.corner[:many, 1:] = 0
     scratch.alive[:many] = 1
-    remember_polytope(shapes, 1, 2, UP, many, many, scratch, memory, 1)
+    remember_polytope(shapes, 1, 2, UP, many, many, scratch, memory[1])
     assert not memory.used[1].any()

@@ -8,8 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from avatarsim.collide.pair_memory import make_pair_memory, pair_memory_in
+from avatarsim.collide.scratch import make_scratch, scratch_at
 from avatarsim.errors import AvatarsimError
 from avatarsim.impact.events import make_events
+from avatarsim.kernel import kernel
 from avatarsim.loops import opened_checked, opened_upper
 from avatarsim.loops.coupling import make_springs
 from avatarsim.loops.upper_memory import Switches
@@ -22,6 +25,7 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.world import arena, opened
 from avatarsim.world.arena import opening, packed
+from avatarsim.world.shapes import SHAPE
 from avatarsim.world.world import World, build
 from tests.posture.little_worlds import mixed_avatar, panel
 
@@ -38,7 +42,9 @@ def leaves(tree: object) -> list:
 
 
 def same_memory(a: object, b: object) -> bool:
-    """Two arrays are one, or two numbers are equal and of one kind."""
+    """Two arrays or records are one, or two numbers are equal and of one kind."""
+    if isinstance(a, np.void):
+        return isinstance(b, type(a)) and same_memory(np.asarray(a), np.asarray(b))
     if not isinstance(a, np.ndarray):
         return bool(a == b) and isinstance(b, (bool, np.bool_)) == isinstance(a, bool)
     assert isinstance(b, np.ndarray)
@@ -76,6 +82,9 @@ def test_a_packed_tuple_is_the_same_tuple_in_one_memory() -> None:
                 assert np.array_equal(mine, theirs) and theirs.dtype == mine.dtype and theirs.flags.carray
                 assert np.shares_memory(words, theirs) or not mine.size
                 assert not np.shares_memory(mine, theirs)
+            elif isinstance(mine, np.void):
+                assert mine == theirs and type(mine) is type(theirs)
+                assert np.shares_memory(words, theirs) and not np.shares_memory(mine, theirs)
             else:
                 assert mine is theirs
 
@@ -99,11 +108,38 @@ def test_aliases_of_the_upper_loop_live_on() -> None:
 
 
 @pytest.mark.parametrize(
-    "bad", [np.zeros(3, dtype=np.float32), np.zeros((1, 1, 1, 1, 1)), np.zeros(()), np.zeros(2, dtype=np.int32)]
+    "bad",
+    [
+        np.zeros(3, dtype=np.float32), np.zeros((1, 1, 1, 1, 1)), np.zeros(()), np.zeros(2, dtype=np.int32),
+        np.zeros((2, 2), dtype=SHAPE),
+    ],
 )
 def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
     with pytest.raises(AvatarsimError, match="an arena holds no array of"):
         packed((bad,))
+
+
+def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> None:
+    scratch, memory = make_scratch(), make_pair_memory(3)
+    scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
+    words, (one, table, other) = packed((scratch, memory, scratch))
+    assert one == scratch and (table == memory).all() and type(table) is type(memory)
+    other.rows[0, 1] = 3
+    assert one.rows[0, 1] == 3 and scratch.rows[0, 1] == 0
+    assert sum_of_some(words) == 1 + 2 + 3 + 4 + 5 + 6 + 7 + 8 + 9
+    assert (one.w[5] == 10.0).all() and (table.axis[2] == 10.0).all()
+
+
+@kernel
+def sum_of_some(words: np.ndarray) -> float:
+    """The numbers that the test above put into a scratch and a memory; all become 10."""
+    o = opening(words)
+    scratch, memory = scratch_at(arena.index_line(o)[0]), pair_memory_in(arena.index_line(o)[0])[0]
+    total = 0.0
+    for k in range(3):
+        total += scratch.w[5, k] + memory.axis[2, k] + memory[1].twin[4, k]
+        scratch.w[5, k] = memory.axis[2, k] = 10.0
+    return total
 
 
 def test_an_array_that_is_not_in_c_order_is_laid_out_in_c_order() -> None:
