@@ -71,8 +71,6 @@ class AvatarsimEngine:
         said: dict[str, str] = {}
         if scene.avatars:
             said["avatar dynamics"] = "avatars are kinematic with a coupled mass, not full articulated dynamics"
-        if scene.effects.reach_cones:
-            said["reach cones"] = "spherical polygons are kept as data; of ball joints swing and twist are enforced"
         return said
 
     def settings_as_run(self) -> Mapping[str, object]:

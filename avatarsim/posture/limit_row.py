@@ -3,10 +3,11 @@
 from math import atan2
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.limits import cone_excess, has_cone, swing_and_twist
+from avatarsim.posture.limits import cone_excess, has_cone, limb_of, swing_and_twist
+from avatarsim.posture.reach_cone import ROUNDING, has_reach, nearest_in_reach
 from avatarsim.posture.workspace import ADDING, COUNT, DROPPED, ROWS, Memory
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
-from avatarsim.spatial.vec3 import Vec3, add, dot, scale
+from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, scale
 from avatarsim.world.skeleton import BALL, Posture, Skeleton
 
 INSIDE = 1e-4
@@ -31,7 +32,10 @@ def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
         memory_out.touched[link] = True
         if memory_out.flags[ADDING] > 0.0:
             swing, twist, back = swing_and_twist(skel, link, turn)
-            beyond = swing - atan2(skel.cone[link, 7], skel.cone[link, 6])
+            most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+            beyond = swing - most
+            if has_reach(skel, link):
+                beyond, back = way_back(skel, link, limb_of(skel, link, turn), most)
             if beyond > 0.0:
                 turn_row(d, turned_back(turn, back), beyond + INSIDE, memory_out)
             low, high = skel.cone[link, 8], skel.cone[link, 9]
@@ -45,6 +49,17 @@ def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
                 else:
                     turn_row(d, scale(rate, -1.0), twist - high + INSIDE, memory_out)
     return failed
+
+
+@kernel
+def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
+    """Angle [rad] and unit axis (parent's axes) of the shortest turn that brings a limb into its polygon and swing cone."""
+    _, allowed = nearest_in_reach(skel, link, limb, most)
+    axis = cross(limb, allowed)
+    sine = norm(axis)
+    if sine < ROUNDING:
+        return 0.0, limb
+    return atan2(sine, dot(limb, allowed)), scale(axis, 1.0 / sine)
 
 
 @kernel

@@ -8,6 +8,7 @@ with T the shortest turn of `axis` onto `centre` and R the joint's rotation, R T
 from math import atan2, cos, sin
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.reach_cone import has_reach, is_in_reach, nearest_in_reach, reach_excess
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, scale, unit
 from avatarsim.world.skeleton import Skeleton
@@ -57,15 +58,22 @@ def has_cone(skel: Skeleton, link: int) -> bool:
 
 @kernel
 def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
-    """How far the rotation of a ball is beyond its limits [rad], the larger of swing and twist; negative inside."""
+    """How far the rotation of a ball is beyond its limits [rad], the largest of swing, twist and reach; negative inside."""
     swing, twist, _ = swing_and_twist(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
-    return float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
+    excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
+    return max(excess, reach_excess(skel, link, limb_of(skel, link, turn))) if has_reach(skel, link) else excess
+
+
+@kernel
+def limb_of(skel: Skeleton, link: int, turn: Columns) -> Vec3:
+    """Where the limb of a ball points, in the parent's axes."""
+    return turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
 
 
 @kernel
 def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
-    """The rotation itself if the ball allows it, else the limb on the nearest edge of the cone and the twist clipped."""
+    """The rotation itself if the ball allows it, else the limb on the nearest edge of cone and polygon and the twist clipped."""
     swing, twist, back = swing_and_twist(skel, link, turn)
     centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     most = max(0.0, atan2(skel.cone[link, 7], skel.cone[link, 6]) - INWARD)
@@ -77,14 +85,26 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
     if twist < low or twist > high:
         to_low, to_high = abs(wrapped(twist - low)), abs(wrapped(twist - high))
         clipped = low if to_low < to_high else high
-    if swing <= most and clipped == twist:
+    inside = swing <= most
+    limb = limb_of(skel, link, turn)
+    allowed = limb
+    if has_reach(skel, link):
+        inside = inside and is_in_reach(skel, link, limb)
+        if not inside:
+            _, allowed = nearest_in_reach(skel, link, limb, most)
+    if inside and clipped == twist:
         return turn
     # unswing, correct the twist, swing out again as far as allowed
-    out = min(swing, most)
+    out, again = min(swing, most), back
+    if not inside and has_reach(skel, link):
+        again = cross(allowed, centre)
+        sine = norm(again)
+        out = atan2(sine, dot(allowed, centre))
+        again = scale(again, 1.0 / sine) if sine > 1e-12 else back
     x, y, z = turn
     x, y, z = about(back, swing, x), about(back, swing, y), about(back, swing, z)
     x, y, z = about(centre, clipped - twist, x), about(centre, clipped - twist, y), about(centre, clipped - twist, z)
-    return about(back, -out, x), about(back, -out, y), about(back, -out, z)
+    return about(again, -out, x), about(again, -out, y), about(again, -out, z)
 
 
 @kernel

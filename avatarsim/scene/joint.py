@@ -2,7 +2,7 @@
 
 The paper builds a ball and socket from three planar joints with a common centre; `Hinges` says exactly that.
 `Ball` is the same joint without gimbal lock, and its limits are stated once: a cone for the limb's direction and
-an interval for the twist about it. `ReachCone` carries a spherical polygon as data.
+an interval for the twist about it. `ReachCone` narrows the directions to a spherical polygon.
 """
 
 from dataclasses import dataclass
@@ -10,9 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Vector, finite_array, pair, unit_vector, within
+from avatarsim.scene.checks import Vector, pair, unit_vector, within
+from avatarsim.scene.reach_cone import ReachCone, angle
 
 PI = float(np.pi)
+WIDEST_SWING = 0.95 * PI
+"""Widest swing limit [rad]: at a swing of pi the twist is undefined; nearer to it rounding decides the twist."""
+
 MANY_TURNS = 64.0 * PI
 """Widest hinge limit [rad]. A hinge without a stop gets +- this; wider would lose digits of the angle."""
 
@@ -49,25 +53,6 @@ class Hinges:
             raise InvalidScene("number of hinges that share a centre", len(self.hinges), "1 to 3")
 
 
-@dataclass(frozen=True, eq=False)
-class ReachCone:
-    """Directions that a limb may take, as a spherical polygon of unit `vertices` (n, 3) in the parent frame,
-    counter-clockwise seen from outside, with a point inside that sees every edge (Wilhelms and Van Gelder)."""
-
-    vertices: np.typing.NDArray[np.float64]
-    visible_point: Vector
-
-    def __post_init__(self) -> None:
-        vertices = finite_array("reach cone vertices", self.vertices, (-1, 3))
-        lengths = np.linalg.norm(vertices, axis=1)
-        if len(vertices) < 3 or not (lengths > 1e-12).all():
-            raise InvalidScene("reach cone vertices", vertices.tolist(), "at least 3 directions of non-zero length")
-        vertices /= lengths[:, None]
-        vertices.flags.writeable = False
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "visible_point", unit_vector("visible point of the reach cone", self.visible_point))
-
-
 @dataclass(frozen=True)
 class SwingTwist:
     """Limits of a ball joint: the limb's `axis` (link frame) stays within `swing` [rad] of `centre` (parent frame);
@@ -81,8 +66,7 @@ class SwingTwist:
     def __post_init__(self) -> None:
         object.__setattr__(self, "axis", unit_vector("swing axis", self.axis))
         object.__setattr__(self, "centre", unit_vector("swing centre", self.centre))
-        # at a swing of pi the twist is undefined: stay clear of it
-        within("swing limit [rad]", self.swing, 0.0, 0.95 * PI)
+        within("swing limit [rad]", self.swing, 0.0, WIDEST_SWING)
         low, high = pair("twist limits [rad]", self.twist)
         if not within("lower twist limit [rad]", low, -PI, PI) <= within("upper twist limit [rad]", high, -PI, PI):
             raise InvalidScene("twist limits (lower, upper) [rad]", self.twist, "lower at most upper")
@@ -90,10 +74,21 @@ class SwingTwist:
 
 @dataclass(frozen=True)
 class Ball:
-    """A ball and socket; without `limits` it turns freely. `cone` narrows the directions further, as data."""
+    """A ball and socket; without `limits` it turns freely. `cone` narrows the directions of the limb further.
+
+    The limb is the `axis` of the limits; without limits it is what points to the cone's visible point at zero.
+    """
 
     limits: SwingTwist | None = None
     cone: ReachCone | None = None
+
+    def __post_init__(self) -> None:
+        if self.limits is None or self.cone is None:
+            return
+        away = angle(np.array(self.limits.centre), np.array(self.cone.visible_point))
+        if not away < self.limits.swing:
+            thing = "angle from the swing centre to the visible point of the reach cone [rad]"
+            raise InvalidScene(thing, away, f"below {self.limits.swing:g}")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
+from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, Rigid, SwingTwist
+from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 
@@ -30,9 +31,12 @@ class Skeleton(NamedTuple):
     rest       (nl, 3, 3) link frame in the parent's at zero
     axis       (nd, 3) hinge axes in the link frame
     limits     (nd, 2) hinge limits [rad]
-    cone       (nl, 10) of a ball with limits: axis 0:3, centre 3:6, cosine and sine of the swing 6:8, twist low and
-               high 8:10 [rad]; a cosine of -2 means no limits
-    untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre
+    cone       (nl, 10) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
+               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits
+    untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre in the parent's frame, after `rest`
+    reach_first (nl + 1) corners of the spherical polygon of link i are reach_first[i] .. reach_first[i + 1]; none: no polygon
+    reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
+    sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
     related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
     """
 
@@ -46,6 +50,9 @@ class Skeleton(NamedTuple):
     limits: Array
     cone: Array
     untwist: Array
+    reach_first: Index
+    reach_corner: Array
+    sight: Array
     related: NDArray[np.bool_]
 
 
@@ -65,6 +72,8 @@ def skeleton(scene: Scene) -> Skeleton:
     limits: list[tuple[float, float]] = []
     cone, untwist = np.zeros((nl, 10)), np.tile(np.eye(3), (nl, 1, 1))
     cone[:, 6] = -2.0
+    corners: list[list[float]] = []
+    reach_first, sight = [0], np.zeros((nl, 3))
     at: dict[tuple[str, str], int] = {}
     owned = [(avatar, link) for avatar in scene.avatars for link in avatar.links]
     for i, (avatar, link) in enumerate(owned):
@@ -82,11 +91,20 @@ def skeleton(scene: Scene) -> Skeleton:
             free = 6 if isinstance(joint, Free) else 3
             axis += [(0.0, 0.0, 0.0)] * free
             limits += [(-UNLIMITED, UNLIMITED)] * free
-            if isinstance(joint, Ball) and joint.limits is not None and scene.effects.limits:
-                swing = joint.limits
-                cone[i] = [*swing.axis, *swing.centre, np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
-                untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T
+            if isinstance(joint, Ball):
+                # limits are stated in the parent's frame; the kernels see the turn from the link's frame at zero
+                rest = rotation.to_matrix(link.orientation)
+                polygon = joint.cone if scene.effects.reach_cones else None
+                swing = joint.limits if scene.effects.limits else None
+                if polygon is not None:
+                    corners += (polygon.vertices @ rest).tolist()
+                    sight[i] = polygon.visible_point @ rest
+                    swing = swing or wide_open(joint, polygon, rest)
+                if swing is not None:
+                    cone[i] = [*swing.axis, *(swing.centre @ rest), np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
+                    untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T @ rest
         first_dof.append(len(axis))
+        reach_first.append(len(corners))
     related = np.eye(nl, dtype=np.bool_)
     for i in range(nl):
         if parent[i] >= 0:
@@ -96,8 +114,20 @@ def skeleton(scene: Scene) -> Skeleton:
         np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
         np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
         np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
-        cone, untwist, related,
+        cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3), sight, related,
     )
+
+
+def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
+    """Swing and twist without limits around a polygon: its limb is that of the joint's own limits, if it has any, else what
+    points to the polygon's visible point when the joint is at zero, with the link's frame ``rest`` (3, 3) in the parent's."""
+    if joint.limits is not None:
+        axis, centre = joint.limits.axis, joint.limits.centre
+    else:
+        centre = polygon.visible_point
+        x, y, z = centre @ rest
+        axis = (float(x), float(y), float(z))
+    return SwingTwist(axis, centre, WIDEST_SWING, (-PI, PI))
 
 
 def hinge_dofs(skel: Skeleton) -> Index:

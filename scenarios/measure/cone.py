@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.joint import ReachCone
+from avatarsim.scene.reach_cone import ReachCone
 
 Array = NDArray[np.float64]
 

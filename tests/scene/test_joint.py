@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.joint import MANY_TURNS, Ball, Hinge, Hinges, ReachCone, SwingTwist
+from avatarsim.scene.joint import MANY_TURNS, Ball, Hinge, Hinges, SwingTwist
+from avatarsim.scene.reach_cone import ReachCone
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -69,6 +70,28 @@ def test_reach_cones_need_three_directions() -> None:
         ReachCone(np.eye(3), (0.0, 0.0, 0.0))
     cone = ReachCone(2.0 * np.eye(3), (1.0, 1.0, 1.0))
     assert (cone.vertices == np.eye(3)).all() and not cone.vertices.flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("corners", "seen", "part"),
+    [
+        (np.eye(3)[::-1], (1.0, 1.0, 1.0), "counter-clockwise"),
+        (np.eye(3), (1.0, 1.0, -0.5), "height above an edge"),
+        (np.eye(3), (1.0, 1.0, 0.0), "height above an edge"),
+        (np.array([X, X, (0.0, 1.0, 0.0), Z]), (1.0, 1.0, 1.0), "edge of the reach cone"),
+        (np.vstack([np.eye(3), np.eye(3)]), (1.0, 1.0, 1.0), "turns of the reach cone"),
+    ],
+)
+def test_a_reach_cone_is_seen_from_its_visible_point_once_around(corners: np.ndarray, seen: tuple, part: str) -> None:
+    with pytest.raises(InvalidScene, match=part):
+        ReachCone(corners, seen)
+
+
+def test_a_visible_point_beyond_the_swing_limit_is_refused() -> None:
+    cone = ReachCone(np.eye(3), (1.0, 1.0, 1.0))
+    with pytest.raises(InvalidScene, match="from the swing centre"):
+        Ball(SwingTwist(Z, Z, 0.5, (-1.0, 1.0)), cone)
+    assert Ball(SwingTwist(Z, Z, 1.0, (-1.0, 1.0)), cone).cone is cone
 
 
 def test_a_ball_may_be_free() -> None:

@@ -1,0 +1,143 @@
+"""Reach cones: the directions of a limb as a spherical polygon (Wilhelms and Van Gelder), which the paper limits its balls by.
+
+The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles that the point that sees every
+edge spans with the edges. A circular swing cone holds as well; the nearest direction inside is that inside both.
+"""
+
+from math import atan2, cos, sin, sqrt
+
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, row, scale, sub
+from avatarsim.world.skeleton import Skeleton
+
+ROUNDING = 1e-12
+"""[rad] A direction so little outside an edge counts as on it: projected directions are, by rounding."""
+
+
+@kernel
+def has_reach(skel: Skeleton, link: int) -> bool:
+    """Whether the limb of a link has a spherical polygon."""
+    return bool(skel.reach_first[link + 1] > skel.reach_first[link])
+
+
+@kernel
+def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
+    """Corner k of a link's polygon, the next one, and the unit normal of the edge's plane, which points inside."""
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    start = row(skel.reach_corner, first + k)
+    end = row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first)
+    normal = cross(start, end)
+    return start, end, scale(normal, 1.0 / norm(normal))
+
+
+@kernel
+def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
+    """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
+    sight = row(skel.sight, link)
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        start, end, inward = edge(skel, link, k)
+        between = dot(cross(sight, start), limb) >= -ROUNDING and dot(cross(end, sight), limb) >= -ROUNDING
+        if between and dot(inward, limb) >= -ROUNDING:
+            return True
+    return False
+
+
+@kernel
+def angle_between(a: Vec3, b: Vec3) -> float:
+    """Angle [rad] of two unit vectors."""
+    return atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
+    """The point of the great arc from start to end that is nearest to a unit direction."""
+    foot = sub(limb, scale(inward, dot(inward, limb)))
+    length = norm(foot)
+    if length > ROUNDING:
+        foot = scale(foot, 1.0 / length)
+        if dot(cross(inward, start), foot) >= 0.0 and dot(cross(end, inward), foot) >= 0.0:
+            return foot
+    return start if dot(start, limb) >= dot(end, limb) else end
+
+
+@kernel
+def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
+    """Angle [rad] from a unit direction to the polygon's edge: positive outside, negative inside."""
+    nearest = 10.0
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        start, end, inward = edge(skel, link, k)
+        nearest = min(nearest, angle_between(nearest_on_edge(start, end, inward, limb), limb))
+    return -nearest if is_in_reach(skel, link, limb) else nearest
+
+
+@kernel
+def swing_of(skel: Skeleton, link: int, limb: Vec3) -> float:
+    """Angle [rad] of a unit direction to the centre of the circular swing cone."""
+    return angle_between((skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5]), limb)
+
+
+@kernel
+def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[bool, Vec3]:
+    """The direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
+
+    The edge of what is allowed consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest of
+    an arc of one, if the other allows it, or a point where the two cross. Returns (found, direction).
+    """
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    found, best, least = False, limb, 10.0
+    if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
+        return True, limb
+    candidate = nearest_on_circle(centre, most, limb)
+    if is_in_reach(skel, link, candidate):
+        found, best, least = True, candidate, angle_between(candidate, limb)
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        start, end, inward = edge(skel, link, k)
+        for which in range(5):
+            if which == 0:
+                candidate = nearest_on_edge(start, end, inward, limb)
+            elif which == 1:
+                candidate = start
+            elif which == 2:
+                candidate = end
+            else:
+                crosses, candidate = crossing(start, end, inward, centre, most, which == 3)
+                if not crosses:
+                    continue
+            away = angle_between(candidate, limb)
+            if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
+                found, best, least = True, candidate, away
+    return found, best
+
+
+@kernel
+def nearest_on_circle(centre: Vec3, radius: float, limb: Vec3) -> Vec3:
+    """The direction at angle `radius` [rad] from the centre that is nearest to a limb's."""
+    sideways = sub(limb, scale(centre, dot(centre, limb)))
+    length = norm(sideways)
+    if length < ROUNDING:
+        # every one is as near
+        sideways = cross(centre, (1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0))
+        length = norm(sideways)
+    return add(scale(centre, cos(radius)), scale(sideways, sin(radius) / length))
+
+
+@kernel
+def crossing(start: Vec3, end: Vec3, inward: Vec3, centre: Vec3, radius: float, first: bool) -> tuple[bool, Vec3]:
+    """Where the great arc from start to end meets the circle of angle `radius` [rad] about a centre: one of two places."""
+    # on the great circle, in the plane of the arc, the angle to the centre is least towards the centre's own foot
+    foot = sub(centre, scale(inward, dot(inward, centre)))
+    length = norm(foot)
+    if not (length > ROUNDING and abs(cos(radius)) <= length):
+        return False, start
+    towards = scale(foot, 1.0 / length)
+    turn = acos_of(cos(radius) / length)
+    along_arc = cross(inward, towards)
+    place = add(scale(towards, cos(turn)), scale(along_arc, sin(turn) if first else -sin(turn)))
+    within = dot(cross(inward, start), place) >= 0.0 and dot(cross(end, inward), place) >= 0.0
+    return within, place
+
+
+@kernel
+def acos_of(cosine: float) -> float:
+    """The angle [rad] of a cosine in [-1, 1], by the arc tangent."""
+    return atan2(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine)
