@@ -9,13 +9,16 @@ wrong. Whatever it does not lead to is asked cold.
 from math import inf
 
 from avatarsim.collide.closed_forms import closed_form
-from avatarsim.collide.epa import EXACT, deepest_points, expand
+from avatarsim.collide.epa import EXACT, SAME_FACE, deepest_points, expand
 from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, closest_in_simplex, closest_points, gjk_from
 from avatarsim.collide.pair_memory import (
     PairMemory,
     PairRecord,
+    deepest_kept,
     keep_axis,
+    lowest_kept,
     recall_axis,
+    recall_differences,
     recall_faces,
     recall_points,
     remember_points,
@@ -26,6 +29,7 @@ from avatarsim.collide.signed_distance import core_distance, with_radii
 from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
 from avatarsim.collide.status import CONVERGED
+from avatarsim.collide.support import reach
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm
 from avatarsim.world.shapes import POINTS, Shapes
@@ -52,8 +56,14 @@ def signed_distance_coherent(
         wanted = margin + (shapes.radius[a] + shapes.radius[b])
         kept = memory_out[pair]
         seed = recall_axis(kept)
-        count = recall_points(vertices, shapes, a, b, kept, scratch)
-        if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
+        count = 0
+        if kept.used[0] > FEATURE:
+            known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, kept)
+        if not known:
+            count = recall_points(vertices, shapes, a, b, kept, scratch)
+        if known:
+            pass
+        elif shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
             if count == FEATURE:
                 known, distance, n, on_a, on_b = same_feature(vertices, shapes, a, b, seed, scratch)
                 keep_axis(n, kept)
@@ -86,6 +96,29 @@ def still_apart(
     on_a, on_b = closest_points(count, scratch)
     remember_points(shapes, a, b, n, count, scratch, memory_out)
     return True, distance, n, on_a, on_b
+
+
+@kernel
+def same_facet(
+    vertices: Rows, shapes: Shapes, a: int, b: int, scratch: Scratch, memory: PairRecord
+) -> tuple[bool, float, Vec3, Vec3, Vec3]:
+    """Depth of the cores if the remembered surface, as its corners now lie, proves it: its lowest face is one of A - B's.
+
+    The proof is that of `expand`, in less time and without writing: two supports, and a surface around the origin without a
+    lower face.
+    """
+    size = max(shapes.extent[a], shapes.extent[b])
+    if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    points = recall_differences(vertices, shapes, a, b, memory, scratch)
+    lowest, m = lowest_kept(points, memory, scratch)
+    if not (lowest > CLEARLY_DEEP * size):
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    depth = reach(vertices, shapes, a, m) + reach(vertices, shapes, b, neg(m))
+    if not (depth - lowest <= EXACT * size):
+        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    on_a, on_b = deepest_kept(vertices, shapes, a, b, m, depth, SAME_FACE * size, memory, scratch)
+    return True, -depth, neg(m), on_a, on_b
 
 
 @kernel
