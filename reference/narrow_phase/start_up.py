@@ -37,7 +37,7 @@ from avatarsim.world.shapes import POINTS, make_shapes
 begun, worked = time.perf_counter(), time.process_time()
 corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 vertices = np.ascontiguousarray(np.vstack([corners, corners + 0.5]))
-shapes = make_shapes([POINTS, POINTS], [0, 8, 16], [0.0, 0.0], [2.0, 2.0], vertices)
+shapes = make_shapes([POINTS, POINTS], [0, 8, 16], [0.0, 0.0], [2.0, 2.0])
 scratch, up = make_scratch(), (0.0, 0.0, 1.0)
 signed_distance(vertices, shapes, 0, 1, up, scratch)
 separated_beyond(vertices, shapes, 0, 1, up, 0.0, scratch)
