@@ -6,10 +6,10 @@ answer with certainty (cores that touch, boxes bent by rounding) is left to GJK 
 
 from math import inf
 
-from avatarsim.collide.gjk import ACCEPTED, NOWHERE, TOUCHING
-from avatarsim.collide.simplex import closest_on_segment, closest_on_triangle
+from avatarsim.collide.gjk import ACCEPTED, CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING
+from avatarsim.collide.simplex import Share2, closest_on_triangle
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub, unit
+from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 Answer = tuple[bool, float, Vec3, Vec3, Vec3]
@@ -17,6 +17,9 @@ Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 
 BOX_CORNERS = 8
 """Points of a box, in the order of three nested loops over low and high x, y, z: corner 0 is opposite to corner 7."""
+
+UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
+"""The answer where no formula gives one."""
 
 SQUARE = 1e-11
 """Relative to a box's size: how far eight points may be off a box and still be taken for one. Larger: a wrong distance
@@ -26,9 +29,9 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 @kernel
 def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     """Signed distance of the cores of shapes a and b if a formula gives it."""
-    if shapes.kind[a] != POINTS or shapes.kind[b] != POINTS:
-        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
-    many_a, many_b = shapes.start[a + 1] - shapes.start[a], shapes.start[b + 1] - shapes.start[b]
+    if shapes[a].kind != POINTS or shapes[b].kind != POINTS:
+        return UNKNOWN
+    many_a, many_b = shapes[a + 1].start - shapes[a].start, shapes[b + 1].start - shapes[b].start
     if many_a <= 2 and many_b <= 2:
         return between_segments(vertices, shapes, a, b)
     if many_a == 1 and many_b == BOX_CORNERS:
@@ -36,7 +39,24 @@ def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     if many_b == 1 and many_a == BOX_CORNERS:
         known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
         return known, distance, neg(n), on_a, on_b
-    return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+    return UNKNOWN
+
+
+@kernel
+def two_points(shapes: Shapes, a: int, b: int) -> bool:
+    """Whether both shapes are spheres."""
+    one_a: bool = shapes[a + 1].start - shapes[a].start == 1
+    one_b: bool = shapes[b + 1].start - shapes[b].start == 1
+    return one_a and one_b
+
+
+@kernel
+def between_points(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
+    """Distance of two points; not known if they coincide."""
+    p, q = row(vertices, shapes[a].start), row(vertices, shapes[b].start)
+    v = sub(p, q)
+    length = norm(v)
+    return TOUCHING * max(shapes[a].extent, shapes[b].extent) < length < inf, length, scale(v, 1.0 / length), p, q
 
 
 @kernel
@@ -45,75 +65,124 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
 
     Not known if they touch, or if no plane proves the distance.
     """
-    p, q = row(vertices, shapes.start[a]), row(vertices, shapes.start[a + 1] - 1)
-    r, s = row(vertices, shapes.start[b]), row(vertices, shapes.start[b + 1] - 1)
-    one_a, one_b = shapes.start[a + 1] - shapes.start[a] == 1, shapes.start[b + 1] - shapes.start[b] == 1
+    p, q = row(vertices, shapes[a].start), row(vertices, shapes[a + 1].start - 1)
+    r, s = row(vertices, shapes[b].start), row(vertices, shapes[b + 1].start - 1)
+    size = max(shapes[a].extent, shapes[b].extent)
+    u, v, between = sub(q, p), sub(s, r), sub(p, r)
+    of_q, of_s = shares(u, v, between)
+    w = along(along(between, of_q, u), -of_s, v)
+    length = norm(w)
+    n = scale(w, 1.0 / length)
+    # The least of four heights: p - r and what the other ends add to it.
+    proved = dot(n, between) + min(dot(n, u), 0.0) - max(dot(n, v), 0.0)
+    if not (TOUCHING * size < length < inf and length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
+        return between_segments_by_triangles(p, q, r, s, size)
+    return True, length, n, along(p, of_q, u), along(r, of_s, v)
+
+
+@kernel
+def shares(u: Vec3, v: Vec3, between: Vec3) -> Share2:
+    """Shares t, x in [0, 1] of the nearest points p + t u and r + x v of two segments; between = p - r.
+
+    Each is the best for the other, t for the lines first. What rounding makes of nearly parallel ones is the caller's matter.
+    """
+    uu, vv, uv, u_p, v_p = dot(u, u), dot(v, v), dot(u, v), dot(u, between), dot(v, between)
+    if not (vv > 0.0):
+        return (min(max(-u_p / uu, 0.0), 1.0) if uu > 0.0 else 0.0), 0.0
+    if not (uu > 0.0):
+        return 0.0, min(max(v_p / vv, 0.0), 1.0)
+    across = uu * vv - uv * uv
+    t = min(max((uv * v_p - vv * u_p) / across, 0.0), 1.0) if across > 0.0 else 0.0
+    x = (uv * t + v_p) / vv
+    if x < 0.0:
+        return min(max(-u_p / uu, 0.0), 1.0), 0.0
+    if x > 1.0:
+        return min(max((uv - u_p) / uu, 0.0), 1.0), 1.0
+    return t, x
+
+
+@kernel
+def between_segments_by_triangles(p: Vec3, q: Vec3, r: Vec3, s: Vec3, size: float) -> Answer:
+    """As `between_segments`, of p q and r s, however nearly parallel they are: the parallelogram as two triangles."""
     pr, qr, ps, qs = sub(p, r), sub(q, r), sub(p, s), sub(q, s)
+    v, x = closest_on_triangle(pr, qr, qs)
+    u, y = closest_on_triangle(pr, qs, ps)
     # Shares of q in the point of a and of s in the point of b.
-    v, of_q, of_s = pr, 0.0, 0.0
-    if one_b and not one_a:
-        v, two = closest_on_segment(pr, qr)
-        of_q = two[1]
-    elif one_a and not one_b:
-        v, two = closest_on_segment(pr, ps)
-        of_s = two[1]
-    elif not one_a:
-        v, x = closest_on_triangle(pr, qr, qs)
-        u, y = closest_on_triangle(pr, qs, ps)
-        of_q, of_s = x[1] + x[2], x[2]
-        if dot(u, u) < dot(v, v):
-            v, of_q, of_s = u, y[1], y[1] + y[2]
-    length, size = norm(v), max(shapes.extent[a], shapes.extent[b])
+    of_q, of_s = x[1] + x[2], x[2]
+    if dot(u, u) < dot(v, v):
+        v, of_q, of_s = u, y[1], y[1] + y[2]
+    length = norm(v)
     if not (TOUCHING * size < length < inf):
-        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+        return UNKNOWN
     n = scale(v, 1.0 / length)
     proved = min(dot(n, pr), dot(n, qr), dot(n, ps), dot(n, qs))
     if not (length - proved <= ACCEPTED * size + ACCEPTED * length):
-        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
+        return UNKNOWN
     return True, length, n, along(p, of_q, sub(q, p)), along(r, of_s, sub(s, r))
 
 
 @kernel
 def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     """Signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
-    first, size = shapes.start[b], max(shapes.extent[a], shapes.extent[b])
-    low, high = row(vertices, first), row(vertices, first + 7)
+    first, size, extent = shapes[b].start, max(shapes[a].extent, shapes[b].extent), shapes[b].extent
+    low, three, five, six = row(vertices, first), row(vertices, first + 3), row(vertices, first + 5), row(vertices, first + 6)
     x, y, z = sub(row(vertices, first + 4), low), sub(row(vertices, first + 2), low), sub(row(vertices, first + 1), low)
-    across = sub(high, low)
     # The fourth corner of a face beside the first, three times, and the corner opposite to it.
     bent = max(
-        off(sub(row(vertices, first + 6), low), x, y), off(sub(row(vertices, first + 5), low), x, z),
-        off(sub(row(vertices, first + 3), low), y, z), off(across, x, sub(row(vertices, first + 3), low)),
+        off(sub(six, low), x, y), off(sub(five, low), x, z), off(sub(three, low), y, z),
+        off(sub(row(vertices, first + 7), low), x, sub(three, low)),
     )
-    # Longest edge first: it gives its direction best, and the others are put at right angles to it.
-    if dot(y, y) > dot(x, x):
-        x, y = y, x
-    if dot(z, z) > dot(x, x):
-        x, z = z, x
-    if dot(z, z) > dot(y, y):
-        y, z = z, y
-    lx, ly, lz = norm(x), norm(y), norm(z)
-    skew = max(abs(dot(x, y)), abs(dot(z, x))) / lx
-    if not (bent <= SQUARE * shapes.extent[b] and max(skew, abs(dot(y, z)) / ly) <= SQUARE * shapes.extent[b] and lz > 0.0):
-        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
-    x = scale(x, 1.0 / lx)
-    y = unit(along(y, -dot(y, x), x))
-    z = cross(x, y)
-    p = row(vertices, shapes.start[a])
-    d = sub(p, along(low, 0.5, across))
-    # Coordinates in the box, and how far each is beyond the nearer of its two faces.
-    px, py, pz = dot(d, x), dot(d, y), dot(d, z)
-    ex, ey, ez = abs(px) - 0.5 * lx, abs(py) - 0.5 * ly, abs(pz) - 0.5 * lz
-    x, y, z = scale(x, 1.0 if px > 0.0 else -1.0), scale(y, 1.0 if py > 0.0 else -1.0), scale(z, 1.0 if pz > 0.0 else -1.0)
-    out = max(ex, ey, ez)
-    if not (TOUCHING * size < abs(out) < inf):
-        return False, 0.0, NOWHERE, NOWHERE, NOWHERE
-    if out < 0.0:
-        n = x if ex == out else (y if ey == out else z)
-        return True, out, n, p, along(p, -out, n)
-    v = along(along(scale(x, max(ex, 0.0)), max(ey, 0.0), y), max(ez, 0.0), z)
+    p = row(vertices, shapes[a].start)
+    d = sub(p, low)
+    # Coordinates in the box, from 0 to 1, and how far each is beyond that.
+    xx, yy, zz, xy, xz, yz = dot(x, x), dot(y, y), dot(z, z), dot(x, y), dot(x, z), dot(y, z)
+    out_x, out_y, out_z = beyond(dot(d, x) / xx), beyond(dot(d, y) / yy), beyond(dot(d, z) / zz)
+    if not (bent <= SQUARE * extent):
+        return UNKNOWN
+    if out_x == 0.0 and out_y == 0.0 and out_z == 0.0:
+        return point_in_box(p, d, x, y, z, size)
+    # How much of an edge lies along a longer one, squared.
+    skew = max(xy * xy / max(xx, yy), xz * xz / max(xx, zz), yz * yz / max(yy, zz))
+    if not (skew <= SQUARE * extent * SQUARE * extent):
+        return UNKNOWN
+    v = along(along(scale(x, out_x), out_y, y), out_z, z)
     length = norm(v)
+    if not (TOUCHING * size < length < inf):
+        return UNKNOWN
     return True, length, scale(v, 1.0 / length), p, sub(p, v)
+
+
+@kernel
+def beyond(share: float) -> float:
+    """How far a coordinate is above 1 or below 0; nan stays."""
+    return share if share < 0.0 else (share - 1.0 if not (share <= 1.0) else 0.0)
+
+
+@kernel
+def point_in_box(p: Vec3, d: Vec3, x: Vec3, y: Vec3, z: Vec3, size: float) -> Answer:
+    """Depth of a point p, d from a corner with edges x y z, in the box, which may be sheared: the nearest of six planes.
+
+    The ball about p that touches it is in the box, and so is the point where it does.
+    """
+    over_x, over_y, over_z = cross(y, z), cross(z, x), cross(x, y)
+    volume = dot(x, over_x)
+    side = 1.0 if volume > 0.0 else -1.0
+    over_x = scale(over_x, side / norm(over_x))
+    over_y, over_z = scale(over_y, side / norm(over_y)), scale(over_z, side / norm(over_z))
+    # From the three planes through the corner, and from those opposite to them.
+    low_x, low_y, low_z = dot(d, over_x), dot(d, over_y), dot(d, over_z)
+    high_x, high_y, high_z = dot(x, over_x) - low_x, dot(y, over_y) - low_y, dot(z, over_z) - low_z
+    least_x, least_y, least_z = min(low_x, high_x), min(low_y, high_y), min(low_z, high_z)
+    depth = min(least_x, least_y, least_z)
+    if not (TOUCHING * size < depth < inf):
+        return UNKNOWN
+    if least_x == depth:
+        n = over_x if high_x == depth else neg(over_x)
+    elif least_y == depth:
+        n = over_y if high_y == depth else neg(over_y)
+    else:
+        n = over_z if high_z == depth else neg(over_z)
+    return True, -depth, n, p, along(p, depth, n)
 
 
 @kernel

@@ -9,8 +9,8 @@ support is itself an upper bound: moving by it separates.
 from math import inf
 
 from avatarsim.collide.gjk import NOWHERE, add_support
-from avatarsim.collide.polytope import cone_to, find_horizon, start_polytope
-from avatarsim.collide.scratch import POINTS_CAP, Scratch
+from avatarsim.collide.polytope import cone_to, corners, find_horizon, lowest_face, start_polytope
+from avatarsim.collide.scratch import POINTS_CAP, Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.tetrahedron import grow_tetrahedron
@@ -90,10 +90,7 @@ def expand(
     size = max(shapes.extent[a], shapes.extent[b])
     least, toward = inf, NOWHERE
     while True:
-        f, lowest = -1, inf
-        for g in range(faces):
-            if scratch.alive[g] == 1 and scratch.height[g] < lowest:
-                f, lowest = g, scratch.height[g]
+        f, lowest = lowest_face(faces, scratch)
         if f < 0:
             return NOT_FINITE, toward, least, points, faces, f
         m = row(scratch.normal, f)
@@ -109,8 +106,8 @@ def expand(
         if not (depth < inf):
             return NOT_FINITE, toward, least, points, faces, f
         points += 1
-        edges = find_horizon(f, w, VISIBLE * size, scratch)
-        whole, faces = cone_to(slot, edges, faces, scratch)
+        edges, marked = find_horizon(f, w, VISIBLE * size, scratch)
+        whole, faces = cone_to(slot, edges, marked, faces, scratch)
         if not whole:
             return DEGENERATE, toward, least, points, faces, f
 
@@ -155,15 +152,13 @@ def deepest_points(m: Vec3, depth: float, faces: int, size: float, scratch: Scra
             close = abs(scratch.height[f] - depth) <= SAME_FACE * size
             if alike == 0 and not (close and dot(row(scratch.normal, f), m) > 1.0 - SAME_FACE):
                 continue
-            i, j, k = scratch.corner[f, 0], scratch.corner[f, 1], scratch.corner[f, 2]
-            p, s = closest_on_triangle(
-                sub(row(scratch.w, i), target), sub(row(scratch.w, j), target), sub(row(scratch.w, k), target)
-            )
+            x, y, z = corners(f, scratch)
+            p, s = closest_on_triangle(sub(x, target), sub(y, target), sub(z, target))
             if dot(p, p) < nearest:
                 nearest, best, share = dot(p, p), f, s
     on_a, on_b = NOWHERE, NOWHERE
     for c in range(3):
-        i = scratch.corner[best, c]
+        i = number(scratch.corner[best, c])
         on_a = along(on_a, share[c], row(scratch.on_a, i))
         on_b = along(on_b, share[c], row(scratch.on_b, i))
     return on_a, on_b

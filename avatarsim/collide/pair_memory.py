@@ -4,16 +4,19 @@ Vertices are kept by number, so they move with the shapes: the simplex of a pair
 around the origin of a pair that overlapped. A memory is a hint. It is checked when it is read, whatever is in it.
 """
 
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.polytope import set_plane
-from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.gjk import NOWHERE
+from avatarsim.collide.polytope import corners, set_plane
+from avatarsim.collide.scratch import Scratch, number
+from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.kernel import kernel
 from avatarsim.record import table_of
-from avatarsim.spatial.vec3 import Rows, Vec3, dot, put_row, row, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 
 POINTS_KEPT = 64
@@ -23,14 +26,17 @@ and the next query starts cold."""
 FACES_KEPT = 2 * POINTS_KEPT - 4
 """Faces of a closed triangulated surface with as many corners."""
 
+EDGES = 4
+"""Numbers of edges per face: three are used, and a power of two is divided by in no time."""
+
 
 PAIR = np.dtype(
     [
         ("axis", np.float64, (3,)),
         ("used", np.int64, (2,)),
-        ("rows", np.int32, (POINTS_KEPT, 2)),
-        ("corner", np.int16, (FACES_KEPT, 3)),
-        ("twin", np.int16, (FACES_KEPT, 3)),
+        ("rows", np.uint32, (POINTS_KEPT, 2)),
+        ("corner", np.uint16, (FACES_KEPT, 3)),
+        ("twin", np.uint16, (FACES_KEPT, 3)),
     ],
     align=True,
 )
@@ -44,12 +50,12 @@ class PairRecord(np.record):  # type: ignore[misc]  # numpy calls it final, and 
     """(3,) the last normal, out of B into A."""
     used: NDArray[np.int64]
     """(2,) points and faces kept. No faces: the points, 1 to 3, are the simplex of a pair that was apart."""
-    rows: NDArray[np.int32]
+    rows: NDArray[np.uint32]
     """(POINTS_KEPT, 2) the vertices of A and of B that make a point of A - B, counted from each shape's first."""
-    corner: NDArray[np.int16]
+    corner: NDArray[np.uint16]
     """(FACES_KEPT, 3) points of a face, counter-clockwise from outside."""
-    twin: NDArray[np.int16]
-    """(FACES_KEPT, 3) edge i of face f runs from corner i to i + 1 and is number 3 f + i; here: the number of the same
+    twin: NDArray[np.uint16]
+    """(FACES_KEPT, 3) edge i of face f runs from corner i to i + 1 and is number 4 f + i; here: the number of the same
     edge in the face across, where it runs the other way."""
 
 
@@ -58,9 +64,9 @@ class PairMemory(np.recarray[Any, np.dtype[Any]]):
 
     axis: NDArray[np.float64]
     used: NDArray[np.int64]
-    rows: NDArray[np.int32]
-    corner: NDArray[np.int16]
-    twin: NDArray[np.int16]
+    rows: NDArray[np.uint32]
+    corner: NDArray[np.uint16]
+    twin: NDArray[np.uint16]
 
 
 def make_pair_memory(pairs: int) -> PairMemory:
@@ -95,8 +101,8 @@ def recall_points(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRe
     first_a, first_b = shapes.start[a], shapes.start[b]
     many_a, many_b = shapes.start[a + 1] - first_a, shapes.start[b + 1] - first_b
     for k in range(count):
-        i, j = memory.rows[k, 0], memory.rows[k, 1]
-        if not (0 <= i < many_a and 0 <= j < many_b):
+        i, j = number(memory.rows[k, 0]), number(memory.rows[k, 1])
+        if not (i < many_a and j < many_b):
             return 0
         on_a, on_b = row(vertices, first_a + i), row(vertices, first_b + j)
         put_row(scratch.w, k, sub(on_a, on_b))
@@ -105,6 +111,89 @@ def recall_points(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRe
         scratch.rows[k, 0] = first_a + i
         scratch.rows[k, 1] = first_b + j
     return count
+
+
+@kernel
+def recall_differences(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRecord, scratch: Scratch) -> int:
+    """As `recall_points`, but only the points of A - B are put there."""
+    count: int = memory.used[0]
+    if not (0 < count <= POINTS_KEPT):
+        return 0
+    first_a, first_b = shapes[a].start, shapes[b].start
+    many_a, many_b = shapes[a + 1].start - first_a, shapes[b + 1].start - first_b
+    for k in range(count):
+        i, j = number(memory.rows[k, 0]), number(memory.rows[k, 1])
+        if not (i < many_a and j < many_b):
+            return 0
+        put_row(scratch.w, k, sub(row(vertices, first_a + i), row(vertices, first_b + j)))
+    return count
+
+
+@kernel
+def met(f: int, e: int, faces: int, memory: PairRecord) -> bool:
+    """Whether edge e of face f is met by an edge of another face that runs the other way, and the two name each other."""
+    other = number(memory.twin[f, e])
+    g, back = other // EDGES, other % EDGES
+    if not (g < faces and back < 3):
+        return False
+    return number(memory.twin[g, back]) == EDGES * f + e and memory.corner[g, back] == memory.corner[f, (e + 1) % 3]
+
+
+@kernel
+def lowest_kept(points: int, memory: PairRecord, scratch: Scratch) -> tuple[float, Vec3]:
+    """Height and normal of the lowest face of the surface kept over the points in the scratch; 0 if it is none around the origin.
+
+    What `recall_faces` and then `lowest_face` find, without writing anything and with one square root: heights h / |n| of
+    normals n that are not made unit vectors are compared by h^2 / n^2.
+    """
+    faces: int = memory.used[1]
+    if not (4 <= faces <= FACES_KEPT):
+        return 0.0, NOWHERE
+    lowest, square, normal = inf, 1.0, NOWHERE
+    for f in range(faces):
+        i, j, k = number(memory.corner[f, 0]), number(memory.corner[f, 1]), number(memory.corner[f, 2])
+        if not (i < points and j < points and k < points):
+            return 0.0, NOWHERE
+        if not (met(f, 0, faces, memory) and met(f, 1, faces, memory) and met(f, 2, faces, memory)):
+            return 0.0, NOWHERE
+        p, q, r = row(scratch.w, i), row(scratch.w, j), row(scratch.w, k)
+        n = upright(sub(q, p), sub(r, p))
+        height = min(dot(n, p), dot(n, q), dot(n, r))
+        if not (height > 0.0):
+            return 0.0, NOWHERE
+        if height * height * square < lowest * lowest * dot(n, n):
+            lowest, square, normal = height, dot(n, n), n
+    length = sqrt(square)
+    return lowest / length, scale(normal, 1.0 / length)
+
+
+@kernel
+def deepest_kept(
+    vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float, near: float, memory: PairRecord, scratch: Scratch
+) -> tuple[Vec3, Vec3]:
+    """As `deepest_points`, from the surface kept and the points in the scratch.
+
+    ``near`` [m]: corners of the facet of normal m and height ``depth`` are that near to its plane.
+    """
+    target = scale(m, depth)
+    points, faces = memory.used[0], memory.used[1]
+    for i in range(points):
+        scratch.height[i] = dot(row(scratch.w, i), m)
+    nearest, best, share = inf, 0, (1.0, 0.0, 0.0)
+    for f in range(faces):
+        i, j, k = number(memory.corner[f, 0]), number(memory.corner[f, 1]), number(memory.corner[f, 2])
+        if min(scratch.height[i], scratch.height[j], scratch.height[k]) >= depth - near:
+            p, s = closest_on_triangle(
+                sub(row(scratch.w, i), target), sub(row(scratch.w, j), target), sub(row(scratch.w, k), target)
+            )
+            if dot(p, p) < nearest:
+                nearest, best, share = dot(p, p), f, s
+    on_a, on_b = NOWHERE, NOWHERE
+    for c in range(3):
+        i = number(memory.corner[best, c])
+        on_a = along(on_a, share[c], row(vertices, shapes[a].start + number(memory.rows[i, 0])))
+        on_b = along(on_b, share[c], row(vertices, shapes[b].start + number(memory.rows[i, 1])))
+    return on_a, on_b
 
 
 @kernel
@@ -118,22 +207,17 @@ def recall_faces(points: int, memory: PairRecord, scratch: Scratch) -> int:
     faces: int = memory.used[1]
     if not (4 <= faces <= FACES_KEPT):
         return 0
-    corner, twin = memory.corner, memory.twin
     for f in range(faces):
         for e in range(3):
-            i, end, other = corner[f, e], corner[f, (e + 1) % 3], twin[f, e]
-            if not (0 <= i < points and 0 <= other < 3 * faces):
-                return 0
-            g = other // 3
-            back = other - 3 * g
-            if twin[g, back] != 3 * f + e or corner[g, back] != end:
+            i = number(memory.corner[f, e])
+            if not (i < points and met(f, e, faces, memory)):
                 return 0
             scratch.corner[f, e] = i
-            scratch.across[f, e] = g
+            scratch.across[f, e] = number(memory.twin[f, e]) // EDGES
         if not set_plane(f, scratch):
             return 0
         n = row(scratch.normal, f)
-        second, third = row(scratch.w, scratch.corner[f, 1]), row(scratch.w, scratch.corner[f, 2])
+        _, second, third = corners(f, scratch)
         lowest = min(scratch.height[f], dot(n, second), dot(n, third))
         if not (lowest > 0.0):
             return 0
@@ -174,7 +258,7 @@ def remember_polytope(
         face_number[f] = kept_faces
         kept_faces += 1
         for e in range(3):
-            i = scratch.corner[f, e]
+            i = number(scratch.corner[f, e])
             if point_number[i] < 0:
                 if kept_points == POINTS_KEPT:
                     return
@@ -186,9 +270,9 @@ def remember_polytope(
         if scratch.alive[f] != 1:
             continue
         for e in range(3):
-            g, end = scratch.across[f, e], scratch.corner[f, (e + 1) % 3]
+            i, g, end = number(scratch.corner[f, e]), number(scratch.across[f, e]), scratch.corner[f, (e + 1) % 3]
             back = 0 if scratch.corner[g, 0] == end else (1 if scratch.corner[g, 1] == end else 2)
-            memory_out.corner[face_number[f], e] = point_number[scratch.corner[f, e]]
-            memory_out.twin[face_number[f], e] = 3 * face_number[g] + back
+            memory_out.corner[face_number[f], e] = point_number[i]
+            memory_out.twin[face_number[f], e] = EDGES * number(face_number[g]) + back
     memory_out.used[0] = kept_points
     memory_out.used[1] = kept_faces

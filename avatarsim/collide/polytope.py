@@ -4,17 +4,26 @@ Every face knows its outward plane and the face beyond each edge, so the faces t
 found by walking from one of them, and the rim of that patch, the horizon, is where the new faces begin.
 """
 
-from avatarsim.collide.scratch import FACES_CAP, Scratch
+from math import inf
+
+from avatarsim.collide.scratch import FACES_CAP, Scratch, number
 from avatarsim.collide.simplex import upright
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 
 
 @kernel
+def corners(f: int, scratch: Scratch) -> tuple[Vec3, Vec3, Vec3]:
+    """The corners of face f."""
+    i, j, k = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
+    return row(scratch.w, i), row(scratch.w, j), row(scratch.w, k)
+
+
+@kernel
 def set_plane(f: int, scratch: Scratch) -> bool:
     """Give the face in slot f the outward plane of its corners; False if they are in line."""
-    p = row(scratch.w, scratch.corner[f, 0])
-    n = upright(sub(row(scratch.w, scratch.corner[f, 1]), p), sub(row(scratch.w, scratch.corner[f, 2]), p))
+    p, q, r = corners(f, scratch)
+    n = upright(sub(q, p), sub(r, p))
     area = norm(n)
     if not (area > 0.0):
         return False
@@ -23,6 +32,38 @@ def set_plane(f: int, scratch: Scratch) -> bool:
     scratch.height[f] = dot(n, p)
     scratch.alive[f] = 1
     return True
+
+
+@kernel
+def lowest_face(faces: int, scratch: Scratch) -> tuple[int, float]:
+    """The face with the smallest height among the first slots, and that height: -1 and inf if there is none.
+
+    Four runs, because each comparison waits for the one before it; of equal faces the first.
+    """
+    height = scratch.height
+    f_0, f_1, f_2, f_3 = -1, -1, -1, -1
+    h_0, h_1, h_2, h_3 = inf, inf, inf, inf
+    fours = faces // 4
+    for k in range(fours):
+        g = 4 * k
+        if height[g] < h_0:
+            f_0, h_0 = g, height[g]
+        if height[g + 1] < h_1:
+            f_1, h_1 = g + 1, height[g + 1]
+        if height[g + 2] < h_2:
+            f_2, h_2 = g + 2, height[g + 2]
+        if height[g + 3] < h_3:
+            f_3, h_3 = g + 3, height[g + 3]
+    for g in range(4 * fours, faces):
+        if height[g] < h_0:
+            f_0, h_0 = g, height[g]
+    if h_1 < h_0 or (h_1 == h_0 and f_1 < f_0):
+        f_0, h_0 = f_1, h_1
+    if h_3 < h_2 or (h_3 == h_2 and f_3 < f_2):
+        f_2, h_2 = f_3, h_3
+    if h_2 < h_0 or (h_2 == h_0 and f_2 < f_0):
+        f_0, h_0 = f_2, h_2
+    return f_0, h_0
 
 
 @kernel
@@ -45,67 +86,69 @@ def start_polytope(scratch: Scratch) -> bool:
 
 
 @kernel
-def find_horizon(f: int, point: Vec3, clearance: float, scratch: Scratch) -> int:
-    """Mark the faces that ``point`` is above, from f on, and list the edges to those that stay.
+def find_horizon(f: int, point: Vec3, clearance: float, scratch: Scratch) -> tuple[int, int]:
+    """Mark and list the faces that ``point`` is above, from f on, and list the edges to those that stay.
 
-    Above means by more than ``clearance`` [m]. Returns the number of edges.
+    Above means by more than ``clearance`` [m]. Returns (number of edges, number of faces marked).
     """
     stack, across, alive = scratch.stack, scratch.across, scratch.alive
-    waiting, edges = 1, 0
+    looked, marked, edges = 0, 1, 0
     stack[0] = f
     alive[f] = 2
-    while waiting > 0:
-        waiting -= 1
-        g = stack[waiting]
+    while looked < marked:
+        g = number(stack[looked])
+        looked += 1
         for e in range(3):
-            o = across[g, e]
+            o = number(across[g, e])
             if alive[o] != 1:
                 continue
             if dot(row(scratch.normal, o), point) - scratch.height[o] > clearance:
                 alive[o] = 2
-                stack[waiting] = o
-                waiting += 1
+                stack[marked] = o
+                marked += 1
             else:
                 scratch.horizon[edges, 0] = scratch.corner[g, e]
                 scratch.horizon[edges, 1] = scratch.corner[g, (e + 1) % 3]
                 scratch.horizon[edges, 2] = o
                 edges += 1
-    return edges
+    return edges, marked
 
 
 @kernel
-def cone_to(apex: int, edges: int, faces: int, scratch: Scratch) -> tuple[bool, int]:
+def cone_to(apex: int, edges: int, marked: int, faces: int, scratch: Scratch) -> tuple[bool, int]:
     """Replace the marked faces by a cone from the horizon to point ``apex``.
 
-    Returns (whether the surface is whole again, face slots in use).
+    Returns (whether the surface is whole again, face slots in use). Slots of marked faces are used first. There are two faces
+    more than marked ones, less two for every corner that vanishes: so slots never run out before points do.
     """
     horizon, corner, across = scratch.horizon, scratch.corner, scratch.across
-    alive, spoke = scratch.alive, scratch.spoke
-    for f in range(faces):
-        if alive[f] == 2:
-            alive[f] = 0
-    slot = 0
+    spoke = scratch.spoke
+    if faces + edges - marked > FACES_CAP:
+        return False, faces
+    for q in range(edges, marked):
+        gone = number(scratch.stack[q])
+        scratch.alive[gone] = 0
+        scratch.height[gone] = inf
+    new = faces
     for q in range(edges):
-        while slot < faces and alive[slot] != 0:
-            slot += 1
-        if slot >= FACES_CAP:
-            return False, faces
-        faces = max(faces, slot + 1)
-        corner[slot, 0], corner[slot, 1], corner[slot, 2] = horizon[q, 0], horizon[q, 1], apex
+        slot = number(scratch.stack[q]) if q < marked else new
+        new += 0 if q < marked else 1
+        begin, end, outer = number(horizon[q, 0]), horizon[q, 1], number(horizon[q, 2])
+        corner[slot, 0], corner[slot, 1], corner[slot, 2] = begin, end, apex
         if not set_plane(slot, scratch):
             return False, faces
-        outer = horizon[q, 2]
         across[slot, 0] = outer
         for e in range(3):
-            if corner[outer, e] == horizon[q, 1] and corner[outer, (e + 1) % 3] == horizon[q, 0]:
+            if corner[outer, e] == end and corner[outer, (e + 1) % 3] == begin:
                 across[outer, e] = slot
-        spoke[horizon[q, 0]] = slot
+        spoke[begin] = slot
+    faces = new
     # Walk once round the horizon: it must close after exactly as many steps as there are edges.
-    first = horizon[0, 0]
+    first = number(horizon[0, 0])
     at = first
     for q in range(edges):
-        f = spoke[at]
-        after = corner[f, 1]
+        f = number(spoke[at])
+        after = number(corner[f, 1])
         if corner[f, 0] != at or corner[f, 2] != apex or (after == first) != (q == edges - 1):
             return False, faces
         across[f, 1] = spoke[after]

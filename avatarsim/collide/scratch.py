@@ -7,6 +7,7 @@ tuple of these fifteen arrays the calls within the narrow phase copied more than
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.kernel import kernel
 from avatarsim.record import pointed_at
 
 POINTS_CAP = 768
@@ -33,19 +34,20 @@ class Scratch(np.record):  # type: ignore[misc]  # numpy calls it final, and its
     """(POINTS_CAP, 2) vertex rows of on_a and on_b."""
     share: NDArray[np.float64]
     """(4,) barycentric coordinates of the closest point in the simplex."""
-    corner: NDArray[np.int64]
-    """(FACES_CAP, 3) points of a face, counter-clockwise from outside."""
-    across: NDArray[np.int64]
+    corner: NDArray[np.uint32]
+    """(FACES_CAP, 3) points of a face, counter-clockwise from outside. No number of a face or point is negative, and numba has to
+    ask so of every index unless its type says it."""
+    across: NDArray[np.uint32]
     """(FACES_CAP, 3) the face beyond edge i (from corner i to corner i + 1)."""
     normal: NDArray[np.float64]
     """(FACES_CAP, 3) outward unit normal."""
     height: NDArray[np.float64]
-    """(FACES_CAP,) signed distance [m] of the face's plane from the origin."""
+    """(FACES_CAP,) signed distance [m] of the face's plane from the origin; inf where a slot in use holds no face."""
     alive: NDArray[np.int64]
     """(FACES_CAP,) 1 if the slot holds a face, 0 if free, 2 while the face is being removed."""
-    stack: NDArray[np.int64]
-    """(FACES_CAP,) faces still to be looked at."""
-    horizon: NDArray[np.int64]
+    stack: NDArray[np.uint32]
+    """(FACES_CAP,) faces that a new point is above."""
+    horizon: NDArray[np.uint32]
     """(FACES_CAP, 3) edge from, edge to, face that stays."""
     spoke: NDArray[np.int64]
     """(POINTS_CAP,) the new face that begins at this horizon point."""
@@ -65,13 +67,13 @@ SCRATCH = np.dtype(
                 ("on_b", np.float64, (POINTS_CAP, 3)),
                 ("rows", np.int64, (POINTS_CAP, 2)),
                 ("share", np.float64, (4,)),
-                ("corner", np.int64, (FACES_CAP, 3)),
-                ("across", np.int64, (FACES_CAP, 3)),
+                ("corner", np.uint32, (FACES_CAP, 3)),
+                ("across", np.uint32, (FACES_CAP, 3)),
                 ("normal", np.float64, (FACES_CAP, 3)),
                 ("height", np.float64, (FACES_CAP,)),
                 ("alive", np.int64, (FACES_CAP,)),
-                ("stack", np.int64, (FACES_CAP,)),
-                ("horizon", np.int64, (FACES_CAP, 3)),
+                ("stack", np.uint32, (FACES_CAP,)),
+                ("horizon", np.uint32, (FACES_CAP, 3)),
                 ("spoke", np.int64, (POINTS_CAP,)),
                 ("depth", np.float64, (PIECES_CAP,)),
                 ("direction", np.float64, (PIECES_CAP, 3)),
@@ -90,3 +92,9 @@ def make_scratch() -> Scratch:
     """Allocate the working memory; one per thread."""
     scratch: Scratch = np.zeros(1, SCRATCH)[0]
     return scratch
+
+
+@kernel
+def number(stored: np.uint32) -> int:
+    """The number of a face or point as any other integer; that it is not negative is known to the compiler all the same."""
+    return np.int64(stored)  # type: ignore[return-value]  # to Python it is one

@@ -6,7 +6,7 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 
 from math import inf, nan
 
-from avatarsim.collide.closed_forms import closed_form
+from avatarsim.collide.closed_forms import between_points, closed_form, two_points
 from avatarsim.collide.epa import EXACT, SIGN_DOUBT, deepest_points, epa_to
 from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
@@ -25,7 +25,10 @@ def signed_distance_up_to(
 
     The gap returned is then a proved lower bound > margin along n, and both points are zero.
     """
-    known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
+    if two_points(shapes, a, b):
+        known, distance, n, on_a, on_b = between_points(vertices, shapes, a, b)
+    else:
+        known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
     status = CONVERGED
     if not known:
         wanted = margin + (shapes.radius[a] + shapes.radius[b])

@@ -10,7 +10,7 @@ from math import inf, nan, sqrt
 from avatarsim.collide.epa import SIGN_DOUBT, SMOOTH, VISIBLE, deepest_points, epa_to
 from avatarsim.collide.gjk import NOWHERE, add_support, closest_points
 from avatarsim.collide.polytope import cone_to, find_horizon
-from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch
+from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch, number
 from avatarsim.collide.smooth import least_cosine, polish, proves_itself
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.kernel import kernel
@@ -96,7 +96,7 @@ def smooth_depth(
             status = NOT_FINITE
             break
         if depth - lowest <= try_at or depth < 0.0:
-            x, y, z = scratch.corner[f, 0], scratch.corner[f, 1], scratch.corner[f, 2]
+            x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
             i_f, j_f, k_f = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
             found, better, height, p, q = polish(vertices, shapes, a, b, m, i_f, j_f, k_f)
             new = found and not already_found(better, minima, scratch)
@@ -121,8 +121,8 @@ def smooth_depth(
                 best, n, minima = depth, m, -1
             break
         points += 1
-        edges = find_horizon(f, w, VISIBLE * size, scratch)
-        whole, faces = cone_to(points - 1, edges, faces, scratch)
+        edges, marked = find_horizon(f, w, VISIBLE * size, scratch)
+        whole, faces = cone_to(points - 1, edges, marked, faces, scratch)
         if not whole:
             status = DEGENERATE
             if depth < best:

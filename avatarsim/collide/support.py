@@ -3,6 +3,7 @@ shape."""
 
 from math import sqrt
 
+from avatarsim.collide.farthest import farthest
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, row
 from avatarsim.world.shapes import POINTS, Shapes
@@ -12,19 +13,13 @@ from avatarsim.world.shapes import POINTS, Shapes
 def support(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> tuple[Vec3, int]:
     """Farthest point of the core of shape s (its radius left out) in direction d, and its row.
 
-    Points: every vertex is tried; below about 64 vertices that beats walking along edges. Ties go to the
-    lowest row. Ellipsoid with centre c and semi-axes a_i: c + sum_i a_i (a_i.d) / sqrt(sum_i (a_i.d)^2); its
-    row is that of the centre.
+    Points: see `farthest`. Ellipsoid with centre c and semi-axes a_i: c + sum_i a_i (a_i.d) / sqrt(sum_i (a_i.d)^2); its row
+    is that of the centre.
     """
-    first = shapes.start[s]
-    if shapes.kind[s] == POINTS:
-        farthest = first
-        best = dot(row(vertices, first), d)
-        for i in range(first + 1, shapes.start[s + 1]):
-            t = dot(row(vertices, i), d)
-            if t > best:
-                best, farthest = t, i
-        return row(vertices, farthest), farthest
+    first = shapes[s].start
+    if shapes[s].kind == POINTS:
+        found = farthest(vertices, first, shapes[s + 1].start, d)
+        return row(vertices, found), found
     centre, x = row(vertices, first), row(vertices, first + 1)
     y, z = row(vertices, first + 2), row(vertices, first + 3)
     dx, dy, dz = dot(x, d), dot(y, d), dot(z, d)
@@ -37,14 +32,9 @@ def support(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> tuple[Vec3, int]
 @kernel
 def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
     """Support function of the core of shape s: the largest x.d over its points x."""
-    first = shapes.start[s]
-    if shapes.kind[s] == POINTS:
-        best = dot(row(vertices, first), d)
-        for i in range(first + 1, shapes.start[s + 1]):
-            t = dot(row(vertices, i), d)
-            if t > best:
-                best = t
-        return best
+    first = shapes[s].start
+    if shapes[s].kind == POINTS:
+        return dot(row(vertices, farthest(vertices, first, shapes[s + 1].start, d)), d)
     dx = dot(row(vertices, first + 1), d)
     dy = dot(row(vertices, first + 2), d)
     dz = dot(row(vertices, first + 3), d)

@@ -85,7 +85,7 @@ def geometry(scene: Scene) -> Geometry:
         first.append(len(kinds))
     start = np.cumsum([0] + [len(block) for block in blocks])
     local = np.ascontiguousarray(np.vstack(blocks)) if blocks else np.zeros((0, 3))
-    shapes = make_shapes(kinds, start, radii, sizes, local)
+    shapes = make_shapes(kinds, start, radii, sizes)
     return Geometry(
         shapes, local, np.array(first, dtype=np.int64), np.array(owners, dtype=np.int64),
         pair_filter(scene.families, scene.skipped),

@@ -86,7 +86,7 @@ class Pairs:
         radii = np.array([radius for _, _, radius in made])
         sizes = np.array([np.ptp(points, axis=0).max() for points in blocks]) + 2.0 * radii
         n, local = len(shapes), np.vstack(blocks)
-        arrays = make_shapes([kind for kind, _, _ in made], start, radii, sizes, local)
+        arrays = make_shapes([kind for kind, _, _ in made], start, radii, sizes)
         table = Table(
             arrays, np.zeros_like(local), local, np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(n // 2), make_scratch(),
             make_pair_memory(n // 2),

@@ -39,7 +39,7 @@ from avatarsim.world.shapes import POINTS, make_shapes
 gc.disable()
 corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 vertices = np.ascontiguousarray(np.vstack([corners, corners + 0.5]))
-shapes = make_shapes([POINTS, POINTS], [0, 8, 16], [0.0, 0.0], [2.0, 2.0], vertices)
+shapes = make_shapes([POINTS, POINTS], [0, 8, 16], [0.0, 0.0], [2.0, 2.0])
 scratch, up = make_scratch(), (0.0, 0.0, 1.0)
 boxes = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [0.5, 0.5, 0.5, 2.0, 2.0, 2.0]])
 begun, worked = time.time(), time.process_time()

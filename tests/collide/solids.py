@@ -85,7 +85,7 @@ def as_arrays(*solids: Solid) -> tuple[Array, Shapes]:
     """Vertex rows and shape arrays of several solids."""
     starts = np.cumsum([0, *(len(s.rows) for s in solids)]).astype(np.int64)
     rows = np.ascontiguousarray(np.vstack([s.rows for s in solids]))
-    return rows, make_shapes([s.kind for s in solids], starts, [s.radius for s in solids], [s.size for s in solids], rows)
+    return rows, make_shapes([s.kind for s in solids], starts, [s.radius for s in solids], [s.size for s in solids])
 
 
 def ask(

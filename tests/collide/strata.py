@@ -161,7 +161,7 @@ def packed(pairs: list[tuple[Array, Form, Array, Form]], seeds: Array, labels: l
     centred = [at(form, r, -centre[k // 2]) for k, (r, form) in enumerate(zip(rows, forms, strict=True))]
     shapes = make_shapes(
         [form.code for form in forms], _starts([len(r) for r in rows]), [form.radius for form in forms],
-        [form.size for form in forms], np.vstack(centred),
+        [form.size for form in forms],
     )
     return Batch(
         np.ascontiguousarray(np.vstack(rows)),

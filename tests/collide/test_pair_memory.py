@@ -8,6 +8,7 @@ import pytest
 from avatarsim.collide.epa import epa
 from avatarsim.collide.gjk import gjk
 from avatarsim.collide.pair_memory import (
+    EDGES,
     POINTS_KEPT,
     make_pair_memory,
     recall_axis,
@@ -64,11 +65,11 @@ def test_every_single_wrong_number_in_the_surface_is_noticed():
     scratch = make_scratch()
     points, faces = (int(k) for k in memory.used[1])
     assert recall_points(vertices, shapes, 1, 2, memory[1], scratch) == points
-    for field, bound in ((memory.corner, points), (memory.twin, 3 * faces)):
+    for field, bound in ((memory.corner, points), (memory.twin, EDGES * faces)):
         for f in range(faces):
             for e in range(3):
                 good = int(field[1, f, e])
-                for wrong in {(good + 1) % bound, (good + 3) % bound, -1, bound}:
+                for wrong in {(good + 1) % bound, (good + 4) % bound, 2**16 - 1, bound}:
                     field[1, f, e] = wrong
                     assert recall_faces(points, memory[1], scratch) == 0
                 field[1, f, e] = good
@@ -88,7 +89,7 @@ def test_a_number_that_is_no_vertex_is_refused():
     vertices, shapes, _, memory, _, _ = remembered()
     for column, many in ((0, shapes.start[2] - shapes.start[1]), (1, shapes.start[3] - shapes.start[2])):
         good = int(memory.rows[1, 1, column])
-        for wrong in (-1, many, 10**6):
+        for wrong in (2**32 - 1, many, 10**6):
             memory.rows[1, 1, column] = wrong
             assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
         memory.rows[1, 1, column] = good

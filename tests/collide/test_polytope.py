@@ -23,8 +23,8 @@ def grown(points):
         above = scratch.normal[:faces] @ points[k] - scratch.height[:faces]
         above[scratch.alive[:faces] != 1] = -1.0
         if above.max() > 1e-12:
-            edges = find_horizon(int(above.argmax()), tuple(points[k]), 1e-12, scratch)
-            whole, faces = cone_to(k, edges, faces, scratch)
+            edges, marked = find_horizon(int(above.argmax()), tuple(points[k]), 1e-12, scratch)
+            whole, faces = cone_to(k, edges, marked, faces, scratch)
             assert whole
     return scratch, faces
 
@@ -64,5 +64,5 @@ def test_a_horizon_that_does_not_close_is_noticed():
     apex = (9.0, 9.0, 9.0)
     scratch.w[8] = apex
     above = scratch.normal[:faces] @ np.array(apex) - scratch.height[:faces]
-    edges = find_horizon(int(above.argmax()), apex, 1e-12, scratch)
-    assert not cone_to(8, edges - 1, faces, scratch)[0]
+    edges, marked = find_horizon(int(above.argmax()), apex, 1e-12, scratch)
+    assert not cone_to(8, edges - 1, marked, faces, scratch)[0]
