@@ -48,7 +48,7 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     settings, memory = opened_settings(o), opened_memory(o)
     if not answering:
         if coupled:
-            pull(geometry, skeleton, dt, tracker, velocities, springs)
+            pull(geometry, skeleton, dt, memory.goal.inverse_weight, tracker, velocities, springs)
         memory.counts[:] = 0
     elif memory.rows.size[COUNT] == 0:
         return

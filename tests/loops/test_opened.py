@@ -42,7 +42,7 @@ class Plain:
         """One frame."""
         target = posture_of(self.skel, self.world.hinges, sample)
         if self.coupled:
-            pull(self.geo, self.skel, dt, target, self.velocities, self.springs)
+            pull(self.geo, self.skel, dt, self.lower.goal.inverse_weight, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
         follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
