@@ -138,7 +138,7 @@ def advance(
         if contacts.used[0] > 0:
             spent = impacts(poses, velocities, memory, events, elapsed, switches)
             status = spent if spent != DONE else status
-            wait(velocities, memory)
+            wait(velocities, memory, left)
         h = segment(dynamics, velocities, memory, left)
         for b in range(bodies):
             fresh = fresh and keeps_promise(

@@ -6,36 +6,38 @@ within this frame; it stops at it, keeps its velocity and goes on in the next on
 
 from avatarsim.impact.contact_solver import sweeps
 from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, push, velocity_at, weigh
-from avatarsim.impact.impact_queue import fastest_approach, same_pair
-from avatarsim.impact.resting import SWEEPS
+from avatarsim.impact.impact_queue import same_pair
+from avatarsim.impact.resting import STAND_OFF, SWEEPS
 from avatarsim.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
-
-NEGLIGIBLE = 1e-10
-"""Approach [m/s] for which nobody waits; a frame of it is a picometre."""
 
 MOST_ELASTIC = 2.0
 """1 + e of eq. 9 at e = 1: against the heaviest body a mass m that is met at v takes 2 m v, and never more."""
 
 
 @kernel
-def wait(velocities: Velocities, memory: Memory) -> None:
-    """Take from simulated bodies the velocity with which they would enter driven ones that recede; it is owed to them."""
+def wait(velocities: Velocities, memory: Memory, left: float) -> None:
+    """Take from simulated bodies the velocity with which they would enter driven ones in ``left`` seconds; it is owed to them.
+
+    The stand-off of the driven body is there to be used: who would only come nearer goes on.
+    """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 1
-    _, fastest = fastest_approach(contacts, v, w)
-    if fastest >= -NEGLIGIBLE:
+    bodies, count, enters = memory.moving.shape[0], contacts.used[0], False
+    for k in range(count):
+        contacts.target[k] = 0.0
+        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
+        if contacts.driven[k] != NOT_DRIVEN:
+            contacts.target[k] = -max(0.0, 0.5 * contacts.gap[k] - STAND_OFF) / left
+            enters = enters or dot(axis(contacts, k, 0), velocity_at(contacts, k, v, w)) < contacts.target[k]
+    if not enters:
         return
-    bodies, count = memory.moving.shape[0], contacts.used[0]
     for b in range(bodies):
         put_row(memory.linear_end, b, row(v, b))
         put_row(memory.angular_end, b, row(w, b))
     weigh(contacts, memory.hold)
-    for k in range(count):
-        contacts.target[k] = 0.0
-        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     sweeps(contacts, memory.hold, 0, count, v, w, 1e-12, SWEEPS, False, memory.before, memory.direction)
     for b in range(bodies):
         put_row(memory.owed_linear, b, sub(row(memory.linear_end, b), row(v, b)))
