@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
+from avatarsim.loops.pressing import press
 from avatarsim.loops.recoil import recoil
 from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.workspace import Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
-from avatarsim.spatial.vec3 import Vec3, add, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
@@ -37,14 +39,15 @@ AT_REST = 1e-9
 class Springs(NamedTuple):
     """The springs of all links of a world.
 
-    offset, rate (nl, 3) against the tracker [m], [m/s]; mass (nl) [kg]; still (nd) no step, axes (nd, 3) of the tracker's
-    posture, way (nd) the step by which its joints yield;
+    offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press` added [m/s];
+    mass (nl) [kg]; still (nd) no step; axes (nd, 3) of the tracker's posture, way (nd) the step by which its joints yield;
     one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1).
     """
 
     settings: CouplingSettings
     offset: Array
     rate: Array
+    pressed: Array
     mass: Array
     still: Array
     axes: Array
@@ -113,11 +116,17 @@ def root_of(skel: Skeleton, link: int) -> int:
 
 
 @kernel
-def give(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) -> None:
-    """Impulses (nb, 3) [N s] change the velocity of the coupled mass that took them: the link's own, as in eq. 9."""
+def give(skel: Skeleton, received: Array, inverse_mass: Array, pressed: Array, rate_out: Array) -> None:
+    """Impulses (nb, 3) [N s] change the velocity of the coupled mass that took them: the link's own, as in eq. 9.
+
+    A link that pressed and met nobody has not moved: what pressing gave it, it loses.
+    """
     for link in range(skel.kind.shape[0]):
-        b = skel.first + link
-        put_row(rate_out, link, add(row(rate_out, link), scale(row(received, b), inverse_mass[b])))
+        j, b = row(received, skel.first + link), skel.first + link
+        if dot(j, j) == 0.0:
+            put_row(rate_out, link, sub(row(rate_out, link), row(pressed, link)))
+        else:
+            put_row(rate_out, link, add(row(rate_out, link), scale(j, inverse_mass[b])))
 
 
 @kernel
@@ -132,23 +141,28 @@ def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out
 
 @kernel
 def pull(
-    geo: Geometry, skel: Skeleton, dt: float, inverse_weight: Array, target_out: Posture, velocities_out: Velocities,
-    springs_out: Springs,
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, memory: Memory, dt: float, target_out: Posture,
+    velocities_out: Velocities, springs_out: Springs,
 ) -> None:
     """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies.
 
-    inverse_weight (nd): the metric in which joints yield.
+    shown: poses at the end of the last frame; memory: of the posture solver, which knows what held them there.
     """
-    springs_out.turn[0] = 1 - springs_out.turn[0]
-    if springs_out.turn[0] == 1:
-        before, now = springs_out.one, springs_out.other
+    s = springs_out
+    s.turn[0] = 1 - s.turn[0]
+    if s.turn[0] == 1:
+        before, now = s.one, s.other
     else:
-        before, now = springs_out.other, springs_out.one
-    forward(geo, skel, target_out, springs_out.still, now, springs_out.axes)
-    relax(skel, springs_out.mass, springs_out.settings, dt, springs_out.offset, springs_out.rate, target_out.root)
-    if recoil(skel, target_out, now, springs_out.axes, springs_out.offset, inverse_weight, springs_out.way):
-        take(skel, target_out, springs_out.way)
-    tracked_velocities(skel, before, now, springs_out.rate, dt, velocities_out)
+        before, now = s.other, s.one
+    forward(geo, skel, target_out, s.still, now, s.axes)
+    # with the offsets of the last frame, which the shown poses belong to
+    press(geo, skel, dynamics, memory, shown, before, s.offset, s.mass, s.settings, dt, s.pressed)
+    relax(skel, s.mass, s.settings, dt, s.offset, s.rate, target_out.root)
+    for link in range(skel.kind.shape[0]):
+        put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
+    if recoil(skel, target_out, now, s.axes, s.offset, memory.goal.inverse_weight, s.way):
+        take(skel, target_out, s.way)
+    tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
 
 
 def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: CouplingSettings) -> Springs:
@@ -156,6 +170,6 @@ def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: Cou
     links, degrees = len(skel.kind), int(skel.first_dof[-1])
     one, other = (Poses(*(array.copy() for array in poses)) for _ in range(2))
     return Springs(
-        settings, np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :], np.zeros(degrees),
-        np.zeros((degrees, 3)), np.zeros(degrees), one, other, np.zeros(1, dtype=np.int64),
+        settings, np.zeros((links, 3)), np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :],
+        np.zeros(degrees), np.zeros((degrees, 3)), np.zeros(degrees), one, other, np.zeros(1, dtype=np.int64),
     )
