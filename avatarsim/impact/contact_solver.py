@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 FIRST_TRY = 25
 """Double sweeps before normals are solved alone. Single bodies and sliding boxes end within them."""
 
-PATIENCE = 50
+PATIENCE = 150
 """Double sweeps in which the best residual must halve. Four corners of a face carry a load in many ways; when rounding alone
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
