@@ -44,7 +44,8 @@ METRICS: dict[str, tuple[str, str]] = {
     "still_frames": ("%", "frames in which the tracker moves more than 1 mm and nothing shown of the avatar moves"),
     "pose_jump_max": ("deg", "largest change of a joint from frame to frame beyond the tracker's own largest"),
     "root_jump_max": ("m", "largest way of a free root from frame to frame beyond the tracker's own"),
-    "energy_added_max": ("J", "largest gain of kinetic energy of a frame that gravity does not explain, no driven link near"),
+    "energy_added_max": ("J", "largest gain of kinetic energy that nothing explains: of a frame with no driven link near, of an "
+                         "impact, links included"),
     "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),
     "not_finite_frames": ("frames", "states shown in which something is nan or infinite"),
     "frame_time_p50": ("us", "median time of a rendered frame, engine only, least of all repeats"),

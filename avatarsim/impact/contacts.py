@@ -32,7 +32,8 @@ class Contacts(NamedTuple):
     ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg];
     target (cap) least normal velocity asked for [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction has nothing to do [m/s];
-    impulse (cap, 3) along the rows of frame [N s].
+    impulse (cap, 3) along the rows of frame [N s];
+    standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`.
     """
 
     used: Index
@@ -51,6 +52,7 @@ class Contacts(NamedTuple):
     target: Array
     slide: Array
     impulse: Array
+    standing: Index
 
 
 def make_contacts(cap: int = ROOM) -> Contacts:
@@ -60,7 +62,7 @@ def make_contacts(cap: int = ROOM) -> Contacts:
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
         frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
         gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
-        target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)),
+        target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
     )
 
 
@@ -121,14 +123,14 @@ def response(contacts: Contacts, masses: Masses, k: int, j: Vec3) -> Vec3:
 def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
     """v_ab [m/s] at contact k.
 
-    A driven body that recedes counts as standing still along the normal: its pose does not change before the next frame,
-    and whoever followed it would end up inside it.
+    For equations 7 to 10 it is the true one. For paths (``standing``) a driven body that recedes counts as standing still along
+    the normal: its pose does not change before the next frame, and whoever followed it would end up inside it.
     """
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     on_a = point_velocity(row(linear, a), row(angular, a), row(contacts.arm_a, k))
     on_b = point_velocity(row(linear, b), row(angular, b), row(contacts.arm_b, k))
     driven = contacts.driven[k]
-    if driven != NOT_DRIVEN:
+    if driven != NOT_DRIVEN and contacts.standing[0] == 1:
         n = axis(contacts, k, 0)
         if driven == DRIVEN_A:
             on_a = along(on_a, -max(0.0, dot(n, on_a)), n)

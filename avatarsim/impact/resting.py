@@ -1,6 +1,6 @@
 """Contact forces that are constant over a stretch of time: what holds, slows and stops bodies that stay in touch."""
 
-from math import inf
+from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,32 +105,32 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
 def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array) -> float:
     """Time <= h at which the first slip ends.
 
-    Summed over the points of a manifold, because how they share the friction is not unique: less friction than sliding gives
-    means that the slip ended at that part of h; a slip that reversed went through zero on the way.
+    Summed over the points of a manifold that slip at the start, because how they share the friction is not unique: less
+    friction than sliding gives means that the slip ended at that part of h; a slip that reversed went through zero on the way.
+    It is the strengths that are summed. Under a box that spins the frictions point all around and cancel, and yet nothing sticks.
     """
     soonest = h
     count, start = contacts.used[0], 0
     while start < count:
-        end, limit, pull, touching = start, 0.0, (0.0, 0.0, 0.0), -1
+        end, limit, pull, touching = start, 0.0, 0.0, -1
         while end < count and contacts.key[end] // 8 == contacts.key[start] // 8:
             if contacts.impulse[end, 0] > 0.0:
-                limit += contacts.friction[end] * contacts.impulse[end, 0]
-                pull = along(pull, contacts.impulse[end, 1], axis(contacts, end, 1))
-                pull = along(pull, contacts.impulse[end, 2], axis(contacts, end, 2))
-                touching = end
+                u0 = tangential_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
+                if norm(u0) * h > SLIPPED:
+                    limit += contacts.friction[end] * contacts.impulse[end, 0]
+                    pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
+                    touching = end
             end += 1
         if limit > 0.0:
             n = axis(contacts, touching, 0)
             u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
-            slip = norm(u0)
-            if slip * h > SLIPPED:
-                share = norm(pull) / limit
-                u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
-                u1 = tangential_velocity(n, u1)
-                if share < 1.0 - 1e-7:
-                    soonest = min(soonest, h * share)
-                elif dot(u0, u1) < 0.0:
-                    soonest = min(soonest, h * slip / (slip + norm(u1)))
+            slip, share = norm(u0), pull / limit
+            u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
+            u1 = tangential_velocity(n, u1)
+            if share < 1.0 - 1e-7:
+                soonest = min(soonest, h * share)
+            elif dot(u0, u1) < 0.0:
+                soonest = min(soonest, h * slip / (slip + norm(u1)))
         start = end
     return soonest
 

@@ -44,13 +44,13 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     coupled, springs = yes(o), refer(opened_springs(o))
     if answering:
         if coupled:
-            give(skeleton, received, dynamics.inverse_mass, springs.rate)
+            give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
         if not moving.any():
             return
     settings, memory = refer(opened_settings(o)), refer(opened_memory(o))
     if not answering:
         if coupled:
-            pull(geometry, skeleton, dt, tracker, velocities, springs)
+            pull(geometry, skeleton, dynamics, poses, memory, dt, tracker, velocities, springs)
         memory.counts[:] = 0
     elif memory.rows.size[COUNT] == 0:
         return

@@ -1,7 +1,8 @@
-"""Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven body and its tracker.
+"""Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven link and its tracker.
 
-In free motion there is no offset and no lag. A collision changes the velocity of the driven body's coupled mass; the
-spring brings it back, by the exact solution for any frame time.
+In free motion there is no offset and no lag. A collision changes the velocity of the coupled mass of the link that was hit, of
+no other; the spring between it and the tracker brings it back, by the exact solution for any frame time. Offsets of free roots
+displace the whole avatar, those of other links bend the joints that hold them (`recoil.py`).
 """
 
 from typing import NamedTuple
@@ -11,10 +12,13 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
-from avatarsim.posture.kinematics import forward
+from avatarsim.loops.pressing import press
+from avatarsim.loops.recoil import recoil
+from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.workspace import Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
-from avatarsim.spatial.vec3 import Vec3, add, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
@@ -33,18 +37,21 @@ AT_REST = 1e-9
 
 
 class Springs(NamedTuple):
-    """The springs of all avatars of a world.
+    """The springs of all links of a world.
 
-    offset, rate (nl, 3) of the roots [m], [m/s]; mass (nl) [kg]; still (nd) no step, axes (nd, 3) of no further use;
+    offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press` added [m/s];
+    mass (nl) [kg]; still (nd) no step; axes (nd, 3) of the tracker's posture, way (nd) the step by which its joints yield;
     one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1).
     """
 
     settings: CouplingSettings
     offset: Array
     rate: Array
+    pressed: Array
     mass: Array
     still: Array
     axes: Array
+    way: Array
     one: Poses
     other: Poses
     turn: Index
@@ -70,13 +77,14 @@ def turn_of(before: Columns, now: Columns) -> Vec3:
 
 @kernel
 def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, rate: Array, dt: float, velocities_out: Velocities) -> None:
-    """Velocity of every link as its tracker moves it, plus that of its root against the tracker."""
+    """Velocity of every link as its tracker moves it, plus its own and that of its free root against the tracker."""
     for b in range(skel.first, now.position.shape[0]):
-        root = b - skel.first
-        while skel.parent[root] >= 0:
-            root = skel.parent[root]
+        link = b - skel.first
+        root, against = root_of(skel, link), row(rate, link)
+        if root != link and skel.kind[root] == FREE:
+            against = add(against, row(rate, root))
         way = sub(row(now.position, b), row(before.position, b))
-        put_row(velocities_out.linear, b, add(limited(scale(way, 1.0 / dt), TOP_SPEED), row(rate, root)))
+        put_row(velocities_out.linear, b, add(limited(scale(way, 1.0 / dt), TOP_SPEED), against))
         turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
         put_row(velocities_out.angular, b, limited(scale(turn, 1.0 / dt), TOP_SPIN))
 
@@ -85,42 +93,76 @@ def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, rate: Array, d
 def relax(
     skel: Skeleton, mass: Array, settings: CouplingSettings, dt: float, offset_out: Array, rate_out: Array, root_out: Array
 ) -> None:
-    """Eq. 6 over dt for the offset of every free root, which then displaces its target."""
+    """Eq. 6 over dt for the offset of every link; that of a free root then displaces its target."""
     for link in range(skel.kind.shape[0]):
         x, v = row(offset_out, link), row(rate_out, link)
-        if skel.kind[link] != FREE or (norm(x) == 0.0 and norm(v) == 0.0):
+        if norm(x) == 0.0 and norm(v) == 0.0:
             continue
         x, v = coupled(mass[link], settings.spring, settings.damping, x, v, dt)
         if norm(x) < AT_REST and norm(v) < AT_REST:
             x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         put_row(offset_out, link, x)
         put_row(rate_out, link, v)
-        put_row(root_out, link, add(row(root_out, link), x))
+        if skel.kind[link] == FREE:
+            put_row(root_out, link, add(row(root_out, link), x))
 
 
 @kernel
-def give(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) -> None:
-    """Impulses on links change the velocity of their root's coupled mass."""
+def root_of(skel: Skeleton, link: int) -> int:
+    """The root of a link's avatar."""
+    while skel.parent[link] >= 0:
+        link = skel.parent[link]
+    return link
+
+
+@kernel
+def give(skel: Skeleton, received: Array, inverse_mass: Array, pressed: Array, rate_out: Array) -> None:
+    """Impulses (nb, 3) [N s] change the velocity of the coupled mass that took them: the link's own, as in eq. 9.
+
+    A link that pressed and met nobody has not moved: what pressing gave it, it loses.
+    """
     for link in range(skel.kind.shape[0]):
-        root = link
-        while skel.parent[root] >= 0:
-            root = skel.parent[root]
-        b = skel.first + link
-        if skel.kind[root] == FREE:
-            put_row(rate_out, root, add(row(rate_out, root), scale(row(received, b), inverse_mass[b])))
+        j, b = row(received, skel.first + link), skel.first + link
+        if dot(j, j) == 0.0:
+            put_row(rate_out, link, sub(row(rate_out, link), row(pressed, link)))
+        else:
+            put_row(rate_out, link, add(row(rate_out, link), scale(j, inverse_mass[b])))
 
 
 @kernel
-def pull(geo: Geometry, skel: Skeleton, dt: float, target_out: Posture, velocities_out: Velocities, springs_out: Springs) -> None:
-    """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies."""
-    springs_out.turn[0] = 1 - springs_out.turn[0]
-    if springs_out.turn[0] == 1:
-        before, now = springs_out.one, springs_out.other
+def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out: Array) -> None:
+    """The same where only roots have springs (method `paper`): every impulse moves the coupled mass of the root."""
+    for link in range(skel.kind.shape[0]):
+        root = root_of(skel, link)
+        if skel.kind[root] == FREE:
+            gained = scale(row(received, skel.first + link), inverse_mass[skel.first + root])
+            put_row(rate_out, root, add(row(rate_out, root), gained))
+
+
+@kernel
+def pull(
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, memory: Memory, dt: float, target_out: Posture,
+    velocities_out: Velocities, springs_out: Springs,
+) -> None:
+    """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies.
+
+    shown: poses at the end of the last frame; memory: of the posture solver, which knows what held them there.
+    """
+    s = springs_out
+    s.turn[0] = 1 - s.turn[0]
+    if s.turn[0] == 1:
+        before, now = s.one, s.other
     else:
-        before, now = springs_out.other, springs_out.one
-    forward(geo, skel, target_out, springs_out.still, now, springs_out.axes)
-    relax(skel, springs_out.mass, springs_out.settings, dt, springs_out.offset, springs_out.rate, target_out.root)
-    tracked_velocities(skel, before, now, springs_out.rate, dt, velocities_out)
+        before, now = s.other, s.one
+    forward(geo, skel, target_out, s.still, now, s.axes)
+    # with the offsets of the last frame, which the shown poses belong to
+    press(geo, skel, dynamics, memory, shown, before, s.offset, s.mass, s.settings, dt, s.pressed)
+    relax(skel, s.mass, s.settings, dt, s.offset, s.rate, target_out.root)
+    for link in range(skel.kind.shape[0]):
+        put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
+    if recoil(skel, target_out, now, s.axes, s.offset, memory.goal.inverse_weight, s.way):
+        take(skel, target_out, s.way)
+    tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
 
 
 def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: CouplingSettings) -> Springs:
@@ -128,6 +170,6 @@ def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: Cou
     links, degrees = len(skel.kind), int(skel.first_dof[-1])
     one, other = (Poses(*(array.copy() for array in poses)) for _ in range(2))
     return Springs(
-        settings, np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :], np.zeros(degrees),
-        np.zeros((degrees, 3)), one, other, np.zeros(1, dtype=np.int64),
+        settings, np.zeros((links, 3)), np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :],
+        np.zeros(degrees), np.zeros((degrees, 3)), np.zeros(degrees), one, other, np.zeros(1, dtype=np.int64),
     )

@@ -76,6 +76,6 @@ def opened_springs(o: Opening) -> Springs:
     """The next Springs."""
     settings = CouplingSettings(real(o), real(o))
     return Springs(
-        settings, vectors(o)[0], vectors(o)[0], line(o)[0], line(o)[0], vectors(o)[0], opened_poses(o), opened_poses(o),
-        index_line(o)[0],
+        settings, vectors(o)[0], vectors(o)[0], vectors(o)[0], line(o)[0], line(o)[0], vectors(o)[0], line(o)[0], opened_poses(o),
+        opened_poses(o), index_line(o)[0],
     )

@@ -35,6 +35,7 @@ def opened_contacts(o: Opening) -> Contacts:
     return Contacts(
         index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], matrices(o)[0], vectors(o)[0],
         vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], line(o)[0], grid(o)[0], vectors(o)[0],
+        index_line(o)[0],
     )
 
 
@@ -65,6 +66,7 @@ def opened_memory(o: Opening) -> Memory:
         Series(vectors(o)[0], vectors(o)[0], grid(o)[0]), opened_contacts(o), opened_manifold(o), opened_scratch(o),
         vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], opened_filter(o), opened_sweep(o),
         index_grid(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
+        vectors(o)[0], vectors(o)[0], index_line(o)[0],
     )
 
 

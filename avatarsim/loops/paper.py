@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.loops.coupling import give, tracked_velocities
+from avatarsim.loops.coupling import give_to_roots, tracked_velocities
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
@@ -40,7 +40,7 @@ class PaperLoop:
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
-        give(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
+        give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def counts(self) -> dict[str, int]:
         """Work done in the last frame."""

@@ -33,6 +33,7 @@ def impacts(poses: Poses, velocities: Velocities, memory: Memory, events: Events
     Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
+    contacts.standing[0] = 0
     status, resolved = DONE, 0
     head, fastest = fastest_approach(contacts, v, w)
     if head < 0 or fastest >= -SETTLED:
@@ -59,8 +60,8 @@ def impacts(poses: Poses, velocities: Velocities, memory: Memory, events: Events
         head, fastest = fastest_approach(contacts, v, w)
     memory.counts[IMPACTS] += resolved
     if fastest < -SETTLED:
-        weigh(contacts, memory.hold)
-        settle(contacts, memory.hold, 1e-12, SWEEPS, v, w, memory.before, memory.direction, memory.received)
+        # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
+        settle(contacts, memory.strike, 1e-12, SWEEPS, v, w, memory.before, memory.direction, memory.received)
     return status
 
 
@@ -70,6 +71,7 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, left: fl
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
     held[:] = 0
+    contacts.standing[0] = 1
     if count > 0:
         for k in range(count):
             for i in range(2):

@@ -7,7 +7,6 @@ impact.
 
 from avatarsim.impact.energy import held_energy, take_back
 from avatarsim.impact.events import Events
-from avatarsim.impact.impact_queue import collect
 from avatarsim.impact.masses import to_world
 from avatarsim.kernel import kernel
 from avatarsim.loops.responding import impacts, segment
@@ -27,6 +26,7 @@ from avatarsim.loops.upper_memory import (
     Memory,
     Switches,
 )
+from avatarsim.loops.waiting import go_on, hand_over, wait
 from avatarsim.loops.waking import begin, sweep_pairs
 from avatarsim.motion.near import keeps_promise
 from avatarsim.motion.path import HELD, STILL, move_along
@@ -118,6 +118,7 @@ def advance(
         if not (left > 1e-14 * dt):
             break
         memory.counts[SEGMENTS] += 1
+        go_on(velocities, memory)
         if not fresh:
             found, pair_count = sweep_pairs(dynamics, poses, velocities, memory, left)
             status = found if found != DONE else status
@@ -137,6 +138,7 @@ def advance(
         if contacts.used[0] > 0:
             spent = impacts(poses, velocities, memory, events, elapsed, switches)
             status = spent if spent != DONE else status
+            wait(velocities, memory, left)
         h = segment(dynamics, velocities, memory, left)
         for b in range(bodies):
             fresh = fresh and keeps_promise(
@@ -159,8 +161,9 @@ def advance(
             # the forces lasted only for t of the h seconds they were solved for
             for i in range(3):
                 contacts.impulse[k, i] *= t / h
-        collect(contacts, 0, contacts.used[0], memory.received)
+        hand_over(dynamics, velocities, memory)
         audit(dynamics, poses, velocities, memory, kinetic + potential)
+    go_on(velocities, memory)
     for b in range(bodies):
         if switches.sleeping and memory.moving[b] == 1 and memory.held[b] == 1 and memory.paths.kind[b] == STILL:
             memory.asleep[b] = 1

@@ -60,7 +60,8 @@ class Memory(NamedTuple):
     """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
 
     strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
-    the centre of mass. trial: poses used while looking for impacts; between frames they are those last seen.
+    the centre of mass. trial: poses used while looking for impacts; between frames they are those last seen. owed_linear,
+    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`.
     """
 
     received: Array
@@ -94,6 +95,9 @@ class Memory(NamedTuple):
     last_force: Array
     last_count: Index
     counts: Index
+    owed_linear: Array
+    owed_angular: Array
+    owing: Index
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -133,5 +137,5 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last_key=np.zeros(ROOM, np.int64), last_force=np.zeros((ROOM, 3)), last_count=np.zeros(1, np.int64),
-        counts=np.zeros(10, np.int64),
+        counts=np.zeros(10, np.int64), owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
     )

@@ -18,6 +18,9 @@ def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velo
     moving, asleep, trial = memory.moving, memory.asleep, memory.trial
     memory.counts[:] = 0
     memory.received[:, :] = 0.0
+    memory.owed_linear[:, :] = 0.0
+    memory.owed_angular[:, :] = 0.0
+    memory.owing[0] = 0
     bodies = moving.shape[0]
     for b in range(bodies):
         sleeps = sleeping and asleep[b] == 1 and stands(velocities.linear, velocities.angular, b)

@@ -9,7 +9,7 @@ from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
 from scenarios.measure.timeline import timeline
 from scenarios.measure.value import Missing, Values
-from scenarios.record import Recording
+from scenarios.record import EVENTS, Recording
 
 Array = NDArray[np.float64]
 
@@ -61,9 +61,29 @@ def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[n
     return np.asarray(away[:-1] & away[1:])
 
 
+def struck(recording: Recording, scene: Scene, bodies: list[int]) -> Array:
+    """(I,) kinetic energy [J] gained by simulated bodies and driven links together at each impact recorded inside a frame.
+
+    A link counts with its coupled mass, which is what the body feels. At an instant neither gravity nor a user does work, so this
+    sees what `undriven` must leave out: a link that comes out of an impact faster than the body could make it."""
+    before = np.flatnonzero(recording.inside_event[:-1] == EVENTS.index("approach"))
+    before = before[recording.inside_event[before + 1] == EVENTS.index("impact")]
+    masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
+    mass, inertia = np.array([m.mass for m in masses]), np.array([m.inertia for m in masses])
+    owned = [(avatar.coupled_mass, link.mass.mass) for avatar in scene.avatars for link in avatar.links]
+    coupled = np.array([own if stated is None else stated for stated, own in owned])
+    links = recording.inside_velocities[:, recording.links]
+    moving = kinetic(
+        mass, inertia, recording.inside_orientations[:, bodies], recording.inside_velocities[:, bodies],
+        recording.inside_angular_velocities[:, bodies],
+    ).sum(axis=1) + 0.5 * np.sum(coupled * np.sum(links**2, axis=-1), axis=1)
+    return np.asarray(moving[before + 1] - moving[before])
+
+
 def energy(recording: Recording, scene: Scene) -> Values:
     """energy_added_max and lift_energy_max [J]: per frame the kinetic energy gained by all simulated bodies beyond gravity's work
-    (over the way without lift), and the potential energy of that lift. Empty without simulated bodies."""
+    (over the way without lift), per impact what they and the links gain, and the potential energy of that lift. Empty without
+    simulated bodies."""
     bodies = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
     masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
     if not bodies or recording.frames == 0:
@@ -84,8 +104,9 @@ def energy(recording: Recording, scene: Scene) -> Values:
     np.add.at(lifted, line.frame[1:], (strength * mass * lift).sum(axis=1))
     chosen = undriven(recording, scene, bodies)
     none = Missing("a driven link is within reach of a simulated body in every frame", "scene")
+    added = np.concatenate([(gained - explained[1:])[chosen], struck(recording, scene, bodies)])
     return {
-        "energy_added_max": max(0.0, _largest((gained - explained[1:])[chosen])) if chosen.any() else none,
+        "energy_added_max": max(0.0, _largest(added)) if added.size else none,
         "lift_energy_max": _largest(lifted[1:]),
     }
 

@@ -42,12 +42,12 @@ class Plain:
         """One frame."""
         target = posture_of(self.skel, self.world.hinges, sample)
         if self.coupled:
-            pull(self.geo, self.skel, dt, target, self.velocities, self.springs)
+            pull(self.geo, self.skel, self.dyn, self.poses, self.lower, dt, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
         follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
         if self.coupled:
-            give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.rate)
+            give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.pressed, self.springs.rate)
             if self.upper.moving.any() and self.lower.rows.size[COUNT] > 0:
                 follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
 

@@ -3,10 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from avatarsim.scene.scene import Scene
 from scenarios.measure.energy import energy, kinetic
 from scenarios.measure.value import Missing
-from scenarios.record import Recording
-from tests.scenarios.examples import RADIUS, drop_scene, fist_scene, resting
+from scenarios.record import EVENTS, Recording
+from tests.scenarios.examples import DT, RADIUS, drop_scene, fist_scene, resting
 
 G, MASS = 9.81, 2.0
 
@@ -82,3 +83,34 @@ def test_frames_with_a_driven_link_in_reach_explain_themselves() -> None:
 
 def test_no_simulated_body_no_energy() -> None:
     assert energy(resting(fist_scene(), 3), fist_scene()) == {}
+
+
+def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
+    """A ball of 2 kg at 3 m/s meets a fist of 1 kg at rest and stops; the fist then has a given speed."""
+    scene = replace(drop_scene(), avatars=(fist_scene().avatars[0],))
+    recording = resting(scene, 3)
+    velocities, states = np.zeros((2, 3, 3)), np.zeros((2, 3, 4))
+    velocities[0, 1, 0], velocities[1, 2, 0] = 3.0, fist_after
+    states[:, :, 0] = 1.0
+    return replace(
+        recording, inside_time=np.full(2, DT), inside_frame=np.ones(2, dtype=np.int64),
+        inside_event=np.array([EVENTS.index("approach"), EVENTS.index("impact")]), inside_positions=np.zeros((2, 3, 3)),
+        inside_orientations=states, inside_velocities=velocities, inside_angular_velocities=np.zeros((2, 3, 3)),
+    ), scene
+
+
+def test_an_impact_that_throws_a_link_is_seen_although_the_link_is_near() -> None:
+    """9 J go in; a fist of 1 kg that leaves at 18 m/s has 162 J."""
+    recording, scene = struck_fist(18.0)
+    assert energy(recording, scene)["energy_added_max"] == pytest.approx(153.0)
+
+
+def test_a_link_that_takes_no_more_than_the_body_loses_adds_nothing() -> None:
+    recording, scene = struck_fist(4.0)
+    assert energy(recording, scene)["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_coupled_mass_that_is_stated_counts() -> None:
+    recording, scene = struck_fist(4.0)
+    heavy = replace(scene, avatars=(replace(scene.avatars[0], coupled_mass=10.0),))
+    assert energy(recording, heavy)["energy_added_max"] == pytest.approx(71.0)

@@ -1,0 +1,56 @@
+"""Who is held back by a simulated body presses on it: the spring of eq. 6 between where a link is and where it wants to be.
+
+The lower loop lets no link into anything: one that a body holds lags behind the place that tracker and impulses gave it. Over
+a frame the spring turns this lag into velocity; the impact of the upper loop turns the velocity into an impulse. A lag that
+something fixed causes presses on nobody, and nothing is remembered of any lag: the way free, the link is back at once.
+"""
+
+from avatarsim.impact.coupling import coupled
+from avatarsim.kernel import kernel
+from avatarsim.loops.recoil import middle
+from avatarsim.loops.touching import SIMULATED
+from avatarsim.posture.certificate import axis_of
+from avatarsim.posture.workspace import COUNT, Memory
+from avatarsim.settings import CouplingSettings
+from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, put_row, row, scale, sub
+from avatarsim.world.dynamics import Array, Dynamics
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import FREE, Skeleton
+
+
+@kernel
+def lag(skel: Skeleton, shown: Poses, tracked: Poses, offset: Rows, link: int) -> Vec3:
+    """How far a link is shown from where its tracker and the offsets of eq. 6 put it [m]."""
+    b, root = skel.first + link, link
+    while skel.parent[root] >= 0:
+        root = skel.parent[root]
+    wanted = add(middle(tracked, b), row(offset, link))
+    if root != link and skel.kind[root] == FREE:
+        wanted = add(wanted, row(offset, root))
+    return sub(middle(shown, b), wanted)
+
+
+@kernel
+def press(
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, memory: Memory, shown: Poses, tracked: Poses, offset: Rows, mass: Array,
+    settings: CouplingSettings, dt: float, pressed_out: Rows,
+) -> None:
+    """Velocities pressed (nl, 3) [m/s] that links gain in dt against the simulated bodies that held them last.
+
+    A link that several bodies hold presses on the one that holds it back most.
+    """
+    pressed_out[:, :] = 0.0
+    rows, first = memory.rows, geo.first_shape[skel.first]
+    for k in range(rows.size[COUNT]):
+        if rows.pair[k, 0] < 0 or not (rows.multiplier[k] > 0.0):
+            continue
+        a, b = rows.pair[k, 0], rows.pair[k, 1]
+        if dynamics.role[geo.body[b]] != SIMULATED:
+            continue
+        link, n = geo.body[a] - skel.first, axis_of(memory, a - first, b)
+        held = dot(lag(skel, shown, tracked, offset, link), n)
+        if held > 0.0:
+            _, gained = coupled(mass[link], settings.spring, settings.damping, scale(n, held), (0.0, 0.0, 0.0), dt)
+            before = row(pressed_out, link)
+            if dot(gained, gained) > dot(before, before):
+                put_row(pressed_out, link, gained)
