@@ -10,6 +10,8 @@ import vl_convert
 # The Vega-Lite that altair 6 writes for; the converter carries several.
 VEGA_LITE = "6.4"
 # One decimal of a pixel: finer cannot be seen, and path data are most of a picture's size.
+# Only inside tags: what stands between them is for readers, and "0.01 µs" is not "0 µs".
+TAG = re.compile(r"<[^>]*>")
 LONG_NUMBER = re.compile(r"-?\d+\.\d{2,}(?:e-?\d+)?")
 # Vega describes every mark for screen readers; a picture is one thing here, with one description that says what matters.
 INNER_ROLES = re.compile(r' (?:aria-[a-z]+|role|class|pointer-events|xmlns:xlink|version)="[^"]*"')
@@ -25,7 +27,7 @@ def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     svg: str = vl_convert.vegalite_to_svg(dict(spec), VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
     svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))
-    svg = LONG_NUMBER.sub(lambda found: _one_decimal(found.group()), svg)
+    svg = TAG.sub(lambda tag: LONG_NUMBER.sub(lambda found: _one_decimal(found.group()), tag.group()), svg)
     svg = svg.replace('id="', f'id="{name}-').replace("url(#", f"url(#{name}-")
     svg = STRAIGHT.sub(lambda found: _short(found.group()), svg)
     return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(label, quote=True)}" ', 1)

@@ -7,7 +7,7 @@ MISSING = "—"
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 # Below this [m] a length is rounding error of float64 at the size of a room, and its digits say nothing.
 LEAST_LENGTH = 1e-12
-TIMES = ((1e6, "s"), (1e3, "ms"), (1.0, "µs"))
+TIMES = ((1e6, "s"), (1e3, "ms"), (1.0, "µs"), (1e-3, "ns"))
 UNITS = {"deg": "°", "us": "µs"}
 
 

@@ -9,7 +9,20 @@ from math import frexp
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.sweep_memory import AT, BEHIND, BEYOND, KEY, LEVEL, LEVELS, LOWEST, NOWHERE, ON_LEVEL, SweepMemory
+from avatarsim.collide.sweep_memory import (
+    AT,
+    BEHIND,
+    BEYOND,
+    HIGHEST_USED,
+    KEY,
+    LEVEL,
+    LEVELS,
+    LOWEST,
+    LOWEST_USED,
+    NOWHERE,
+    ON_LEVEL,
+    SweepMemory,
+)
 from avatarsim.kernel import kernel
 
 Boxes = NDArray[np.float64]
@@ -69,18 +82,18 @@ def place_of(key: int, table: int) -> int:
 def unlink(memory: SweepMemory, b: int) -> None:
     """Take body b out of its cell, if it is in one."""
     body, head = memory.body, memory.head
-    level = body[b, LEVEL]
+    level = body[LEVEL, b]
     if level == NOWHERE:
         return
-    after, before = body[b, BEHIND], body[b, AT]
+    after, before = body[BEHIND, b], body[AT, b]
     if before >= 0:
-        body[before, BEHIND] = after
+        body[BEHIND, before] = after
     else:
         head[-1 - before] = after
     if after >= 0:
-        body[after, AT] = before
+        body[AT, after] = before
     memory.used[ON_LEVEL + level] -= 1
-    body[b, LEVEL] = NOWHERE
+    body[LEVEL, b] = NOWHERE
 
 
 @kernel
@@ -93,12 +106,14 @@ def link(memory: SweepMemory, b: int) -> None:
     if level != BEYOND:
         key = key_of(half_cell(fat[b, 0], level) >> 1, half_cell(fat[b, 1], level) >> 1, half_cell(fat[b, 2], level) >> 1, level)
         place = place_of(key, table)
-    if level == body[b, LEVEL] and key == body[b, KEY]:
+    if level == body[LEVEL, b] and key == body[KEY, b]:
         return
     unlink(memory, b)
     first = head[place]
-    body[b, LEVEL], body[b, KEY], body[b, BEHIND], body[b, AT] = level, key, first, -1 - place
+    body[LEVEL, b], body[KEY, b], body[BEHIND, b], body[AT, b] = level, key, first, -1 - place
     if first >= 0:
-        body[first, AT] = b
+        body[AT, first] = b
     head[place] = b
     memory.used[ON_LEVEL + level] += 1
+    memory.used[LOWEST_USED] = min(memory.used[LOWEST_USED], level)
+    memory.used[HIGHEST_USED] = max(memory.used[HIGHEST_USED], level)

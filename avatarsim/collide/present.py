@@ -17,16 +17,16 @@ def forget(memory: SweepMemory, b: int) -> None:
 @kernel
 def insert(memory: SweepMemory, b: int) -> None:
     """From the next sweep on place b holds a body; nothing happens if it does already."""
-    if memory.body[b, PRESENT] == 0:
-        memory.body[b, PRESENT] = 1
+    if memory.body[PRESENT, b] == 0:
+        memory.body[PRESENT, b] = 1
         forget(memory, b)
 
 
 @kernel
 def remove(memory: SweepMemory, b: int) -> None:
     """From the next sweep on place b holds nobody and its box is not read; nothing happens if it does not already."""
-    if memory.body[b, PRESENT] == 1:
+    if memory.body[PRESENT, b] == 1:
         unlink(memory, b)
-        memory.body[b, PRESENT], memory.known[b] = 0, False
+        memory.body[PRESENT, b], memory.known[b] = 0, False
         memory.used[STALE] = 1
         forget(memory, b)

@@ -11,7 +11,7 @@ from avatarsim.collide.cell_search import FEW, boxes_meet, partners
 from avatarsim.collide.cells import FARTHEST, Boxes, link
 from avatarsim.collide.present import forget
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.collide.sweep_memory import BORN, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
+from avatarsim.collide.sweep_memory import BORN, CALM, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
 from avatarsim.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
@@ -21,12 +21,23 @@ STAY = 128.0
 """Fat boxes have room for so many sweeps of a body's own pace, and up to twice that, by its number: else a crowd that sets out
 together would leave its boxes together. Larger: fewer searches, but more candidates for bodies that move."""
 
+SLOW, SHARE = 2.0, 0.125
+"""So many times that for who is slow, as long as it is no more than this share of the most room that the body may have."""
+
 TIGHT, WIDE = 0.125, 64.0
-"""Limits of the room to move on one side, as parts of the box's length. It doubles when a body leaves its fat box and is LONELY
+"""Limits of the room to move on one side, as parts of what the box measures that way: so it takes the same share of candidates
+more on any side, for slabs and rods too. It doubles when a body leaves its fat box and is LONELY
 in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
+
+THIN = 1.0 / 64.0
+"""A box counts as no thinner than this part of its length. 0: a moving one without thickness is searched for in every sweep."""
 
 LONELY, CROWD = 1, 4
 """Candidates found for a body: up to the one there is room to spare, from above the other on there is too much."""
+
+PATIENCE = 1024
+"""Sweeps for which nobody gets more room to move, once candidates had no room. Fewer: a crowd that moves fast takes more room and
+gives it up again and again, and each time everybody is searched for twice."""
 
 BACKWARD = 0.25
 """The room to move backward, as a part of that forward. Smaller: trembling bodies leave their boxes again and again."""
@@ -52,11 +63,11 @@ def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
     """
     count = 0
     for b in range(boxes.shape[0]):
-        if not holds(fat, boxes, b) and body_out[b, PRESENT] == 1:
+        if not holds(fat, boxes, b) and body_out[PRESENT, b] == 1:
             for k in range(6):
                 if not (abs(boxes[b, k]) < inf):
                     return -1
-            body_out[count, LISTED] = b
+            body_out[LISTED, count] = b
             count += 1
     return count
 
@@ -65,23 +76,24 @@ def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
 def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
     """Give body b a fat box with room for its pace so far, above all ahead; a new one has none, as it may be at rest."""
     fat, lead = memory.fat, memory.lead
-    sweeps = memory.used[SWEEP] - memory.body[b, BORN]
-    memory.body[b, BORN] = memory.used[SWEEP]
+    sweeps = memory.used[SWEEP] - memory.body[BORN, b]
+    memory.body[BORN, b] = memory.used[SWEEP]
     length, far = 0.0, 0.0
     for k in range(3):
         low, high = boxes[b, k], boxes[b, k + 3]
         length, far = max(length, high - low), max(far, abs(low), abs(high))
-    most = lead[b, ROOM] * length if fat[b, 0] < inf and far < FARTHEST else 0.0
+    room = lead[b, ROOM] if fat[b, 0] < inf and far < FARTHEST else 0.0
     stay = STAY * (1.0 + (b * 5 % 16) / 16.0) / max(sweeps, 1)
     for k in range(3):
         low, high = boxes[b, k], boxes[b, k + 3]
-        margin = 0.0
+        margin, most = 0.0, room * max(high - low, THIN * length)
         if most > 0.0:
             # how far each face has come since the body got the box that it leaves now
             downwards = fat[b, k] - low + below(lead[b, k])
             upwards = high - fat[b, k + 3] + below(-lead[b, k])
+            ahead = stay * max(downwards, upwards)
             # half of the last lead at least: who turns round is slow for a moment only
-            margin = min(max(stay * max(downwards, upwards), 0.5 * abs(lead[b, k])), most)
+            margin = min(max(ahead, min(SLOW * ahead, SHARE * most), 0.5 * abs(lead[b, k])), most)
             margin = margin if upwards > downwards else -margin
         lead[b, k] = margin
         fat[b, k], fat[b, k + 3] = min(low, high) - below(margin), max(low, high) + below(-margin)
@@ -109,16 +121,16 @@ def drop_candidates(memory: SweepMemory) -> int:
 def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leavers: int) -> bool:
     """Bring the candidates up to date for those that left; False if there is no room for them."""
     for n in range(leavers):
-        b = memory.body[n, LISTED]
+        b = memory.body[LISTED, n]
         memory.known[b] = False
         fatten(boxes, memory, b)
         if boxes.shape[0] > FEW:
             link(memory, b)
     kept, fresh = drop_candidates(memory), 0
     for n in range(leavers):
-        b, before = memory.body[n, LISTED], fresh
+        b, before = memory.body[LISTED, n], fresh
         fresh = partners(memory.fat, wanted, memory, b, fresh)
-        if fresh - before <= LONELY:
+        if fresh - before <= LONELY and memory.used[SWEEP] >= memory.used[CALM]:
             memory.lead[b, ROOM] = min(2.0 * memory.lead[b, ROOM], WIDE)
         elif fresh - before > CROWD:
             memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
@@ -129,24 +141,25 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
         merge_ascending(memory.candidates, kept, memory.fresh, fresh)
         memory.used[CANDIDATES] = kept + fresh
     for n in range(leavers):
-        memory.known[memory.body[n, LISTED]] = True
+        memory.known[memory.body[LISTED, n]] = True
     return fits
 
 
 @kernel
 def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """All pairs without candidates, for when these have no room; the next sweep begins afresh."""
-    memory.used[CANDIDATES], found = 0, 0
+    """All pairs without candidates, for when these have no room; the next sweep begins afresh, with less room to move."""
+    memory.used[CANDIDATES], memory.used[CALM], found = 0, memory.used[SWEEP] + PATIENCE, 0
     memory.known[:] = False
     for b in range(boxes.shape[0]):
-        if memory.body[b, PRESENT] == 1:
+        if memory.body[PRESENT, b] == 1:
             found = partners(boxes, wanted, memory, b, found)
     written = min(found, memory.fresh.shape[0])
     sort_ascending(memory.fresh, written)
     for p in range(min(written, pairs_out.shape[0])):
         pairs_out[p, 0], pairs_out[p, 1] = memory.fresh[p] >> 32, memory.fresh[p] & SECOND_HALF
     for b in range(boxes.shape[0]):
-        if memory.body[b, PRESENT] == 1:
+        if memory.body[PRESENT, b] == 1:
+            memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
             forget(memory, b)
     return (CONVERGED if found <= pairs_out.shape[0] else OUT_OF_ROOM), found
 

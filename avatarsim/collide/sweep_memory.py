@@ -26,13 +26,14 @@ NOWHERE: Final = -1
 """The level of a body that is in no cell."""
 
 LEVEL, KEY, BEHIND, AT, BORN, PRESENT, LISTED = range(7)
-"""Columns of `SweepMemory.body`: level of its cell; key of its cell; the next body of its chain, -1 if none; the one before it,
-or -1 - place in the table; the sweep in which it got its fat box; 1 if it is there. The last column is a list of its own:
+"""Rows of `SweepMemory.body`: level of its cell; key of its cell; the next body of its chain, -1 if none; the one before it,
+or -1 - place in the table; the sweep in which it got its fat box; 1 if it is there. The last row is a list of its own:
 the bodies that left their fat boxes in this sweep."""
 
-CANDIDATES, SWEEP, STALE, ON_LEVEL = range(4)
-"""Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; from here on
-the number of bodies on each level."""
+CANDIDATES, SWEEP, STALE, CALM, LOWEST_USED, HIGHEST_USED, ON_LEVEL = range(7)
+"""Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; the sweep from
+which on bodies may get more room to move; the lowest and the highest level that anybody was ever on; from here on the number of
+bodies on each level."""
 
 ROOM: Final = 3
 """Column of `SweepMemory.lead`: see there."""
@@ -46,8 +47,8 @@ class SweepMemory(NamedTuple):
 
     fat          (nb, 6) lowest and highest coordinates [m]; +inf, -inf for a body that has none yet
     lead         (nb, 4) by how much the fat box is wider than the box was, along each axis [m]: on the high side if positive,
-                 else on the low one; then how much it may be, as a part of the box's length
-    body         (nb, 7) see LEVEL
+                 else on the low one; then how much it may be, as a part of the box
+    body         (7, nb) see LEVEL: one after the other in a row, as a search reads one or two of the rows for many bodies
     known        (nb) bodies that are there and whose candidates are known
     head         (2^k + 1) first body of every chain, -1 if none; the last is the chain of the BEYOND ones
     looked       (LOOKED, 2) cells that are being looked into: key, first body of the chain
@@ -70,12 +71,14 @@ class SweepMemory(NamedTuple):
 def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:
     """Fresh memory for ``count`` bodies, all there or all absent, and ``room`` candidates."""
     table = 1 << max(count - 1, 1).bit_length()
-    body = np.zeros((count, 7), np.int64)
-    body[:, LEVEL], body[:, PRESENT] = NOWHERE, int(present)
+    body = np.zeros((7, count), np.int64)
+    body[LEVEL], body[PRESENT] = NOWHERE, int(present)
     fat = np.tile([np.inf] * 3 + [-np.inf] * 3, (count, 1))
     lead = np.zeros((count, 4))
     lead[:, ROOM] = 0.5
+    used = np.zeros(ON_LEVEL + LEVELS + 1, np.int64)
+    used[LOWEST_USED] = LEVELS + 1
     return SweepMemory(
         fat, lead, body, np.zeros(count, np.bool_), np.full(table + 1, -1), np.zeros((LOOKED, 2), np.int64),
-        np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(ON_LEVEL + LEVELS + 1, np.int64),
+        np.zeros(room, np.int64), np.zeros(room, np.int64), used,
     )

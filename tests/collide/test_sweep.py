@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from avatarsim.collide.present import insert, remove
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep import all_pairs, forget, sweep_and_prune
-from avatarsim.collide.sweep_memory import make_sweep_memory
+from avatarsim.collide.sweep_memory import BORN, SWEEP, make_sweep_memory
 from avatarsim.world.pair_filter import OPEN, pair_filter
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
@@ -77,7 +77,7 @@ def test_bodies_that_keep_to_their_boxes_are_not_searched_for():
     searched = np.zeros(80, int)
     for _ in range(200):
         both(boxes, pair_filter([OPEN] * 80), memory)
-        searched += memory.body[:, 4] == memory.used[1]
+        searched += memory.body[BORN] == memory.used[SWEEP]
         boxes[:40] += 0.001
     assert (searched[40:] == 1).all()
     assert (searched[:40] >= 2).all() and (searched[:40] < 10).all()
@@ -187,3 +187,19 @@ def test_a_few_huge_boxes_among_many_small_ones():
     for b in (7, 11, 12, 100):
         forget(memory, b)
         both(boxes, wanted, memory)
+
+
+def test_a_fast_crowd_does_not_run_out_of_room_again_and_again():
+    """Boxes to and fro in lockstep, with room for a candidate each: their room to move grows until it is full, and no further."""
+    rng = np.random.default_rng(0)
+    rest = np.stack(np.meshgrid(*[np.arange(4.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + rng.uniform(-0.2, 0.2, (64, 3))
+    rest = np.hstack([rest, rest + rng.uniform(0.1, 0.3, (64, 3))])
+    way = rng.normal(size=(64, 3))
+    way *= 0.1 / np.linalg.norm(way, axis=1, keepdims=True)
+    wanted, memory, searched, without = pair_filter([OPEN] * 64), make_sweep_memory(64, 64), 0, 0
+    for k in range(400):
+        both(rest + np.tile(way * np.sin(0.17 * k), 2), wanted, memory, 64)
+        searched += int((memory.body[BORN] == memory.used[SWEEP]).sum())
+        without += not memory.known.any()
+    assert without <= 4
+    assert searched < 0.08 * 400 * 64

@@ -82,7 +82,7 @@ def test_lost_cells_stand_first_and_nan_is_nothing(tmp_path: Path) -> None:
     assert [line.held for line in narrow.lines["cold"]] == [False, True]
     assert conclusion(narrow).startswith("Cold, we lose 1 of 2 cells")
     assert "computed within the time 2 hold, with a call from Python per query on both sides 0. Coherent" in conclusion(narrow)
-    assert "coal fast 0.5 µs (cold)" in call_costs(narrow) and "0.03 µs per query" in call_costs(narrow)
+    assert "coal fast 500 ns (cold)" in call_costs(narrow) and "30.0 ns per query" in call_costs(narrow)
     assert len(start_up(narrow)) == 2
     exact = {one.engine: one for one in narrow.exactness}
     assert (exact["fcl"].right, exact["fcl"].over, exact["fcl"].largest) == (0, (0.5, 0.25), 0.001)

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from avatarsim.collide.sweep import all_pairs
+from avatarsim.collide.sweep_memory import SWEEP as SWEEPS
 from avatarsim.world.pair_filter import OPEN, pair_filter
 from reference.broad_phase import __main__ as broad_phase
-from reference.broad_phase.clock import KERNELS, measure
+from reference.broad_phase.clock import KERNELS, NOTHING, SWEEP, course, frames_of, measure, swing_of
 from reference.broad_phase.layouts import LAYOUTS, MOTIONS, NEAR, field
 from reference.broad_phase.one_axis import one_axis
 from reference.broad_phase.rows import Row, csv_text, growth
@@ -24,8 +25,33 @@ def row(objects: int, us: float, held: float = 200.0, right: bool = True, motion
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_kernel_finds_the_near_pairs(kernel: str, layout: str) -> None:
     for motion in MOTIONS:
-        found = measure(field(layout, motion, 90), layout, motion, kernel, 40, 1, 90)
-        assert found.found_is_twin and found.near_pairs == NEAR and found.bytes_per_object > 0.0
+        fields = [field(layout, motion, count) for count in (40, 90)]
+        found = measure(fields, layout, motion, kernel, 40, 1, 90)
+        assert [row.objects for row in found] == [40, 90]
+        for row in found:
+            assert row.found_is_twin and row.near_pairs == NEAR and row.bytes_per_object > 0.0
+
+
+def test_a_sample_is_as_many_whole_swings_at_any_size() -> None:
+    """Else a few objects are measured over all of a swing and many over the part where they turn round."""
+    for motion in MOTIONS:
+        few, many = field("cube", motion, 20), field("cube", motion, 200)
+        swing = swing_of(few)
+        assert frames_of(few, SWEEP, 4000) % swing == frames_of(many, SWEEP, 4000) % swing == 0
+        assert frames_of(few, SWEEP, 4000) >= 200 and frames_of(many, SWEEP, 4000) >= 20
+        one = course(few, SWEEP)
+        one.seconds(SWEEP, swing)
+        # it is back where it began, to a part of a frame's way
+        assert np.abs(one.swept[0] - few.boxes).max() <= 0.03
+
+
+def test_moving_alone_moves_a_double_and_not_what_is_swept() -> None:
+    """Else the sweep meets boxes that have moved for many frames at once."""
+    one = course(field("cube", "all slow", 30), SWEEP)
+    one.seconds(NOTHING, 50)
+    assert (one.swept[0] == one.field.boxes).all() and (one.moved[0] != one.field.boxes).any()
+    one.seconds(SWEEP, 50)
+    assert (one.swept[0] == one.moved[0]).all() and one.memory.used[SWEEPS] == 50
 
 
 def test_the_plain_sweep_finds_what_trying_all_finds() -> None:
