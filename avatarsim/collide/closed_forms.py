@@ -18,6 +18,9 @@ Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 BOX_CORNERS = 8
 """Points of a box, in the order of three nested loops over low and high x, y, z: corner 0 is opposite to corner 7."""
 
+NONE, TWO_POINTS, TWO_SEGMENTS, POINT_AND_BOX = 0, 1, 2, 3
+"""What `form` says: nothing but iterations; two spheres; sphere or capsule and capsule; sphere and what may be a box."""
+
 UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
 """The answer where no formula gives one."""
 
@@ -27,27 +30,29 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 
 
 @kernel
-def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of the cores of shapes a and b if a formula gives it."""
+def form(shapes: Shapes, a: int, b: int) -> int:
+    """Which formula there is for shapes a and b.
+
+    The queries ask this and call the formula themselves: a call less, for pairs that take as long as a few calls.
+    """
     if shapes[a].kind != POINTS or shapes[b].kind != POINTS:
-        return UNKNOWN
-    many_a, many_b = shapes[a + 1].start - shapes[a].start, shapes[b + 1].start - shapes[b].start
+        return NONE
+    many_a: int = shapes[a + 1].start - shapes[a].start
+    many_b: int = shapes[b + 1].start - shapes[b].start
     if many_a <= 2 and many_b <= 2:
-        return between_segments(vertices, shapes, a, b)
-    if many_a == 1 and many_b == BOX_CORNERS:
-        return point_and_box(vertices, shapes, a, b)
-    if many_b == 1 and many_a == BOX_CORNERS:
-        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
-        return known, distance, neg(n), on_a, on_b
-    return UNKNOWN
+        return TWO_POINTS if many_a + many_b == 2 else TWO_SEGMENTS
+    return POINT_AND_BOX if many_a + many_b == 1 + BOX_CORNERS and (many_a == 1 or many_b == 1) else NONE
 
 
 @kernel
-def two_points(shapes: Shapes, a: int, b: int) -> bool:
-    """Whether both shapes are spheres."""
-    one_a: bool = shapes[a + 1].start - shapes[a].start == 1
-    one_b: bool = shapes[b + 1].start - shapes[b].start == 1
-    return one_a and one_b
+def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
+    """Signed distance of the cores of shapes a and b if a formula gives it."""
+    kind = form(shapes, a, b)
+    if kind == TWO_POINTS:
+        return between_points(vertices, shapes, a, b)
+    if kind == TWO_SEGMENTS:
+        return between_segments(vertices, shapes, a, b)
+    return point_and_box(vertices, shapes, a, b) if kind == POINT_AND_BOX else UNKNOWN
 
 
 @kernel
@@ -123,7 +128,16 @@ def between_segments_by_triangles(p: Vec3, q: Vec3, r: Vec3, s: Vec3, size: floa
 
 @kernel
 def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
+    """Signed distance of a point from the surface of a box, whichever is a; not known if the point is on it, or it is no box."""
+    if shapes[a + 1].start - shapes[a].start == 1:
+        return point_from_box(vertices, shapes, a, b)
+    known, distance, n, on_b, on_a = point_from_box(vertices, shapes, b, a)
+    return known, distance, neg(n), on_a, on_b
+
+
+@kernel
+def point_from_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
+    """As `point_and_box`, of a point a and a box b."""
     first, size, extent = shapes[b].start, max(shapes[a].extent, shapes[b].extent), shapes[b].extent
     low, three, five, six = row(vertices, first), row(vertices, first + 3), row(vertices, first + 5), row(vertices, first + 6)
     x, y, z = sub(row(vertices, first + 4), low), sub(row(vertices, first + 2), low), sub(row(vertices, first + 1), low)
