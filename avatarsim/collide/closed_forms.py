@@ -18,8 +18,9 @@ Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 BOX_CORNERS = 8
 """Points of a box, in the order of three nested loops over low and high x, y, z: corner 0 is opposite to corner 7."""
 
-NONE, TWO_POINTS, TWO_SEGMENTS, POINT_AND_BOX = 0, 1, 2, 3
-"""What `form` says: nothing but iterations; two spheres; sphere or capsule and capsule; sphere and what may be a box."""
+NONE, TWO_POINTS, TWO_SEGMENTS, POINT_AND_BOX, BOX_AND_POINT = 0, 1, 2, 3, 4
+"""What `form` says: nothing but iterations; two spheres; sphere or capsule and capsule; sphere and what may be a box,
+in both orders."""
 
 UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
 """The answer where no formula gives one."""
@@ -41,7 +42,9 @@ def form(shapes: Shapes, a: int, b: int) -> int:
     many_b: int = shapes[b + 1].start - shapes[b].start
     if many_a <= 2 and many_b <= 2:
         return TWO_POINTS if many_a + many_b == 2 else TWO_SEGMENTS
-    return POINT_AND_BOX if many_a + many_b == 1 + BOX_CORNERS and (many_a == 1 or many_b == 1) else NONE
+    if many_a == 1 and many_b == BOX_CORNERS:
+        return POINT_AND_BOX
+    return BOX_AND_POINT if many_b == 1 and many_a == BOX_CORNERS else NONE
 
 
 @kernel
@@ -52,7 +55,12 @@ def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
         return between_points(vertices, shapes, a, b)
     if kind == TWO_SEGMENTS:
         return between_segments(vertices, shapes, a, b)
-    return point_and_box(vertices, shapes, a, b) if kind == POINT_AND_BOX else UNKNOWN
+    if kind == POINT_AND_BOX:
+        return point_and_box(vertices, shapes, a, b)
+    if kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        return known, distance, neg(n), on_a, on_b
+    return UNKNOWN
 
 
 @kernel
@@ -90,20 +98,20 @@ def shares(u: Vec3, v: Vec3, between: Vec3) -> Share2:
     """Shares t, x in [0, 1] of the nearest points p + t u and r + x v of two segments; between = p - r.
 
     Each is the best for the other, t for the lines first. What rounding makes of nearly parallel ones is the caller's matter.
+    Without branches, which a processor would guess wrong half of the time. A segment of no length has share 0.
     """
     uu, vv, uv, u_p, v_p = dot(u, u), dot(v, v), dot(u, v), dot(u, between), dot(v, between)
-    if not (vv > 0.0):
-        return (min(max(-u_p / uu, 0.0), 1.0) if uu > 0.0 else 0.0), 0.0
-    if not (uu > 0.0):
-        return 0.0, min(max(v_p / vv, 0.0), 1.0)
     across = uu * vv - uv * uv
-    t = min(max((uv * v_p - vv * u_p) / across, 0.0), 1.0) if across > 0.0 else 0.0
-    x = (uv * t + v_p) / vv
-    if x < 0.0:
-        return min(max(-u_p / uu, 0.0), 1.0), 0.0
-    if x > 1.0:
-        return min(max((uv - u_p) / uu, 0.0), 1.0), 1.0
-    return t, x
+    t = within((uv * v_p - vv * u_p) / (across if across > 0.0 else 1.0))
+    x = within((uv * t + v_p) / (vv if vv > 0.0 else 1.0))
+    return within((uv * x - u_p) / (uu if uu > 0.0 else 1.0)), x
+
+
+@kernel
+def within(share: float) -> float:
+    """The nearest number from 0 to 1."""
+    share = share if share > 0.0 else 0.0
+    return share if share < 1.0 else 1.0
 
 
 @kernel
@@ -128,16 +136,7 @@ def between_segments_by_triangles(p: Vec3, q: Vec3, r: Vec3, s: Vec3, size: floa
 
 @kernel
 def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of a point from the surface of a box, whichever is a; not known if the point is on it, or it is no box."""
-    if shapes[a + 1].start - shapes[a].start == 1:
-        return point_from_box(vertices, shapes, a, b)
-    known, distance, n, on_b, on_a = point_from_box(vertices, shapes, b, a)
-    return known, distance, neg(n), on_a, on_b
-
-
-@kernel
-def point_from_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """As `point_and_box`, of a point a and a box b."""
+    """Signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
     first, size, extent = shapes[b].start, max(shapes[a].extent, shapes[b].extent), shapes[b].extent
     low, three, five, six = row(vertices, first), row(vertices, first + 3), row(vertices, first + 5), row(vertices, first + 6)
     x, y, z = sub(row(vertices, first + 4), low), sub(row(vertices, first + 2), low), sub(row(vertices, first + 1), low)
@@ -156,8 +155,8 @@ def point_from_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     if out_x == 0.0 and out_y == 0.0 and out_z == 0.0:
         return point_in_box(p, d, x, y, z, size)
     # How much of an edge lies along a longer one, squared.
-    skew = max(xy * xy / max(xx, yy), xz * xz / max(xx, zz), yz * yz / max(yy, zz))
-    if not (skew <= SQUARE * extent * SQUARE * extent):
+    little = SQUARE * extent * SQUARE * extent
+    if not (xy * xy <= little * max(xx, yy) and xz * xz <= little * max(xx, zz) and yz * yz <= little * max(yy, zz)):
         return UNKNOWN
     v = along(along(scale(x, out_x), out_y, y), out_z, z)
     length = norm(v)

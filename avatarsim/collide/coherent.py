@@ -9,6 +9,7 @@ wrong. Whatever it does not lead to is asked cold.
 from math import inf
 
 from avatarsim.collide.closed_forms import (
+    BOX_AND_POINT,
     POINT_AND_BOX,
     TWO_POINTS,
     TWO_SEGMENTS,
@@ -68,6 +69,9 @@ def signed_distance_coherent(
         known, distance, n, on_a, on_b = between_segments(vertices, shapes, a, b)
     elif kind == POINT_AND_BOX:
         known, distance, n, on_a, on_b = point_and_box(vertices, shapes, a, b)
+    elif kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        n = neg(n)
     if not known:
         wanted = margin + (shapes[a].radius + shapes[b].radius)
         status, distance, n, on_a, on_b = core_distance_coherent(vertices, shapes, a, b, wanted, scratch, memory_out[pair])

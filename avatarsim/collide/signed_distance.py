@@ -7,6 +7,7 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 from math import inf, nan
 
 from avatarsim.collide.closed_forms import (
+    BOX_AND_POINT,
     POINT_AND_BOX,
     TWO_POINTS,
     TWO_SEGMENTS,
@@ -42,6 +43,9 @@ def signed_distance_up_to(
         known, distance, n, on_a, on_b = between_segments(vertices, shapes, a, b)
     elif kind == POINT_AND_BOX:
         known, distance, n, on_a, on_b = point_and_box(vertices, shapes, a, b)
+    elif kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        n = neg(n)
     if not known:
         wanted = margin + (shapes.radius[a] + shapes.radius[b])
         status, distance, n, on_a, on_b, _, _ = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
