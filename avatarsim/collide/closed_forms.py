@@ -48,22 +48,6 @@ def form(shapes: Shapes, a: int, b: int) -> int:
 
 
 @kernel
-def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of the cores of shapes a and b if a formula gives it."""
-    kind = form(shapes, a, b)
-    if kind == TWO_POINTS:
-        return between_points(vertices, shapes, a, b)
-    if kind == TWO_SEGMENTS:
-        return between_segments(vertices, shapes, a, b)
-    if kind == POINT_AND_BOX:
-        return point_and_box(vertices, shapes, a, b)
-    if kind == BOX_AND_POINT:
-        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
-        return known, distance, neg(n), on_a, on_b
-    return UNKNOWN
-
-
-@kernel
 def between_points(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     """Distance of two points; not known if they coincide."""
     p, q = row(vertices, shapes[a].start), row(vertices, shapes[b].start)
