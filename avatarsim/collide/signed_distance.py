@@ -6,6 +6,7 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 
 from math import inf, nan
 
+from avatarsim.collide.box_depth import are_boxes, box_depth
 from avatarsim.collide.closed_forms import (
     BOX_AND_POINT,
     POINT_AND_BOX,
@@ -82,6 +83,10 @@ def core_distance(
     if distance > 0.0:
         return status, distance, n, on_a, on_b, points, 0
     size = max(shapes.extent[a], shapes.extent[b])
+    if are_boxes(shapes, a, b):
+        known, depth, n, on_a, on_b = box_depth(vertices, shapes, a, b)
+        if known:
+            return CONVERGED, depth, n, on_a, on_b, 0, 0
     status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
