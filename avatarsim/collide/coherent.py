@@ -40,7 +40,7 @@ from avatarsim.collide.signed_distance import core_distance, with_radii
 from avatarsim.collide.simplex import closest_on_segment, closest_on_triangle
 from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
-from avatarsim.collide.status import CONVERGED
+from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import reach
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
@@ -88,15 +88,18 @@ def core_distance_coherent(
     if used > FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, memory_out)
         if known:
+            keep_axis(n, memory_out)
             return CONVERGED, distance, n, on_a, on_b
     if used == 0 and are_boxes(shapes, a, b):
         # Nothing is kept of boxes that overlapped: their formula takes less time than to look at a surface.
         known, distance, n, on_a, on_b = box_depth(vertices, shapes, a, b)
         if known:
+            keep_axis(n, memory_out)
             return CONVERGED, distance, n, on_a, on_b
     if 0 < used <= FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_simplex(vertices, shapes, a, b, margin, memory_out)
         if known:
+            keep_axis(n, memory_out)
             return CONVERGED, distance, n, on_a, on_b
     seed = recall_axis(memory_out)
     count = recall_points(vertices, shapes, a, b, memory_out, scratch)
@@ -112,6 +115,9 @@ def core_distance_coherent(
     if known:
         return CONVERGED, distance, n, on_a, on_b
     status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, margin, scratch)
+    if status != CONVERGED and status != NOT_FINITE:
+        # A remembered direction may be one from which rounding keeps GJK or EPA from ending: it must not be the reason.
+        status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, NOWHERE, margin, scratch)
     if status != CONVERGED:
         points, faces = 0, 0
     if faces > 0:
@@ -143,7 +149,7 @@ def same_simplex(
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
     """Distance of the cores if the remembered 1 to 3 points of A - B, as they now lie, still hold its nearest point.
 
-    What the first step of GJK finds, by the same test, in less time and without writing.
+    What the first step of GJK finds, by the same test, in less time and without touching the simplex.
     """
     first_a, first_b, last = shapes[a].start, shapes[b].start, memory.used[0] - 1
     i_a, i_b = number(memory.rows[0, 0]), number(memory.rows[0, 1])
