@@ -18,6 +18,10 @@ Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 BOX_CORNERS = 8
 """Points of a box, in the order of three nested loops over low and high x, y, z: corner 0 is opposite to corner 7."""
 
+NONE, TWO_POINTS, TWO_SEGMENTS, POINT_AND_BOX, BOX_AND_POINT = 0, 1, 2, 3, 4
+"""What `form` says: nothing but iterations; two spheres; sphere or capsule and capsule; sphere and what may be a box,
+in both orders."""
+
 UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
 """The answer where no formula gives one."""
 
@@ -27,27 +31,20 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 
 
 @kernel
-def closed_form(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of the cores of shapes a and b if a formula gives it."""
+def form(shapes: Shapes, a: int, b: int) -> int:
+    """Which formula there is for shapes a and b.
+
+    The queries ask this and call the formula themselves: a call less, for pairs that take as long as a few calls.
+    """
     if shapes[a].kind != POINTS or shapes[b].kind != POINTS:
-        return UNKNOWN
-    many_a, many_b = shapes[a + 1].start - shapes[a].start, shapes[b + 1].start - shapes[b].start
+        return NONE
+    many_a: int = shapes[a + 1].start - shapes[a].start
+    many_b: int = shapes[b + 1].start - shapes[b].start
     if many_a <= 2 and many_b <= 2:
-        return between_segments(vertices, shapes, a, b)
+        return TWO_POINTS if many_a + many_b == 2 else TWO_SEGMENTS
     if many_a == 1 and many_b == BOX_CORNERS:
-        return point_and_box(vertices, shapes, a, b)
-    if many_b == 1 and many_a == BOX_CORNERS:
-        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
-        return known, distance, neg(n), on_a, on_b
-    return UNKNOWN
-
-
-@kernel
-def two_points(shapes: Shapes, a: int, b: int) -> bool:
-    """Whether both shapes are spheres."""
-    one_a: bool = shapes[a + 1].start - shapes[a].start == 1
-    one_b: bool = shapes[b + 1].start - shapes[b].start == 1
-    return one_a and one_b
+        return POINT_AND_BOX
+    return BOX_AND_POINT if many_b == 1 and many_a == BOX_CORNERS else NONE
 
 
 @kernel
@@ -85,20 +82,20 @@ def shares(u: Vec3, v: Vec3, between: Vec3) -> Share2:
     """Shares t, x in [0, 1] of the nearest points p + t u and r + x v of two segments; between = p - r.
 
     Each is the best for the other, t for the lines first. What rounding makes of nearly parallel ones is the caller's matter.
+    Without branches, which a processor would guess wrong half of the time. A segment of no length has share 0.
     """
     uu, vv, uv, u_p, v_p = dot(u, u), dot(v, v), dot(u, v), dot(u, between), dot(v, between)
-    if not (vv > 0.0):
-        return (min(max(-u_p / uu, 0.0), 1.0) if uu > 0.0 else 0.0), 0.0
-    if not (uu > 0.0):
-        return 0.0, min(max(v_p / vv, 0.0), 1.0)
     across = uu * vv - uv * uv
-    t = min(max((uv * v_p - vv * u_p) / across, 0.0), 1.0) if across > 0.0 else 0.0
-    x = (uv * t + v_p) / vv
-    if x < 0.0:
-        return min(max(-u_p / uu, 0.0), 1.0), 0.0
-    if x > 1.0:
-        return min(max((uv - u_p) / uu, 0.0), 1.0), 1.0
-    return t, x
+    t = within((uv * v_p - vv * u_p) / (across if across > 0.0 else 1.0))
+    x = within((uv * t + v_p) / (vv if vv > 0.0 else 1.0))
+    return within((uv * x - u_p) / (uu if uu > 0.0 else 1.0)), x
+
+
+@kernel
+def within(share: float) -> float:
+    """The nearest number from 0 to 1."""
+    share = share if share > 0.0 else 0.0
+    return share if share < 1.0 else 1.0
 
 
 @kernel
@@ -142,8 +139,8 @@ def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     if out_x == 0.0 and out_y == 0.0 and out_z == 0.0:
         return point_in_box(p, d, x, y, z, size)
     # How much of an edge lies along a longer one, squared.
-    skew = max(xy * xy / max(xx, yy), xz * xz / max(xx, zz), yz * yz / max(yy, zz))
-    if not (skew <= SQUARE * extent * SQUARE * extent):
+    little = SQUARE * extent * SQUARE * extent
+    if not (xy * xy <= little * max(xx, yy) and xz * xz <= little * max(xx, zz) and yz * yz <= little * max(yy, zz)):
         return UNKNOWN
     v = along(along(scale(x, out_x), out_y, y), out_z, z)
     length = norm(v)

@@ -8,9 +8,20 @@ wrong. Whatever it does not lead to is asked cold.
 
 from math import inf
 
-from avatarsim.collide.closed_forms import UNKNOWN, between_points, closed_form, two_points
+from avatarsim.collide.box_depth import are_boxes, box_depth
+from avatarsim.collide.closed_forms import (
+    BOX_AND_POINT,
+    POINT_AND_BOX,
+    TWO_POINTS,
+    TWO_SEGMENTS,
+    UNKNOWN,
+    between_points,
+    between_segments,
+    form,
+    point_and_box,
+)
 from avatarsim.collide.epa import EXACT, SAME_FACE, deepest_points, expand
-from avatarsim.collide.gjk import CLOSE_ENOUGH, closest_in_simplex, closest_points, gjk_from
+from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING, closest_in_simplex, closest_points, gjk_from
 from avatarsim.collide.pair_memory import (
     PairMemory,
     PairRecord,
@@ -24,14 +35,15 @@ from avatarsim.collide.pair_memory import (
     remember_points,
     remember_polytope,
 )
-from avatarsim.collide.scratch import Scratch
+from avatarsim.collide.scratch import Scratch, number
 from avatarsim.collide.signed_distance import core_distance, with_radii
+from avatarsim.collide.simplex import closest_on_segment, closest_on_triangle
 from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
-from avatarsim.collide.status import CONVERGED
+from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import reach
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, neg, norm
+from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 CLEARLY_DEEP = 1e-9
@@ -50,11 +62,17 @@ def signed_distance_coherent(
         memory_out: read and updated at number ``pair``, which is the caller's name for the ordered pair (a, b). Any
             content only costs time.
     """
-    status = CONVERGED
-    if two_points(shapes, a, b):
+    status, kind = CONVERGED, form(shapes, a, b)
+    known, distance, n, on_a, on_b = UNKNOWN
+    if kind == TWO_POINTS:
         known, distance, n, on_a, on_b = between_points(vertices, shapes, a, b)
-    else:
-        known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
+    elif kind == TWO_SEGMENTS:
+        known, distance, n, on_a, on_b = between_segments(vertices, shapes, a, b)
+    elif kind == POINT_AND_BOX:
+        known, distance, n, on_a, on_b = point_and_box(vertices, shapes, a, b)
+    elif kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        n = neg(n)
     if not known:
         wanted = margin + (shapes[a].radius + shapes[b].radius)
         status, distance, n, on_a, on_b = core_distance_coherent(vertices, shapes, a, b, wanted, scratch, memory_out[pair])
@@ -70,6 +88,18 @@ def core_distance_coherent(
     if used > FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, memory_out)
         if known:
+            keep_axis(n, memory_out)
+            return CONVERGED, distance, n, on_a, on_b
+    if used == 0 and are_boxes(shapes, a, b):
+        # Nothing is kept of boxes that overlapped: their formula takes less time than to look at a surface.
+        known, distance, n, on_a, on_b = box_depth(vertices, shapes, a, b)
+        if known:
+            keep_axis(n, memory_out)
+            return CONVERGED, distance, n, on_a, on_b
+    if 0 < used <= FEATURE and not smooth:
+        known, distance, n, on_a, on_b = same_simplex(vertices, shapes, a, b, margin, memory_out)
+        if known:
+            keep_axis(n, memory_out)
             return CONVERGED, distance, n, on_a, on_b
     seed = recall_axis(memory_out)
     count = recall_points(vertices, shapes, a, b, memory_out, scratch)
@@ -85,6 +115,9 @@ def core_distance_coherent(
     if known:
         return CONVERGED, distance, n, on_a, on_b
     status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, margin, scratch)
+    if status != CONVERGED and status != NOT_FINITE:
+        # A remembered direction may be one from which rounding keeps GJK or EPA from ending: it must not be the reason.
+        status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, NOWHERE, margin, scratch)
     if status != CONVERGED:
         points, faces = 0, 0
     if faces > 0:
@@ -108,6 +141,43 @@ def still_apart(
     on_a, on_b = closest_points(count, scratch)
     remember_points(shapes, a, b, n, count, scratch, memory_out)
     return True, distance, n, on_a, on_b
+
+
+@kernel
+def same_simplex(
+    vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, memory: PairRecord
+) -> tuple[bool, float, Vec3, Vec3, Vec3]:
+    """Distance of the cores if the remembered 1 to 3 points of A - B, as they now lie, still hold its nearest point.
+
+    What the first step of GJK finds, by the same test, in less time and without touching the simplex.
+    """
+    first_a, first_b, last = shapes[a].start, shapes[b].start, memory.used[0] - 1
+    i_a, i_b = number(memory.rows[0, 0]), number(memory.rows[0, 1])
+    j_a, j_b = number(memory.rows[min(1, last), 0]), number(memory.rows[min(1, last), 1])
+    k_a, k_b = number(memory.rows[last, 0]), number(memory.rows[last, 1])
+    if not (max(i_a, j_a, k_a) < shapes[a + 1].start - first_a and max(i_b, j_b, k_b) < shapes[b + 1].start - first_b):
+        return UNKNOWN
+    p_a, p_b = row(vertices, first_a + i_a), row(vertices, first_b + i_b)
+    q_a, q_b = row(vertices, first_a + j_a), row(vertices, first_b + j_b)
+    r_a, r_b = row(vertices, first_a + k_a), row(vertices, first_b + k_b)
+    v, share = sub(p_a, p_b), (1.0, 0.0, 0.0)
+    if last == 1:
+        v, two = closest_on_segment(v, sub(q_a, q_b))
+        share = (two[0], two[1], 0.0)
+    elif last == 2:
+        v, share = closest_on_triangle(v, sub(q_a, q_b), sub(r_a, r_b))
+    length, size = norm(v), max(shapes[a].extent, shapes[b].extent)
+    if not (TOUCHING * size < length < inf):
+        return UNKNOWN
+    n = scale(v, 1.0 / length)
+    proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)
+    if proved > margin:
+        return True, proved, n, NOWHERE, NOWHERE
+    if not (proved > 0.0 and length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
+        return UNKNOWN
+    on_a = along(along(scale(p_a, share[0]), share[1], q_a), share[2], r_a)
+    on_b = along(along(scale(p_b, share[0]), share[1], q_b), share[2], r_b)
+    return True, min(length, margin), n, on_a, on_b
 
 
 @kernel

@@ -165,6 +165,9 @@ def _scan(typing_context: object, vertices: Any, first: Any, last: Any, x: Any, 
 
 @overload(farthest)  # type: ignore[untyped-decorator]
 def _compiled(vertices: Any, first: Any, last: Any, d: Any) -> Any:
+    if vertices.layout != "C" or vertices.dtype != types.float64:
+        return None  # numba then says that there is no such function
+
     def body(vertices: Any, first: Any, last: Any, d: Any) -> Any:
         return _scan(vertices, first, last, d[0], d[1], d[2])
 

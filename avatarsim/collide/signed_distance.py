@@ -6,7 +6,18 @@ by as much, along the same normal, so cores are all that the algorithms see, and
 
 from math import inf, nan
 
-from avatarsim.collide.closed_forms import between_points, closed_form, two_points
+from avatarsim.collide.box_depth import are_boxes, box_depth
+from avatarsim.collide.closed_forms import (
+    BOX_AND_POINT,
+    POINT_AND_BOX,
+    TWO_POINTS,
+    TWO_SEGMENTS,
+    UNKNOWN,
+    between_points,
+    between_segments,
+    form,
+    point_and_box,
+)
 from avatarsim.collide.epa import EXACT, SIGN_DOUBT, deepest_points, epa_to
 from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
@@ -25,11 +36,17 @@ def signed_distance_up_to(
 
     The gap returned is then a proved lower bound > margin along n, and both points are zero.
     """
-    if two_points(shapes, a, b):
+    status, kind = CONVERGED, form(shapes, a, b)
+    known, distance, n, on_a, on_b = UNKNOWN
+    if kind == TWO_POINTS:
         known, distance, n, on_a, on_b = between_points(vertices, shapes, a, b)
-    else:
-        known, distance, n, on_a, on_b = closed_form(vertices, shapes, a, b)
-    status = CONVERGED
+    elif kind == TWO_SEGMENTS:
+        known, distance, n, on_a, on_b = between_segments(vertices, shapes, a, b)
+    elif kind == POINT_AND_BOX:
+        known, distance, n, on_a, on_b = point_and_box(vertices, shapes, a, b)
+    elif kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        n = neg(n)
     if not known:
         wanted = margin + (shapes.radius[a] + shapes.radius[b])
         status, distance, n, on_a, on_b, _, _ = core_distance(vertices, shapes, a, b, seed, wanted, scratch)
@@ -66,6 +83,10 @@ def core_distance(
     if distance > 0.0:
         return status, distance, n, on_a, on_b, points, 0
     size = max(shapes.extent[a], shapes.extent[b])
+    if are_boxes(shapes, a, b):
+        known, depth, n, on_a, on_b = box_depth(vertices, shapes, a, b)
+        if known:
+            return CONVERGED, depth, n, on_a, on_b, 0, 0
     status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0

@@ -8,7 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collide.closed_forms import closed_form
+from avatarsim.collide.closed_forms import (
+    BOX_AND_POINT,
+    POINT_AND_BOX,
+    TWO_POINTS,
+    TWO_SEGMENTS,
+    UNKNOWN,
+    between_points,
+    between_segments,
+    form,
+    point_and_box,
+)
 from avatarsim.collide.signed_distance import core_distance
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.support import gap_along
@@ -18,6 +28,16 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
 coordinate = st.one_of(st.integers(-2, 2).map(float), st.floats(-1.5, 1.5, allow_subnormal=False))
 point = st.tuples(coordinate, coordinate, coordinate)
+
+
+def closed_form(vertices, shapes, a, b):
+    """What the queries do: the answer of the formula that there is for this pair."""
+    kind = form(shapes, a, b)
+    if kind == BOX_AND_POINT:
+        known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
+        return known, distance, tuple(-x for x in n), on_a, on_b
+    formulas = {TWO_POINTS: between_points, TWO_SEGMENTS: between_segments, POINT_AND_BOX: point_and_box}
+    return formulas[kind](vertices, shapes, a, b) if kind in formulas else UNKNOWN
 
 
 def segment(p, q, radius=0.0):

@@ -5,18 +5,22 @@ from math import inf
 import numpy as np
 import pytest
 
-from avatarsim.collide.epa import epa
+from avatarsim.collide.epa import SAME_FACE, deepest_points, epa
 from avatarsim.collide.gjk import gjk
 from avatarsim.collide.pair_memory import (
     EDGES,
     POINTS_KEPT,
+    deepest_kept,
+    lowest_kept,
     make_pair_memory,
     recall_axis,
+    recall_differences,
     recall_faces,
     recall_points,
     remember_points,
     remember_polytope,
 )
+from avatarsim.collide.polytope import lowest_face
 from avatarsim.collide.scratch import make_scratch
 from tests.collide.solids import NO_SEED, as_arrays, box, random_hull
 
@@ -36,6 +40,13 @@ def remembered(shift=(0.1, 0.05, 0.2)):
     return vertices, shapes, scratch, memory, points, faces
 
 
+def make_again(vertices, shapes, kept):
+    """A fresh scratch with the points of A - B that are kept, and nothing else."""
+    scratch = make_scratch()
+    assert recall_differences(vertices, shapes, 1, 2, kept, scratch) == kept.used[0]
+    return scratch
+
+
 def planes(scratch, faces):
     """Planes of the living faces, sorted."""
     alive = scratch.alive[:faces] == 1
@@ -47,7 +58,13 @@ def test_a_surface_comes_back_with_the_same_faces():
     vertices, shapes, left, memory, _, faces = remembered()
     scratch = make_scratch()
     points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
+    height, m = lowest_kept(points, memory[1], scratch)
     back = recall_faces(points, memory[1], scratch)
+    f, lowest = lowest_face(back, scratch)
+    assert height == pytest.approx(lowest, abs=1e-15) and height > 0.0
+    np.testing.assert_allclose(m, scratch.normal[f], atol=1e-14)
+    ours = deepest_kept(vertices, shapes, 1, 2, m, height, SAME_FACE, memory[1], make_again(vertices, shapes, memory[1]))
+    np.testing.assert_allclose(ours, deepest_points(m, height, back, 1.0, scratch), atol=1e-14)
     assert back == (left.alive[:faces] == 1).sum()
     np.testing.assert_allclose(planes(scratch, back), planes(left, faces), atol=1e-14)
     assert (points, back) == tuple(memory.used[1])
@@ -72,6 +89,7 @@ def test_every_single_wrong_number_in_the_surface_is_noticed():
                 for wrong in {(good + 1) % bound, (good + 4) % bound, 2**16 - 1, bound}:
                     field[1, f, e] = wrong
                     assert recall_faces(points, memory[1], scratch) == 0
+                    assert lowest_kept(points, memory[1], scratch)[0] == 0.0
                 field[1, f, e] = good
     assert recall_faces(points, memory[1], scratch) == faces
 
@@ -82,6 +100,7 @@ def test_a_surface_beside_the_origin_is_refused():
     vertices[shapes.start[1] : shapes.start[2], 0] += 3.0
     points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
     assert points > 3
+    assert lowest_kept(points, memory[1], scratch)[0] == 0.0
     assert recall_faces(points, memory[1], scratch) == 0
 
 
@@ -92,10 +111,12 @@ def test_a_number_that_is_no_vertex_is_refused():
         for wrong in (2**32 - 1, many, 10**6):
             memory.rows[1, 1, column] = wrong
             assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
+            assert recall_differences(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
         memory.rows[1, 1, column] = good
     for count in (0, -1, POINTS_KEPT + 1):
         memory.used[1, 0] = count
         assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
+        assert recall_differences(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
 
 
 def test_a_simplex_comes_back_and_so_does_the_axis():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from avatarsim.collide.polytope import cone_to, find_horizon, start_polytope
+from avatarsim.collide.polytope import cone_to, find_horizon, lowest_face, start_polytope
 from avatarsim.collide.scratch import make_scratch
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
@@ -51,6 +51,22 @@ def test_every_edge_is_shared_by_the_face_said_to_be_across_it():
             edge = (scratch.corner[f, e], scratch.corner[f, (e + 1) % 3])
             back = [(scratch.corner[other, (i + 1) % 3], scratch.corner[other, i]) for i in range(3)]
             assert edge in back
+
+
+@pytest.mark.parametrize("faces", [0, 1, 3, 4, 5, 8, 9, 30])
+def test_the_lowest_face_is_the_first_of_the_lowest(faces):
+    rng = np.random.default_rng(faces)
+    scratch = make_scratch()
+    for k in range(20):
+        heights = rng.normal(size=faces) if k % 2 else rng.integers(-2, 3, faces).astype(float)
+        heights[rng.random(faces) < 0.2] = np.inf
+        scratch.height[:] = -9.0  # beyond: never looked at
+        scratch.height[:faces] = heights
+        found, height = lowest_face(faces, scratch)
+        if not np.isfinite(heights).any():
+            assert (found, height) == (-1, np.inf)
+        else:
+            assert (found, height) == (int(heights.argmin()), heights.min())
 
 
 def test_points_in_line_make_no_face():
