@@ -13,6 +13,9 @@ from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 
+ENOUGH = 1e-8
+"""Accuracy [m/s] to which bodies wait: within a frame they come nearer by a tenth of a nanometre, far less than the stand-off."""
+
 MOST_ELASTIC = 2.0
 """1 + e of eq. 9 at e = 1: against the heaviest body a mass m that is met at v takes 2 m v, and never more."""
 
@@ -38,7 +41,7 @@ def wait(velocities: Velocities, memory: Memory, left: float) -> None:
         put_row(memory.linear_end, b, row(v, b))
         put_row(memory.angular_end, b, row(w, b))
     weigh(contacts, memory.hold)
-    sweeps(contacts, memory.hold, 0, count, v, w, 1e-12, SWEEPS, False, memory.before, memory.direction)
+    sweeps(contacts, memory.hold, 0, count, v, w, ENOUGH, SWEEPS, False, memory.before, memory.direction)
     for b in range(bodies):
         put_row(memory.owed_linear, b, sub(row(memory.linear_end, b), row(v, b)))
         put_row(memory.owed_angular, b, sub(row(memory.angular_end, b), row(w, b)))

@@ -13,7 +13,7 @@ from avatarsim.posture.certificate import (
     remember_axis,
 )
 from avatarsim.posture.contact_row import support_row, witness_row
-from avatarsim.posture.workspace import ADDING, FAILED, NEAR, NEARBY, SOFT, Memory
+from avatarsim.posture.workspace import ADDING, ASKED, FAILED, NEAR, NEARBY, SOFT, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.spatial.vec3 import dot
@@ -126,7 +126,7 @@ def certify(
     list_near_bodies(skel, memory_out)
     swept, hulls, pairs = memory_out.swept, memory_out.swept_hulls, memory_out.pairs
     nb, failed = geo.first_shape.shape[0] - 1, 0
-    pairs.marks[FAILED] = 0
+    pairs.marks[FAILED], pairs.marks[ASKED] = 0, 0
     if is_no_pose(skel, memory_out):
         memory_out.touched[:] = True
         return 1
@@ -139,6 +139,7 @@ def certify(
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
                     if boxes_meet(swept, a, b):
                         memory_out.counts[NEAR] += 1
+                        pairs.marks[ASKED] += 1
                         if not certify_pair(geo, skel, poses, a, b, settings, memory_out):
                             failed += 1
                             if pairs.marks[FAILED] < pairs.failed.shape[0]:

@@ -2,7 +2,7 @@
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.goal import aim, clip_to_limits, merit, tracker_speed
-from avatarsim.posture.step import step, work_done
+from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import COUNT, FRAME, MERIT_WINDOW, NOW, TRACKER_SPEED, UNTIED, Memory
 from avatarsim.settings import PostureSettings
@@ -63,7 +63,7 @@ def follow(
     for _ in range(settings.steps):
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
-        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * settings.work:
+        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
     memory_out.flags[UNTIED] = 0.0
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)

@@ -13,6 +13,7 @@ from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.posture.workspace import (
     ADDING,
+    ASKED,
     BACKED,
     COUNT,
     FAILED,
@@ -43,6 +44,13 @@ LEAST_TRUST = 1.0 / 32.0
 BACK_OFFS = 8
 """Trials with ever shorter steps before the last checked state is kept."""
 
+PAIRS_INCLUDED = 8
+"""Near pairs that the budget of settings is made for. A human at a wall has six."""
+
+WORK_PER_PAIR = 10
+"""Budget that each further near pair brings: it is asked in every trial, and in a corner it needs a query, a row and a correction
+of its own now and then. With a fixed budget a hand of 24 hinges and 80 near pairs was spent after its first trial, and jumped."""
+
 IDLE_STEPS = 3
 """Steps for which a pair stays listed after its last active row; 0 makes contacts flicker."""
 
@@ -52,6 +60,12 @@ def work_done(memory: Memory) -> int:
     """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
     c = memory.counts
     return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2)
+
+
+@kernel
+def budget(settings: PostureSettings, memory: Memory) -> int:
+    """Work that a frame may cost with as many near pairs as the last trial had."""
+    return int(settings.work + WORK_PER_PAIR * max(0, memory.pairs.marks[ASKED] - PAIRS_INCLUDED))
 
 
 @kernel
@@ -137,7 +151,7 @@ def attempt(
         memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
         memory_out.counts[ITERATIONS] += 1
         try_step(geo, skel, posture, memory_out)
-        spent = work_done(memory_out) > settings.work
+        spent = work_done(memory_out) > budget(settings, memory_out)
         last = spent or round_ == settings.corrections
         memory_out.flags[ADDING] = 0.0 if last else 1.0
         failed = check(geo, skel, posture, poses, settings, memory_out)

@@ -79,7 +79,8 @@ class PairMemory(NamedTuple):
 
     axis (D, S, 3) last direction that held; axis_gap (D, S) its gap at the checked state, valid when axis_stamp == now;
     nearest (D, S, 3), nearest_gap (D, S) exact at the checked state, valid when nearest_stamp == now;
-    active (D, S) whether listed; listed (64, 2), age (64); failed (64, 2); marks: now, listed, failed, near bodies
+    active (D, S) whether listed; listed (64, 2), age (64); failed (64, 2); marks: now, listed, failed, near bodies,
+    near pairs of the last trial
     """
 
     axis: Array
@@ -96,7 +97,7 @@ class PairMemory(NamedTuple):
     marks: Index
 
 
-NOW, LISTED, FAILED, NEARBY = range(4)
+NOW, LISTED, FAILED, NEARBY, ASKED = range(5)
 
 
 class Memory(NamedTuple):
@@ -183,7 +184,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns), dtype=np.bool_), np.zeros((LISTED_CAP, 2), dtype=np.int64), np.zeros(LISTED_CAP, dtype=np.int64),
-        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(4, dtype=np.int64),
+        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(5, dtype=np.int64),
     )
     trial = Poses(*(array.copy() for array in poses))
     return Memory(

@@ -242,14 +242,15 @@ def test_same_input_same_bits() -> None:
     np.testing.assert_array_equal(end(), end())
 
 
-def test_a_box_that_spins_while_it_slides_costs_few_segments() -> None:
+@pytest.mark.parametrize("spin", [0.64, 3.0])
+def test_a_box_that_spins_while_it_slides_costs_few_segments(spin: float) -> None:
     """Friction under its corners points all around and nearly cancels; that is no slip that ends."""
     world = World([slab(), thing("box", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + 2e-8), 2.0)], 0.3, 0.3)
     world.velocities.linear[1] = (0.035, 0.014, 0.0)
-    world.velocities.angular[1] = (0.0, 0.0, 0.64)
+    world.velocities.angular[1] = (0.0, 0.0, spin)
     segments = []
     for _ in range(60):
         assert world.frame() == 0
         segments.append(int(world.memory.counts[SEGMENTS]))
-    assert max(segments) <= 25
+    assert max(segments) <= 10
     assert not world.velocities.linear[1].any() and not world.velocities.angular[1].any()

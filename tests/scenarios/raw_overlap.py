@@ -9,6 +9,7 @@ RAW = {
     "coach_release": {"slab": (224, 0.0888)},
     "driven_10cm_wall": {"wall": (111, 0.1)},
     "hand_grasp": {"duck": (98, 0.0259), "mug": (69, 0.0227)},
+    "hand_in_corner": {"walls": (192, 0.0771)},
     "hand_in_corner_rigid": {"walls": (192, 0.0621)},
     "limit_torture": {"self": (234, 0.145)},
     "limit_torture_hinges": {"self": (240, 0.1525)},
