@@ -1,6 +1,7 @@
-"""The chart of sweep and prune: time per object over the number of objects, a panel per layout."""
+"""The charts of sweep and prune: time per object over the number of objects, a panel per layout, and memory."""
 
 import math
+from collections.abc import Sequence
 
 import altair as alt
 
@@ -9,7 +10,7 @@ from reports.charts import Panel
 from reports.marks import FONT, HEIGHT, WIDTH
 from reports.palette import GRID, MUTED, Stroke, strokes
 from reports.picture import picture
-from reports.wording import limit, listed, quantity
+from reports.wording import figures, limit, listed, quantity
 
 
 def label(line: Line) -> str:
@@ -26,7 +27,7 @@ def inks(broad: BroadPhase) -> dict[str, Stroke]:
 
 
 def panels(broad: BroadPhase) -> list[Panel]:
-    """One panel per layout."""
+    """One panel per layout, then one of memory."""
     made: list[Panel] = []
     for layout in dict.fromkeys(line.layout for line in broad.lines):
         lines = [line for line in broad.lines if line.layout == layout]
@@ -43,23 +44,47 @@ def panels(broad: BroadPhase) -> list[Panel]:
                 f"{quantity(line.points[-1].us, 'us')} at {line.points[-1].objects:,}" for line in lines
             ), 99)
             text = f"{layout}. Time per object: {ends}. {said}"
-            made.append(Panel(layout, picture(_spec(broad, dots), text, f"b{len(made)}"), said))
-    return made
+            made.append(Panel(layout, picture(_spec(broad, dots, "us"), text, f"b{len(made)}"), said))
+    return made + ([memory_panel(broad)] if made else [])
 
 
-def _spec(broad: BroadPhase, dots: list[dict[str, object]]) -> dict[str, object]:
+def memory_panel(broad: BroadPhase) -> Panel:
+    """Memory per object of every kernel, which neither layout nor motion changes."""
+    lines = list({line.kernel: line for line in reversed(broad.lines)}.values())[::-1]
+    dots: list[dict[str, object]] = [
+        {"line": label(line), "objects": point.objects, "held": float(f"{point.held:.4g}")}
+        for line in lines for point in line.points if point.held > 0.0
+    ]
+    ours = max((line.memory_growth for line in broad.ours), default=math.inf)
+    said = f"Largest memory per object over smallest, {FLAT:g} allowed: {times(ours) if broad.ours else 'not measured'}."
+    ends = listed(tuple(
+        f"{line.kernel} {figures(line.points[0].held)} bytes at {line.points[0].objects:,}, "
+        f"{figures(line.points[-1].held)} bytes at {line.points[-1].objects:,}" for line in lines
+    ), 99)
+    return Panel("memory", picture(_spec(broad, dots, "held"), f"Memory per object: {ends}. {said}", "bm"), said)
+
+
+def _decades(values: Sequence[float], unit: str) -> tuple[list[float], str]:
+    """Powers of ten around all values, and the expression that names them."""
+    low, high = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
+    said = {k: limit(10.0**k, unit) if unit == "us" else f"{10.0 ** (k % 3):g} {('B', 'kB', 'MB', 'GB')[k // 3]}"
+            for k in range(low, high + 1)}
+    names = ",".join(f"'{k}':'{name}'" for k, name in said.items())
+    return [10.0**k for k in said], f"{{{names}}}[round(log(datum.value)/log(10))]"
+
+
+def _spec(broad: BroadPhase, dots: list[dict[str, object]], what: str) -> dict[str, object]:
+    """``what``: "us", with one scale for the panels of all layouts, or "held"."""
     ink = inks(broad)
-    times = [point.us for line in broad.lines for point in line.points if point.us > 0.0]
+    values = [getattr(point, what) for line in broad.lines for point in line.points if getattr(point, what) > 0.0]
     sizes = sorted({point.objects for line in broad.lines for point in line.points})
-    low, high = math.floor(math.log10(min(times))), math.ceil(math.log10(max(times)))
-    ticks = [10.0**k for k in range(low, high + 1)]
-    names = ",".join(f"'{k}':'{limit(10.0**k, 'us')}'" for k in range(low, high + 1))
-    time_axis = alt.Axis(values=ticks, labelExpr=f"{{{names}}}[round(log(datum.value)/log(10))]")
+    ticks, names = _decades(values, what)
+    axis = alt.Axis(values=ticks, labelExpr=names)
     domain = list(ink)
     chart = alt.Chart({"values": dots}).mark_line(point=True, strokeWidth=1.5).encode(
         x=alt.X("objects:Q", title=None, scale=alt.Scale(type="log", domain=[sizes[0], sizes[-1]]),
                 axis=alt.Axis(values=sizes, format=",", grid=False)),
-        y=alt.Y("us:Q", title=None, scale=alt.Scale(type="log", domain=[ticks[0], ticks[-1]]), axis=time_axis),
+        y=alt.Y(f"{what}:Q", title=None, scale=alt.Scale(type="log", domain=[ticks[0], ticks[-1]]), axis=axis),
         color=alt.Color("line:N", legend=None, scale=alt.Scale(domain=domain, range=[ink[name].light for name in domain])),
         strokeDash=alt.StrokeDash(
             "line:N", legend=None, scale=alt.Scale(domain=domain, range=[list(ink[name].dash) for name in domain])

@@ -67,7 +67,9 @@ def test_a_panel_per_layout_with_words_and_a_stroke_per_line(tmp_path: Path) -> 
     plane = tuple(row.replace("cube", "plane") for row in rows(3.0))
     broad = fill(tmp_path, *rows(1.5), *rows(1.0, motion="none"), *rows(90.0, kernel="one axis"), *plane)
     made = panels(broad)
-    assert [panel.scene for panel in made] == ["cube", "plane"]
+    assert [panel.scene for panel in made] == ["cube", "plane", "memory"]
+    assert made[2].conclusion.startswith("Largest memory per object over smallest, 2 allowed: ×")
+    assert re.findall(r">(\d+ k?B)<", made[2].svg)
     assert made[0].conclusion == "Largest time per object over smallest, 2 allowed: all slow ×1.50; none ×1.00."
     assert "one axis, all slow 10.0 ns at 20, 900 ns at 20,000" in made[0].svg
     # the labels of the axis: no power of ten looks like another
