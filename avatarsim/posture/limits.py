@@ -58,7 +58,7 @@ def has_cone(skel: Skeleton, link: int) -> bool:
 
 @kernel
 def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
-    """How far the rotation of a ball is beyond its limits [rad], the largest of swing, twist and reach; negative inside."""
+    """How far the rotation of a ball is beyond its limits [rad], the largest of swing, twist and reach; 0 or less inside."""
     swing, twist, _ = swing_and_twist(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
     excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))

@@ -62,12 +62,14 @@ def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
 
 @kernel
 def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
-    """Angle [rad] from a unit direction to the polygon's edge: positive outside, negative inside."""
+    """Angle [rad] by which a unit direction is outside the polygon; 0 inside."""
+    if is_in_reach(skel, link, limb):
+        return 0.0
     nearest = 10.0
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
         start, end, inward = edge(skel, link, k)
         nearest = min(nearest, angle_between(nearest_on_edge(start, end, inward, limb), limb))
-    return -nearest if is_in_reach(skel, link, limb) else nearest
+    return nearest
 
 
 @kernel

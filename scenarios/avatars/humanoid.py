@@ -19,7 +19,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
-from scenarios.avatars.limits import ball_limits, hinge_limits
+from scenarios.avatars.limits import ball_limits, hinge_limits, reach_cone
 from scenarios.data_folder import data_file
 from scenarios.mocap import z_up
 
@@ -71,7 +71,7 @@ def _joint(path: Path, joint: ElementTree.Element, name: str, parent: str | None
     if kind == "fixed":
         return Rigid()
     if kind == "spherical":
-        return Ball(ball_limits(name))
+        return Ball(ball_limits(name), reach_cone(name))
     if kind == "revolute":
         x, y, z = (float(value) for value in z_up(_vector(path, _part(path, joint, "axis"), "xyz")))
         return Hinges((Hinge((x, y, z), *hinge_limits(name)),))

@@ -3,7 +3,8 @@
 The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are
 OUR OWN construction from them, not published anywhere: anatomy tables state ends of motion in four directions, our
 ball joints a circular cone and a twist. So the cone's axis is tilted half-way between opposite ends, and its opening is
-what the furthest of the four ends needs. A circle through the far ends is generous in between.
+what the furthest of the four ends needs. A circle through the far ends is generous in between; the reach cone inside
+it, a polygon of CORNERS corners, follows the four ends on quarters of ellipses.
 
 Of the recorded clips the ankles go furthest beyond: crouches bend a loaded ankle forward by 30 to 60 degrees, where
 the table's 20 are those of a hanging foot. The avatar then stays at its limit; only the user is beyond.
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import UnknownName
 from avatarsim.scene.joint import SwingTwist
+from avatarsim.scene.reach_cone import ReachCone
 
 DOWN, UP = (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
 
@@ -49,6 +51,13 @@ RANGES = {
     "neck": Range(UP, 90.0, 55.0, 35.0, 35.0, 70.0, 70.0),
 }
 
+CORNERS = 16
+"""Corners of a reach cone: the arcs between them stay within 2 % of the ellipses."""
+
+WIDEST_REACH = 165.0
+"""Furthest [degrees] that a corner is from where the limb points at zero: an arm that is lifted by 180 degrees forward and one
+lifted sideways point the same way, and a polygon cannot have all those corners in one point."""
+
 HINGES = {
     # flexion only; the signs are those of the humanoid's file: elbows bend by positive angles, knees by negative ones
     "elbow": (0.0, 150.0),
@@ -78,6 +87,25 @@ def ball_limits(link: str) -> SwingTwist:
     low, high = sorted((out * found.turn_out, -out * found.turn_in))
     x, y, z = (float(value) for value in centre)
     return SwingTwist(found.axis, (x, y, z), swing, (float(np.radians(low)), float(np.radians(high))))
+
+
+def reach_cone(link: str) -> ReachCone:
+    """Reach cone of the ball joint of `link`: from each of the four ends to the next on a quarter of an ellipse, in angles."""
+    side, joint = _side_and_joint(link)
+    if joint not in RANGES:
+        raise UnknownName("joint with a reach cone", link, RANGES)
+    found = RANGES[joint]
+    corners = []
+    for bearing in 2.0 * np.pi * np.arange(CORNERS) / CORNERS:
+        forward = np.cos(bearing) * (found.forward if np.cos(bearing) > 0.0 else found.backward)
+        outward = np.sin(bearing) * (found.outward if np.sin(bearing) > 0.0 else found.inward)
+        shorter = min(1.0, WIDEST_REACH / float(np.hypot(forward, outward)))
+        corners.append(tilted(found, side, shorter * forward, shorter * outward))
+    # counter-clockwise seen from outside: that depends on where the limb points, and on the side
+    around = 1 if (found.axis == UP) == (side > 0.0) else -1
+    seen = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward))
+    x, y, z = (float(value) for value in seen)
+    return ReachCone(np.array(corners[::around]), (x, y, z))
 
 
 def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:

@@ -16,9 +16,10 @@ from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
 from reference.judge import Judge
 from scenarios.avatars.humanoid import CHAINS, humanoid
-from scenarios.avatars.limits import HINGES, RANGES, ball_limits, ends, hinge_limits
+from scenarios.avatars.limits import HINGES, RANGES, WIDEST_REACH, ball_limits, ends, hinge_limits, reach_cone, tilted
 from scenarios.avatars.standing import CLEARANCE, standing
 from scenarios.data_folder import data_file
+from scenarios.measure.cone import beyond_cone
 from scenarios.mocap import LAYOUT
 from scenarios.reach import reach
 from scenarios.stage import floor
@@ -182,3 +183,30 @@ def test_a_broken_humanoid_file_is_refused(
     monkeypatch.setattr("scenarios.avatars.humanoid.data_file", lambda name: broken)
     with pytest.raises(InvalidFile, match=says):
         humanoid.__wrapped__()
+
+
+@pytest.mark.parametrize("name", ["left_hip", "right_hip", "left_ankle", "right_shoulder", "chest", "neck"])
+def test_a_reach_cone_goes_through_the_four_ends_of_the_table(name: str) -> None:
+    cone, side = reach_cone(name), -1.0 if name.startswith("right") else 1.0
+    found = RANGES[name.removeprefix("left_").removeprefix("right_")]
+    for end, degrees in zip(ends(found, side), (found.forward, found.backward, found.outward, found.inward), strict=True):
+        if degrees <= WIDEST_REACH:
+            assert np.abs(cone.vertices - end).max(axis=1).min() < 1e-12
+    assert beyond_cone(cone, np.array(found.axis)) == 0.0
+    # half-way between two ends an ellipse is nearer than both together
+    both = tilted(found, side, found.forward / np.sqrt(2.0), -found.inward / np.sqrt(2.0))
+    assert beyond_cone(cone, both) < np.radians(2.0) < beyond_cone(cone, tilted(found, side, found.forward, -found.inward))
+
+
+@pytest.mark.parametrize("joint", ["shoulder", "hip", "ankle"])
+def test_reach_cones_of_left_and_right_are_mirror_images(joint: str) -> None:
+    left, right = reach_cone(f"left_{joint}"), reach_cone(f"right_{joint}")
+    mirrored = left.vertices * (1.0, -1.0, 1.0)
+    assert np.abs(right.vertices[:, None] - mirrored[None]).max(axis=2).min(axis=1).max() < 1e-12
+
+
+def test_every_ball_of_the_humanoid_has_its_reach_cone() -> None:
+    balls = [link for link in HUMAN.links if isinstance(link.joint, Ball)]
+    assert len(balls) == 8 and all(isinstance(link.joint, Ball) and link.joint.cone is not None for link in balls)
+    with pytest.raises(UnknownName, match="left_knee"):
+        reach_cone("left_knee")
