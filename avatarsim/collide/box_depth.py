@@ -8,7 +8,6 @@ from math import inf, sqrt
 
 from avatarsim.collide.closed_forms import BOX_CORNERS, UNKNOWN, Answer, off, within
 from avatarsim.collide.epa import EXACT
-from avatarsim.collide.simplex import upright
 from avatarsim.collide.support import reach
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, norm, row, scale, sub
@@ -16,9 +15,9 @@ from avatarsim.world.shapes import POINTS, Shapes
 
 Edges = tuple[Vec3, Vec3, Vec3]
 
-PARALLEL = 1e-13
-"""Sine of the angle of two edges below which their vector product is no normal; the facet that it would have is narrower than
-that, and the answer wrong by less. Smaller: rounding alone makes the product."""
+PARALLEL = 1e-6
+"""Sine of the angle of two edges below which the boxes are left to EPA: aligned boxes have facets that are equally low and
+witness points that are many, and which of them is taken should not depend on the formula. Smaller: rounding takes part in it."""
 
 BESIDE = 1e-9
 """Relative to an edge: how far outside of a face or an edge rounding may put a witness point."""
@@ -60,7 +59,8 @@ def height(n: Vec3, c: Vec3, u: Edges, v: Edges) -> float:
 def lowest_facet(c: Vec3, u: Edges, v: Edges) -> tuple[float, Vec3, int, int]:
     """Height and outward unit normal of the lowest facet of A - B, whose centre is c, and what makes it: edges i of A and j of B.
 
-    i and -1: a face of A, which edge i leaves; -1 and j: one of B. Height 0: A - B does not hold the origin.
+    i and -1: a face of A, which edge i leaves; -1 and j: one of B. Height 0: none holds, because A - B does not hold the origin
+    or edges are parallel.
     """
     lowest, square, normal, best_i, best_j = inf, 1.0, (0.0, 0.0, 0.0), -1, -1
     for i in range(-1, 3):
@@ -72,9 +72,9 @@ def lowest_facet(c: Vec3, u: Edges, v: Edges) -> tuple[float, Vec3, int, int]:
             elif j < 0:
                 n = cross(u[(i + 1) % 3], u[(i + 2) % 3])
             else:
-                n = upright(u[i], v[j])
+                n = cross(u[i], v[j])
                 if not (dot(n, n) > PARALLEL * PARALLEL * dot(u[i], u[i]) * dot(v[j], v[j])):
-                    continue
+                    return 0.0, normal, -1, -1
             h, nn = height(n, c, u, v), dot(n, n)
             if not (h > 0.0):
                 return 0.0, normal, -1, -1
@@ -108,7 +108,7 @@ def on_face(p: Vec3, low: Vec3, u: Edges, i: int) -> bool:
 
 @kernel
 def box_depth(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of two boxes that overlap; not known if they do not, are no boxes, or lie flush where they are deepest.
+    """Signed distance of two boxes that overlap; not known if they do not, are no boxes, or have parallel edges.
 
     The height of the lowest facet is what moving by it proves, and no other facet is lower.
     """

@@ -53,7 +53,9 @@ def between_points(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     p, q = row(vertices, shapes[a].start), row(vertices, shapes[b].start)
     v = sub(p, q)
     length = norm(v)
-    return TOUCHING * max(shapes[a].extent, shapes[b].extent) < length < inf, length, scale(v, 1.0 / length), p, q
+    if not (TOUCHING * max(shapes[a].extent, shapes[b].extent) < length < inf):
+        return UNKNOWN
+    return True, length, scale(v, 1.0 / length), p, q
 
 
 @kernel
@@ -69,10 +71,12 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     of_q, of_s = shares(u, v, between)
     w = along(along(between, of_q, u), -of_s, v)
     length = norm(w)
+    if not (TOUCHING * size < length < inf):
+        return between_segments_by_triangles(p, q, r, s, size)
     n = scale(w, 1.0 / length)
     # The least of four heights: p - r and what the other ends add to it.
     proved = dot(n, between) + min(dot(n, u), 0.0) - max(dot(n, v), 0.0)
-    if not (TOUCHING * size < length < inf and length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
+    if not (length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
         return between_segments_by_triangles(p, q, r, s, size)
     return True, length, n, along(p, of_q, u), along(r, of_s, v)
 
@@ -133,9 +137,9 @@ def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     d = sub(p, low)
     # Coordinates in the box, from 0 to 1, and how far each is beyond that.
     xx, yy, zz, xy, xz, yz = dot(x, x), dot(y, y), dot(z, z), dot(x, y), dot(x, z), dot(y, z)
-    out_x, out_y, out_z = beyond(dot(d, x) / xx), beyond(dot(d, y) / yy), beyond(dot(d, z) / zz)
-    if not (bent <= SQUARE * extent):
+    if not (bent <= SQUARE * extent and xx > 0.0 and yy > 0.0 and zz > 0.0):
         return UNKNOWN
+    out_x, out_y, out_z = beyond(dot(d, x) / xx), beyond(dot(d, y) / yy), beyond(dot(d, z) / zz)
     if out_x == 0.0 and out_y == 0.0 and out_z == 0.0:
         return point_in_box(p, d, x, y, z, size)
     # How much of an edge lies along a longer one, squared.

@@ -88,7 +88,6 @@ def core_distance_coherent(
     if used > FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, memory_out)
         if known:
-            keep_axis(n, memory_out)
             return CONVERGED, distance, n, on_a, on_b
     if used == 0 and are_boxes(shapes, a, b):
         # Nothing is kept of boxes that overlapped: their formula takes less time than to look at a surface.
