@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.by_reference import refer
 from avatarsim.collide.sweep import all_pairs, forget, sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.kernel import kernel
@@ -43,6 +44,8 @@ def frames(
     memory: SweepMemory, order: Index, pairs: Index,
 ) -> int:
     """So many frames; every moving box swings about its ``rest``. Returns the number of pairs found in the last one."""
+    # as the engine hands them on; by value they would be copied in every frame
+    wanted, memory = refer(wanted), refer(memory)
     found = 0
     for _ in range(count):
         for m in range(moving.shape[0]):
