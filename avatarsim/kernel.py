@@ -63,17 +63,9 @@ def kernel(function: Function) -> Function:
     The result is typed as the function itself, so kernels are checked like any Python function.
     """
     folder = None if config.DISABLE_JIT else cache_folder(function.__code__.co_filename)
-    kept = config.CACHE_DIR
-    # Only while numba chooses this function's folder: other users of numba here keep their own setting.
-    config.CACHE_DIR = str(folder or "")
-    try:
-        if folder is None:
-            return cast(Function, njit(**OPTIONS)(function))
-        compiled = KernelDispatcher(function, {"nopython": True, **OPTIONS})
-        compiled.keep_in_cache()
-        return cast(Function, compiled)
-    finally:
-        config.CACHE_DIR = kept
+    if folder is None:
+        return cast(Function, njit(**OPTIONS)(function))
+    return cast(Function, KernelDispatcher(function, {"nopython": True, **OPTIONS}, folder))
 
 
 @functools.cache
@@ -101,7 +93,7 @@ def source_hash(source: str) -> str:
     state = [sys.version, numba.__version__, llvmlite.__version__, *flags]
     digest = hashlib.sha256("\n".join(state).encode())
     for path in sorted(_closure(Path(source).resolve())):
-        digest.update(f"\n{path}\n".encode() + path.read_bytes())
+        digest.update(f"\n{path}\n".encode() + _content(path))
     return digest.hexdigest()[:20]
 
 
@@ -114,6 +106,12 @@ def _closure(source: Path) -> set[Path]:
             found.add(path)
             waiting += _imported(path)
     return found
+
+
+@functools.cache
+def _content(source: Path) -> bytes:
+    """Digest of a file's bytes; read once, although dozens of others import it."""
+    return hashlib.sha256(source.read_bytes()).digest()
 
 
 @functools.cache

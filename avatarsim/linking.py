@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import llvmlite.binding as llvm
-from numba.core import sigutils, types
+from numba.core import config, sigutils, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
@@ -53,9 +53,15 @@ _CALLEES: dict[str, Callee] = {}
 class CalledKernel(CPUDispatcher):
     """A kernel as other kernels call it: numba's dispatcher, but sealed where the compiled code is large."""
 
-    def keep_in_cache(self) -> None:
-        """Keep the compiled code on disk, in the folder that numba's settings name now."""
-        self._cache = KernelCache(self.py_func, type(self).__name__)
+    def keep_in_cache(self, folder: Path) -> None:
+        """Keep the compiled code on disk in a folder."""
+        kept = config.CACHE_DIR
+        # Only while numba chooses this function's folder: other users of numba here keep their own setting.
+        config.CACHE_DIR = str(folder)
+        try:
+            self._cache = KernelCache(self.py_func, type(self).__name__)
+        finally:
+            config.CACHE_DIR = kept
 
     def compile(self, sig: Any) -> Any:
         """Compile for a signature, or load it, and let other kernels know how to call it."""
@@ -87,13 +93,21 @@ class KernelDispatcher(CalledKernel):
     from Python. So a call by another kernel compiles ``called``, which has no such way in.
     """
 
-    def __init__(self, function: Callable[..., object], options: dict[str, object]) -> None:
+    def __init__(self, function: Callable[..., object], options: dict[str, object], folder: Path) -> None:
         super().__init__(function, targetoptions=options)
-        self.called = CalledKernel(function, targetoptions={**options, "no_cpython_wrapper": True})
+        self.folder = folder
+        self.keep_in_cache(folder)
 
-    def keep_in_cache(self) -> None:
-        super().keep_in_cache()
-        self.called.keep_in_cache()
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[str, str]]:
+        """Pickled as a function is: by name."""
+        return found, (self.py_func.__module__, self.py_func.__qualname__)
+
+    @functools.cached_property
+    def called(self) -> CalledKernel:
+        """The kernel as other kernels call it; most are never called from Python, and some by Python alone."""
+        inner = CalledKernel(self.py_func, targetoptions={**self.targetoptions, "no_cpython_wrapper": True})
+        inner.keep_in_cache(self.folder)
+        return inner
 
     def get_call_template(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
         """Take a literal as any number of its type: without this, numba compiles a kernel anew for every constant it is given."""
@@ -176,11 +190,15 @@ def called(library: Any) -> dict[str, Callee]:
     return {name: _CALLEES[name] for name in names if name.startswith(PREFIX)}
 
 
+def found(module: str, qualname: str) -> KernelDispatcher:
+    """The kernel of that name in a module."""
+    return cast(KernelDispatcher, functools.reduce(getattr, qualname.split("."), importlib.import_module(module)))
+
+
 def load(callee: Callee, name: str) -> bool:
     """Bring a sealed kernel into memory, from disk or by compiling it; False if it is not known by that name then."""
     if name not in _CALLEES:
-        found = functools.reduce(getattr, callee.qualname.split("."), importlib.import_module(callee.module))
-        cast(KernelDispatcher, found).called.compile(callee.arguments)
+        found(callee.module, callee.qualname).called.compile(callee.arguments)
     return name in _CALLEES
 
 

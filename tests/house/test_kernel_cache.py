@@ -110,6 +110,7 @@ def test_the_hash_covers_what_is_imported_and_nothing_else(package):
 
     def now():
         module._imported.cache_clear()
+        module._content.cache_clear()
         return module.source_hash(caller)
 
     before = now()

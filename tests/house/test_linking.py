@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import pytest
 
 from avatarsim import kernel as real
 from avatarsim import linking
+from avatarsim.collide.support import support
 
 LARGE = """from avatarsim.kernel import kernel
 
@@ -133,3 +135,7 @@ def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path
     said = [json.loads(child.communicate()[0]) for child in children]
     assert sum(one["compiled"] for one in said) == 2  # `large` and `top`; `small` is not counted
     assert len({tuple(one["values"]) for one in said}) == 1
+
+
+def test_a_kernel_is_pickled_by_name():
+    assert pickle.loads(pickle.dumps(support)) is support
