@@ -19,7 +19,7 @@ import functools
 import hashlib
 import importlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -158,8 +158,10 @@ class KernelCache(FunctionCache):
     def turn(self) -> Iterator[None]:
         """Wait until no other process compiles this kernel: then it is on disk. Since no kernel calls itself, not even through
         others, processes cannot wait for one another in a ring."""
-        with self.latch.open("w") as latch:
-            fcntl.flock(latch, fcntl.LOCK_EX)
+        with ExitStack() as held:
+            # Without a lock (the folder was pruned, or its disk knows none) the kernel is only compiled more than once.
+            with suppress(OSError):
+                fcntl.flock(held.enter_context(self.latch.open("w")), fcntl.LOCK_EX)
             yield
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
@@ -177,7 +179,7 @@ def sealed_name(compiled: Any) -> str | None:
 
 
 def _name(compiled: Any) -> str:
-    from avatarsim.kernel import source_hash
+    from avatarsim.kernel import source_hash  # which imports this file
 
     descriptor = compiled.fndesc
     digest = hashlib.sha256(repr((descriptor.argtypes, descriptor.restype)).encode()).hexdigest()[:16]

@@ -54,7 +54,7 @@ def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
 @kernel
 def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
     """Angle [rad] and unit axis (parent's axes) of the shortest turn that brings a limb into its polygon and swing cone."""
-    _, allowed = nearest_in_reach(skel, link, limb, most)
+    allowed = nearest_in_reach(skel, link, limb, most)
     axis = cross(limb, allowed)
     sine = norm(axis)
     if sine < ROUNDING:

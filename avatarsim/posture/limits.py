@@ -91,7 +91,7 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
     if has_reach(skel, link):
         inside = inside and is_in_reach(skel, link, limb)
         if not inside:
-            _, allowed = nearest_in_reach(skel, link, limb, most)
+            allowed = nearest_in_reach(skel, link, limb, most)
     if inside and clipped == twist:
         return turn
     # unswing, correct the twist, swing out again as far as allowed

@@ -7,7 +7,7 @@ edge spans with the edges. A circular swing cone holds as well; the nearest dire
 from math import atan2, cos, sin, sqrt
 
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.skeleton import Skeleton
 
 ROUNDING = 1e-12
@@ -79,36 +79,36 @@ def swing_of(skel: Skeleton, link: int, limb: Vec3) -> float:
 
 
 @kernel
-def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[bool, Vec3]:
+def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3:
     """The direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
 
     The edge of what is allowed consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest of
-    an arc of one, if the other allows it, or a point where the two cross. Returns (found, direction).
+    an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
     """
-    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-    found, best, least = False, limb, 10.0
     if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
-        return True, limb
+        return limb
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    best = row(skel.sight, link)
+    least = angle_between(best, limb)
     candidate = nearest_on_circle(centre, most, limb)
-    if is_in_reach(skel, link, candidate):
-        found, best, least = True, candidate, angle_between(candidate, limb)
+    if angle_between(candidate, limb) < least and is_in_reach(skel, link, candidate):
+        best, least = candidate, angle_between(candidate, limb)
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
         start, end, inward = edge(skel, link, k)
-        for which in range(5):
+        # the end of an edge is the start of another
+        for which in range(4):
             if which == 0:
                 candidate = nearest_on_edge(start, end, inward, limb)
             elif which == 1:
                 candidate = start
-            elif which == 2:
-                candidate = end
             else:
-                crosses, candidate = crossing(start, end, inward, centre, most, which == 3)
+                crosses, candidate = crossing(start, end, inward, centre, most, which == 2)
                 if not crosses:
                     continue
             away = angle_between(candidate, limb)
             if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
-                found, best, least = True, candidate, away
-    return found, best
+                best, least = candidate, away
+    return best
 
 
 @kernel
@@ -117,9 +117,7 @@ def nearest_on_circle(centre: Vec3, radius: float, limb: Vec3) -> Vec3:
     sideways = sub(limb, scale(centre, dot(centre, limb)))
     length = norm(sideways)
     if length < ROUNDING:
-        # every one is as near
-        sideways = cross(centre, (1.0, 0.0, 0.0) if abs(centre[0]) < 0.6 else (0.0, 1.0, 0.0))
-        length = norm(sideways)
+        sideways, length = perpendicular(centre), 1.0  # every one is as near
     return add(scale(centre, cos(radius)), scale(sideways, sin(radius) / length))
 
 

@@ -137,5 +137,16 @@ def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path
     assert len({tuple(one["values"]) for one in said}) == 1
 
 
+def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling(package, tmp_path):
+    cache = tmp_path / "cache"
+    gone = f"import shutil; from avatarsim.caller import top; shutil.rmtree({str(cache)!r})\n"
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON"))}
+    kept |= {"PYTHONPATH": str(package.parent), "NUMBA_CACHE_DIR": str(cache)}
+    command = [sys.executable, "-c", gone + "print(top(0.25))"]
+    done = subprocess.run(command, env=kept, cwd=package.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == pytest.approx(plainly(0.25), rel=1e-13)
+
+
 def test_a_kernel_is_pickled_by_name():
     assert pickle.loads(pickle.dumps(support)) is support

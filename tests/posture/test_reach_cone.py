@@ -89,23 +89,23 @@ def test_the_excess_is_the_judges(name: str, seed: int) -> None:
 @given(st.sampled_from(sorted(CONES)), SEEDS)
 def test_nothing_inside_is_nearer_than_the_nearest_direction_inside(name: str, seed: int) -> None:
     limb, skel = direction(seed), SKELETONS[name]
-    found, nearest = nearest_in_reach(skel, 1, limb, MOST)
-    assert found and beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
+    nearest = nearest_in_reach(skel, 1, limb, MOST)
+    assert beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
     if is_in_reach(skel, 1, limb):
         assert nearest == limb
     else:
         densely = np.min(np.arccos(np.clip(boundary(CONES[name]) @ limb, -1.0, 1.0)))
         assert angle_between(nearest, limb) == pytest.approx(densely, abs=2e-6)
         assert angle_between(nearest, limb) <= densely + 1e-7
-        assert nearest_in_reach(skel, 1, nearest, MOST)[1] == pytest.approx(nearest, abs=1e-12)
+        assert nearest_in_reach(skel, 1, nearest, MOST) == pytest.approx(nearest, abs=1e-12)
 
 
 @given(st.sampled_from(["convex", "concave", "wider than a hemisphere"]), st.floats(0.4, 2.0), SEEDS)
 def test_with_a_swing_cone_the_nearest_direction_is_inside_both(name: str, most: float, seed: int) -> None:
     limits = SwingTwist((0.0, 0.0, 1.0), (0.1, 0.0, 0.995), MOST, (-WHOLE, WHOLE))
     skel, limb, centre = skel_of(CONES[name], limits), direction(seed), np.array(limits.centre)
-    found, nearest = nearest_in_reach(skel, 1, limb, most)
-    assert found and beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
+    nearest = nearest_in_reach(skel, 1, limb, most)
+    assert beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
     assert np.arctan2(np.linalg.norm(np.cross(nearest, centre)), nearest @ centre) <= most + 2e-12
     rng = np.random.default_rng(seed)
     around = np.array(nearest) + angle_between(nearest, limb) * rng.normal(size=(2000, 3))
@@ -156,7 +156,7 @@ def test_without_limits_the_limb_is_what_points_to_the_visible_point(seed: int) 
 def test_paper_reach_cone_of_a_ball_is_a_spherical_polygon_and_may_be_wider_than_a_hemisphere() -> None:
     skel = SKELETONS["wider than a hemisphere"]
     assert is_in_reach(skel, 1, (1.0, 0.0, -0.2)) and not is_in_reach(skel, 1, (0.0, 0.0, -1.0))
-    _, nearest = nearest_in_reach(skel, 1, (0.0, 0.0, -1.0), MOST)
+    nearest = nearest_in_reach(skel, 1, (0.0, 0.0, -1.0), MOST)
     # the corner at 140 degrees is 40 from the pole below, and an edge from it passes a little nearer
     densely = np.arccos(np.max(-boundary(CONES["wider than a hemisphere"])[:, 2]))
     assert angle_between(nearest, (0.0, 0.0, -1.0)) == pytest.approx(densely, abs=1e-6) and 0.65 < densely < np.radians(40.0)
