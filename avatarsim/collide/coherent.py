@@ -20,8 +20,8 @@ from avatarsim.collide.closed_forms import (
     form,
     point_and_box,
 )
-from avatarsim.collide.epa import EXACT, SAME_FACE, deepest_points, expand
-from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING, closest_in_simplex, closest_points, gjk_from
+from avatarsim.collide.epa import EXACT, SAME_FACE, deepest_points, expand, points_agree
+from avatarsim.collide.gjk import CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING, WHOLE, closest_in_simplex, closest_points, gjk_from
 from avatarsim.collide.pair_memory import (
     PairMemory,
     PairRecord,
@@ -134,7 +134,7 @@ def still_apart(
     _, v, count = closest_in_simplex(count, scratch)
     if not (0.0 < norm(v) < inf):
         return UNKNOWN
-    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, count, margin, CLOSE_ENOUGH, scratch)
+    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, WHOLE, count, margin, CLOSE_ENOUGH, scratch)
     if status != CONVERGED or not (distance > 0.0):
         return UNKNOWN
     on_a, on_b = closest_points(count, scratch)
@@ -197,6 +197,8 @@ def same_facet(
     if not (depth - lowest <= EXACT * size):
         return UNKNOWN
     on_a, on_b = deepest_kept(vertices, shapes, a, b, m, depth, SAME_FACE * size, memory, scratch)
+    if not points_agree(on_a, on_b, m, depth, size):
+        return UNKNOWN
     return True, -depth, neg(m), on_a, on_b
 
 
@@ -212,10 +214,12 @@ def still_overlapping(
     before = recall_faces(count, memory_out, scratch)
     if before == 0:
         return UNKNOWN
-    status, m, depth, points, faces, _ = expand(vertices, shapes, a, b, count, before, EXACT * size, scratch)
+    status, m, depth, points, faces, _ = expand(vertices, shapes, a, b, WHOLE, count, before, EXACT * size, scratch)
     if status != CONVERGED or not (depth > CLEARLY_DEEP * size):
         return UNKNOWN
     on_a, on_b = deepest_points(m, depth, faces, size, scratch)
+    if not points_agree(on_a, on_b, m, depth, size):
+        return UNKNOWN
     if points > count:
         remember_polytope(shapes, a, b, neg(m), points, faces, scratch, memory_out)
     return True, -depth, neg(m), on_a, on_b

@@ -8,7 +8,7 @@ support is itself an upper bound: moving by it separates.
 
 from math import inf
 
-from avatarsim.collide.gjk import NOWHERE, add_support
+from avatarsim.collide.gjk import NOWHERE, WHOLE, Balls, add_support
 from avatarsim.collide.polytope import cone_to, corners, find_horizon, lowest_face, start_polytope
 from avatarsim.collide.scratch import POINTS_CAP, Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
@@ -35,9 +35,9 @@ SAME_FACE = 1e-9
 looked for."""
 
 
-SIGN_DOUBT = 1e-9
-"""Relative to the shapes' size: GJK found no gap between the cores, EPA found one larger than this. Reported
-as DEGENERATE."""
+POINTS_APART = 1e-10
+"""Relative to the shapes' size: witness points that differ from depth m by more do not prove the depth from below as m does from
+above. Larger: rounding passes for an answer; smaller: it is reported as DEGENERATE where it is as good as coordinates allow."""
 
 
 @kernel
@@ -55,28 +55,28 @@ def epa(
     size = max(shapes.extent[a], shapes.extent[b])
     both_points = shapes.kind[a] == POINTS and shapes.kind[b] == POINTS
     tolerance = (EXACT if both_points else SMOOTH) * size
-    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, count, tolerance, scratch)
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, WHOLE, count, tolerance, scratch)
     return status, m, depth, points, faces
 
 
 @kernel
 def epa_to(
-    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, tolerance: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, tolerance: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int, int, int]:
-    """As `epa` to a tolerance [m]; the face that is lowest comes last."""
+    """As `epa` of the cores without the balls, to a tolerance [m]; the face that is lowest comes last."""
     size = max(shapes.extent[a], shapes.extent[b])
-    points = grow_tetrahedron(vertices, shapes, a, b, count, size, scratch)
+    points = grow_tetrahedron(vertices, shapes, a, b, balls, count, size, scratch)
     if points < 4:
         return CONVERGED, flat_normal(points, seed, scratch), 0.0, points, 0, 0
     if not start_polytope(scratch):
         m = flat_normal(points - 1, seed, scratch)
-        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, points, scratch), m), points, 0, 0
-    return expand(vertices, shapes, a, b, points, points, tolerance, scratch)
+        return DEGENERATE, m, dot(add_support(vertices, shapes, a, b, m, balls, points, scratch), m), points, 0, 0
+    return expand(vertices, shapes, a, b, balls, points, points, tolerance, scratch)
 
 
 @kernel
 def expand(
-    vertices: Rows, shapes: Shapes, a: int, b: int, points: int, faces: int, tolerance: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, balls: Balls, points: int, faces: int, tolerance: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int, int, int]:
     """Push out the polytope of ``points`` points and ``faces`` face slots that is in the scratch until its lowest face
     is on the surface of A - B but for ``tolerance`` [m].
@@ -95,7 +95,7 @@ def expand(
             return NOT_FINITE, toward, least, points, faces, f
         m = row(scratch.normal, f)
         slot = min(points, POINTS_CAP - 1)
-        w = add_support(vertices, shapes, a, b, m, slot, scratch)
+        w = add_support(vertices, shapes, a, b, m, balls, slot, scratch)
         depth = dot(w, m)
         if depth - lowest <= tolerance or depth < 0.0:
             return CONVERGED, m, depth, points, faces, f
@@ -132,6 +132,13 @@ def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
     if norm(wish) > 0.0:
         return scale(wish, 1.0 / norm(wish))
     return (0.0, 0.0, -1.0)
+
+
+@kernel
+def points_agree(on_a: Vec3, on_b: Vec3, m: Vec3, depth: float, size: float) -> bool:
+    """Whether points of A and of B differ by depth m, as far as it counts. If depth < 0 that proves the distance: m says that it
+    is no smaller, the points that it is no larger."""
+    return norm(along(sub(on_a, on_b), -depth, m)) <= POINTS_APART * size
 
 
 @kernel

@@ -41,6 +41,13 @@ support would have mattered, is given up; more: only costs time on a failure."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 
+Balls = tuple[float, float]
+"""Radii [m] of balls taken off the cores of A and B: a core is then what is left, and swept by the ball it is the core again.
+Zero for points. At most the least radius of curvature, see `smooth.rolling_radius`, or what is left is not convex."""
+
+WHOLE: Balls = (0.0, 0.0)
+"""Nothing taken off."""
+
 
 @kernel
 def closest_in_simplex(count: int, scratch: Scratch) -> tuple[bool, Vec3, int]:
@@ -74,10 +81,13 @@ def closest_in_simplex(count: int, scratch: Scratch) -> tuple[bool, Vec3, int]:
 
 
 @kernel
-def add_support(vertices: Rows, shapes: Shapes, a: int, b: int, d: Vec3, slot: int, scratch: Scratch) -> Vec3:
-    """Write the farthest point of A - B along d into a slot of the scratch, and return it."""
+def add_support(vertices: Rows, shapes: Shapes, a: int, b: int, d: Vec3, balls: Balls, slot: int, scratch: Scratch) -> Vec3:
+    """Write the farthest point of A - B along d, but for the balls, into a slot of the scratch, and return it."""
     on_a, row_a = support(vertices, shapes, a, d)
     on_b, row_b = support(vertices, shapes, b, neg(d))
+    if balls[0] > 0.0 or balls[1] > 0.0:
+        length = norm(d)
+        on_a, on_b = along(on_a, -balls[0] / length, d), along(on_b, balls[1] / length, d)
     w = sub(on_a, on_b)
     put_row(scratch.w, slot, w)
     put_row(scratch.on_a, slot, on_a)
@@ -118,7 +128,8 @@ def gjk(
         scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
         than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
-    return gjk_from(vertices, shapes, a, b, first_direction(vertices, shapes, a, b, seed), 0, margin, CLOSE_ENOUGH, scratch)
+    v = first_direction(vertices, shapes, a, b, seed)
+    return gjk_from(vertices, shapes, a, b, v, WHOLE, 0, margin, CLOSE_ENOUGH, scratch)
 
 
 @kernel
@@ -132,17 +143,19 @@ def first_direction(vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3) 
 
 @kernel
 def gjk_from(
-    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, count: int, margin: float, close: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, balls: Balls, count: int, margin: float, close: float,
+    scratch: Scratch,
 ) -> tuple[int, Vec3, float, int]:
     """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
 
     Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
     is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
+    Cores, points and distance are those without the balls.
     """
     size = max(shapes.extent[a], shapes.extent[b])
     length, stalls = norm(v), 0
     for _ in range(ITERATIONS_CAP):
-        w = add_support(vertices, shapes, a, b, neg(v), count, scratch)
+        w = add_support(vertices, shapes, a, b, neg(v), balls, count, scratch)
         proved = dot(v, w) / length
         if not (abs(proved) < inf):
             return NOT_FINITE, NOWHERE, 0.0, count
@@ -173,7 +186,7 @@ def gjk_from(
             stalls += 1
         v, length = closest, closer
     n = scale(v, 1.0 / length)
-    proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)
+    proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n) + balls[0] + balls[1]
     if not (proved > 0.0):
         return CONVERGED, NOWHERE, 0.0, count
     return OUT_OF_ITERATIONS, n, proved, count

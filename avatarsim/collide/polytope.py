@@ -31,6 +31,7 @@ def set_plane(f: int, scratch: Scratch) -> bool:
     put_row(scratch.normal, f, n)
     scratch.height[f] = dot(n, p)
     scratch.alive[f] = 1
+    scratch.settled[f] = 0
     return True
 
 

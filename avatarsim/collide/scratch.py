@@ -45,6 +45,8 @@ class Scratch(np.record):  # type: ignore[misc]  # numpy calls it final, and its
     """(FACES_CAP,) signed distance [m] of the face's plane from the origin; inf where a slot in use holds no face."""
     alive: NDArray[np.int64]
     """(FACES_CAP,) 1 if the slot holds a face, 0 if free, 2 while the face is being removed."""
+    settled: NDArray[np.int64]
+    """(FACES_CAP,) 1 if no direction that the face hides can be the shortest way out, see `smooth_depth`."""
     stack: NDArray[np.uint32]
     """(FACES_CAP,) faces that a new point is above."""
     horizon: NDArray[np.uint32]
@@ -72,6 +74,7 @@ SCRATCH = np.dtype(
                 ("normal", np.float64, (FACES_CAP, 3)),
                 ("height", np.float64, (FACES_CAP,)),
                 ("alive", np.int64, (FACES_CAP,)),
+                ("settled", np.int64, (FACES_CAP,)),
                 ("stack", np.uint32, (FACES_CAP,)),
                 ("horizon", np.uint32, (FACES_CAP, 3)),
                 ("spoke", np.int64, (POINTS_CAP,)),

@@ -18,8 +18,8 @@ from avatarsim.collide.closed_forms import (
     form,
     point_and_box,
 )
-from avatarsim.collide.epa import EXACT, SIGN_DOUBT, deepest_points, epa_to
-from avatarsim.collide.gjk import NOWHERE, closest_points, gjk
+from avatarsim.collide.epa import EXACT, deepest_points, epa_to, points_agree
+from avatarsim.collide.gjk import NOWHERE, WHOLE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.smooth_distance import smooth_distance
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE
@@ -87,12 +87,12 @@ def core_distance(
         known, depth, n, on_a, on_b = box_depth(vertices, shapes, a, b)
         if known:
             return CONVERGED, depth, n, on_a, on_b, 0, 0
-    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, points, EXACT * size, scratch)
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, WHOLE, points, EXACT * size, scratch)
     if status == NOT_FINITE:
         return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
     if faces > 0:
         on_a, on_b = deepest_points(m, depth, faces, size, scratch)
-    if -depth > SIGN_DOUBT * size and status == CONVERGED:
+    if status == CONVERGED and faces > 0 and not points_agree(on_a, on_b, m, depth, size):
         status = DEGENERATE
     return status, -depth, neg(m), on_a, on_b, points, faces
 
@@ -116,16 +116,3 @@ def signed_distance(
         and gap are the best found; a gap < 0 still separates.
     """
     return signed_distance_up_to(vertices, shapes, a, b, seed, inf, scratch)
-
-
-@kernel
-def separated_beyond(
-    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
-) -> tuple[bool, Vec3]:
-    """Whether a gap > margin [m] of shapes a and b is proved, and by which unit normal (out of b into a).
-
-    If not: the last normal tried, zero if the cores overlap. A nan is never proved apart.
-    """
-    rounding = shapes.radius[a] + shapes.radius[b]
-    _, n, distance, _ = gjk(vertices, shapes, a, b, seed, margin + rounding, scratch)
-    return distance > margin + rounding, n

@@ -3,7 +3,7 @@
 Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if
 positive, minus a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature:
 a vertex, an edge (m stays at right angles to it) or a face (m is its normal). GJK or EPA bring m near and name the
-feature; what Newton finds counts only with a proof.
+feature; what Newton finds counts only with a proof, see `smooth_proof`.
 """
 
 from math import inf, sqrt
@@ -32,11 +32,8 @@ PROVED = 1e-10
 LONGEST_STEP = 0.5
 """Radians: a longer step leaves the neighbourhood in which the quadratic model means anything."""
 
-HALVINGS = 20
-"""Cones tried, from a right angle on, each with half the last one's 1 - cosine; the last is 0.1 degrees wide."""
-
 SLACK = 1e-12
-"""Relative: how far the condition for the largest ball may be missed by rounding. It holds with equality at the centre."""
+"""Relative: a bend or a condition this small is rounding. That for the largest ball holds with equality at the centre."""
 
 
 @kernel
@@ -174,113 +171,3 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
     missed = max(norm(along(between, -above, m)), abs(above - height))
     # Far from the origin the coordinates themselves are no finer than ROUNDING times their size.
     return missed <= PROVED * size + ROUNDING * (abs(above) + norm(on_a)), m, above, on_a, on_b
-
-
-@kernel
-def proves_itself(vertices: Rows, shapes: Shapes, a: int, b: int, found: bool, m: Vec3, height: float) -> bool:
-    """Whether a stationary point is known to be the answer without looking elsewhere."""
-    return found and (height < 0.0 or ball_fits(vertices, shapes, a, b, m, height))
-
-
-@kernel
-def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float) -> bool:
-    """Whether the ball about the origin that touches the surface of A - B from inside at normal m lies in A - B.
-
-    For one ellipsoid E around a point of the other shape: {x: x.Q^-1 x <= 1}, Q = E^T E, the nearest point of its surface
-    minimises |x|^2 under one quadratic condition, and a stationary point is the global one if and only if
-    Q - depth |E m| I has no negative eigenvalue. For two, A - B holds every ellipsoid of matrix A + T B, T orthogonal,
-    because |A m| + |B m| >= |A m + T B m|; the T taken turns B m onto A m, so that this one touches at m too, and else
-    leaves as much of it as can be. The condition holds with equality at a common centre, so it is missed by rounding.
-    """
-    # Far from the origin a depth is no finer than the coordinates it was measured with.
-    depth = (1.0 - SLACK) * depth - ROUNDING * norm(row(vertices, shapes.start[a]))
-    am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
-    if shapes.kind[a] == POINTS or shapes.kind[b] == POINTS:
-        s = b if shapes.kind[a] == POINTS else a
-        f = shapes.start[s]
-        x, y, z = row(vertices, f + 1), row(vertices, f + 2), row(vertices, f + 3)
-        return min(dot(x, x), dot(y, y), dot(z, z)) >= depth * (norm(am) + norm(bm))
-    reaching = norm(am) + norm(bm)
-    am, bm = unit(am), unit(bm)
-    p, q = perpendicular(am), perpendicular(bm)
-    a_0, b_0 = gathered(vertices, shapes, a, am), gathered(vertices, shapes, b, bm)
-    a_1, b_1 = gathered(vertices, shapes, a, p), gathered(vertices, shapes, b, q)
-    a_2, b_2 = gathered(vertices, shapes, a, cross(am, p)), gathered(vertices, shapes, b, cross(bm, q))
-    c_11, c_12, c_21, c_22 = dot(a_1, b_1), dot(a_1, b_2), dot(a_2, b_1), dot(a_2, b_2)
-    # The best rotation about m, or reflection through it: the one with the larger trace.
-    cos, sin, mirror = c_11 + c_22, c_21 - c_12, 1.0
-    if (c_11 - c_22) * (c_11 - c_22) + (c_12 + c_21) * (c_12 + c_21) > cos * cos + sin * sin:
-        cos, sin, mirror = c_11 - c_22, c_12 + c_21, -1.0
-    length = sqrt(cos * cos + sin * sin)
-    cos, sin = (cos / length, sin / length) if length > 0.0 else (1.0, 0.0)
-    x = add(a_0, b_0)
-    y = along(along(a_1, cos, b_1), -sin * mirror, b_2)
-    z = along(along(a_2, sin, b_1), cos * mirror, b_2)
-    return not_negative(x, y, z, depth * reaching, SLACK * reaching * reaching)
-
-
-@kernel
-def not_negative(x: Vec3, y: Vec3, z: Vec3, shift: float, rounding: float) -> bool:
-    """Whether x x^T + y y^T + z z^T - shift I has no eigenvalue below -``rounding``, by the pivots of its elimination."""
-    shift -= rounding
-    xx = x[0] * x[0] + y[0] * y[0] + z[0] * z[0] - shift
-    yy = x[1] * x[1] + y[1] * y[1] + z[1] * z[1] - shift
-    zz = x[2] * x[2] + y[2] * y[2] + z[2] * z[2] - shift
-    xy = x[0] * x[1] + y[0] * y[1] + z[0] * z[1]
-    xz = x[0] * x[2] + y[0] * y[2] + z[0] * z[2]
-    yz = x[1] * x[2] + y[1] * y[2] + z[1] * z[2]
-    if not (xx > 0.0):
-        return False
-    yy, yz, zz = yy - xy * xy / xx, yz - xy * xz / xx, zz - xz * xz / xx
-    if not (yy > 0.0):
-        return False
-    return zz - yz * yz / yy >= 0.0
-
-
-@kernel
-def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float) -> float:
-    """Cosine of a cone about the stationary normal m in which h is nowhere below ``depth`` = h(m); above 1: none is known.
-
-    For a unit vector d at angle t from m, x the point of an ellipsoid E with normal m, r = |E m|, and k the radius of
-    curvature towards d: |E d|^2 = (x.d)^2 + r k sin^2 t, so |E d| - x.d = r k sin^2 t / (|E d| + x.d). With s the length of
-    x across m and L the longest semi-axis, x.d <= r cos t + s sin t and
-    |E d|^2 <= r^2 cos^2 t + 2 r s sin t cos t + L^2 sin^2 t. The points of the two shapes that make h(m) add depth cos t.
-    Together h(d) - depth >= sin^2 t (k r / (|E d| + x.d) - depth / (1 + cos t)), k and r of both shapes where both bend.
-    """
-    am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
-    u = perpendicular(m)
-    v = cross(m, u)
-    au, bu = stretched(vertices, shapes, a, u), stretched(vertices, shapes, b, u)
-    av, bv = stretched(vertices, shapes, a, v), stretched(vertices, shapes, b, v)
-    uu, vv = curvature(am, au, au) + curvature(bm, bu, bu), curvature(am, av, av) + curvature(bm, bv, bv)
-    uv = curvature(am, au, av) + curvature(bm, bu, bv)
-    least = 0.5 * (uu + vv) - sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv)
-    from_one = 1.0
-    for _ in range(HALVINGS):
-        cos = 1.0 - from_one
-        share = min(least_share(vertices, shapes, a, m, am, cos), least_share(vertices, shapes, b, m, bm, cos))
-        if share * least * (1.0 + cos) * (1.0 - SLACK) >= depth:
-            return cos
-        from_one *= 0.5
-    return 2.0
-
-
-@kernel
-def least_share(vertices: Rows, shapes: Shapes, s: int, m: Vec3, e: Vec3, cos: float) -> float:
-    """Least r / (|E d| + x.d) over d in a cone about m, for `least_cosine`; e = E m. 1/2 at m; inf for points."""
-    r = norm(e)
-    if not (r > 0.0):
-        return inf
-    sin, longest = sqrt(1.0 - cos * cos), longest_axis(vertices, shapes, s)
-    x = gathered(vertices, shapes, s, scale(e, 1.0 / r))
-    across = norm(along(x, -r, m))
-    return r / (r * cos + across * sin + sqrt(r * cos * (r * cos + 2.0 * across * sin) + longest * longest * sin * sin))
-
-
-@kernel
-def longest_axis(vertices: Rows, shapes: Shapes, s: int) -> float:
-    """Longest semi-axis of ellipsoid s [m]; 0 for points."""
-    if shapes.kind[s] == POINTS:
-        return 0.0
-    f = shapes.start[s]
-    return max(norm(row(vertices, f + 1)), norm(row(vertices, f + 2)), norm(row(vertices, f + 3)))

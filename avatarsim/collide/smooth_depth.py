@@ -7,14 +7,15 @@ anything outside that cone. What is left when every facet is high enough or expl
 
 from math import inf, nan, sqrt
 
-from avatarsim.collide.epa import SIGN_DOUBT, SMOOTH, VISIBLE, deepest_points, epa_to
-from avatarsim.collide.gjk import NOWHERE, add_support, closest_points
+from avatarsim.collide.epa import SMOOTH, VISIBLE, deepest_points, epa_to, points_agree
+from avatarsim.collide.gjk import NOWHERE, WHOLE, Balls, add_support, closest_points
 from avatarsim.collide.polytope import cone_to, find_horizon
 from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch, number
-from avatarsim.collide.smooth import least_cosine, polish, proves_itself
+from avatarsim.collide.smooth import polish
+from avatarsim.collide.smooth_proof import bends_out, least_cosine, proves_itself
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Rows, Vec3, dot, neg, put_row, row
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
 from avatarsim.world.shapes import POINTS, Shapes
 
 START = 0.03
@@ -68,9 +69,11 @@ def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
 
 @kernel
 def smooth_depth(
-    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
-    """As `core_distance`, for cores that GJK left with ``count`` points and no gap, one of them an ellipsoid.
+    """As `core_distance`, for cores, one of them an ellipsoid, that GJK left with ``count`` points and no gap but for the balls.
+
+    Heights and depths in here are those without the balls, and so are the points of the polytope.
 
     Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
     """
@@ -78,31 +81,42 @@ def smooth_depth(
     side = 0 if shapes.kind[a] == POINTS else 1
     flat_a, flat_b = closest_points(count, scratch)
     try_at = START * size
-    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, count, try_at, scratch)
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, count, try_at, scratch)
+    if faces == 0 and balls[0] + balls[1] > 0.0:
+        # A ball written as an ellipsoid leaves nothing, or something flat, which has no facets.
+        balls = WHOLE
+        add_support(vertices, shapes, a, b, m, balls, 0, scratch)
+        status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, 1, try_at, scratch)
+    rolled = balls[0] + balls[1]
     best, n, on_a, on_b, minima = inf, m, flat_a, flat_b, 0
     i, j, k = scratch.rows[0, side], scratch.rows[0, side], scratch.rows[0, side]
     while status == CONVERGED and faces > 0:
         f, lowest = -1, inf
         for g in range(faces):
-            if scratch.alive[g] == 1 and scratch.height[g] < lowest:
+            if scratch.alive[g] == 1 and scratch.settled[g] == 0 and scratch.height[g] < lowest:
                 if scratch.height[g] < best - EXPLAINED * size and not explained(g, minima, best, scratch):
                     f, lowest = g, scratch.height[g]
         if f < 0:
             break
         m = row(scratch.normal, f)
-        w = add_support(vertices, shapes, a, b, m, points, scratch)
+        w = add_support(vertices, shapes, a, b, m, balls, points, scratch)
         depth = dot(w, m)
         if not (abs(depth) < inf):
             status = NOT_FINITE
             break
+        if best > 0.0 and best < inf:
+            whole_w = along(w, rolled, m)
+            if bends_out(vertices, shapes, a, b, m, whole_w, lowest / best, best + rolled - EXPLAINED * size):
+                scratch.settled[f] = 1
+                continue
         if depth - lowest <= try_at or depth < 0.0:
             x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
             i_f, j_f, k_f = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
             found, better, height, p, q = polish(vertices, shapes, a, b, m, i_f, j_f, k_f)
             new = found and not already_found(better, minima, scratch)
-            if new and height < best:
-                best, n, on_a, on_b, i, j, k = height, better, p, q, i_f, j_f, k_f
-                if proves_itself(vertices, shapes, a, b, found, better, height):
+            if new and height - rolled < best:
+                best, n, on_a, on_b, i, j, k = height - rolled, better, p, q, i_f, j_f, k_f
+                if proves_itself(vertices, shapes, a, b, found, better, height, rolled):
                     break
             if new and minima < MINIMA_KEPT:
                 put_row(scratch.w, POINTS_CAP - 2 - minima, better)
@@ -115,6 +129,13 @@ def smooth_depth(
                     if depth < best:
                         best, n, minima = depth, m, -1
                     break
+        if depth - lowest <= EXPLAINED * size:
+            # The face is one of A - B's own, which has faces where a core is a polytope and the other a mere ball.
+            if depth < best - EXPLAINED * size:
+                best, n, minima = depth, m, -1
+                break
+            scratch.settled[f] = 1
+            continue
         if points >= POINTS_CAP - 2 - MINIMA_KEPT:
             status = OUT_OF_ITERATIONS
             if depth < best:
@@ -133,14 +154,14 @@ def smooth_depth(
         # A - B is flat, or EPA could not even begin.
         if faces > 0:
             flat_a, flat_b = deepest_points(m, depth, faces, size, scratch)
-        return status, -depth, neg(m), flat_a, flat_b, 0, 0
+        return status, -depth - rolled, neg(m), along(flat_a, balls[0], m), along(flat_b, -balls[1], m), 0, 0
     if minima < 0:
         on_a, on_b = deepest_points(n, best, faces, size, scratch)
-        if -best > SIGN_DOUBT * size and status == CONVERGED:
+        if status == CONVERGED and best < 0.0 and not points_agree(on_a, on_b, n, best, size):
             status = DEGENERATE
-        return status, -best, neg(n), on_a, on_b, 0, 0
+        return status, -best - rolled, neg(n), along(on_a, balls[0], n), along(on_b, -balls[1], n), 0, 0
     for slot in range(FEATURE):
         scratch.rows[slot, 0] = scratch.rows[0, 0]
         scratch.rows[slot, 1] = scratch.rows[0, 1]
     scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
-    return status, -best, neg(n), on_a, on_b, FEATURE, 0
+    return status, -best - rolled, neg(n), on_a, on_b, FEATURE, 0

@@ -1,6 +1,6 @@
 """Four independent points of A - B to start the expanding polytope from."""
 
-from avatarsim.collide.gjk import add_support
+from avatarsim.collide.gjk import Balls, add_support
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import upright
 from avatarsim.kernel import kernel
@@ -77,7 +77,7 @@ def move_point(source: int, target: int, scratch: Scratch) -> None:
 
 @kernel
 def grow_tetrahedron(
-    vertices: Rows, shapes: Shapes, a: int, b: int, count: int, size: float, scratch: Scratch
+    vertices: Rows, shapes: Shapes, a: int, b: int, balls: Balls, count: int, size: float, scratch: Scratch
 ) -> int:
     """Make four independent points of A - B in the first rows of the scratch, starting from the ``count``
     there.
@@ -95,7 +95,7 @@ def grow_tetrahedron(
         found = False
         for k in range(6 if points < 3 else 2):
             # The best candidate so far is in the next slot, the one being tried in the slot after it.
-            w = add_support(vertices, shapes, a, b, outward_try(points, k, scratch), points + 1, scratch)
+            w = add_support(vertices, shapes, a, b, outward_try(points, k, scratch), balls, points + 1, scratch)
             far = off_the_others(points, w, scratch)
             if far > best:
                 best, found = far, True

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.pair_memory import make_pair_memory
 from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import separated_beyond, signed_distance, signed_distance_up_to
+from avatarsim.collide.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NAMES
 from avatarsim.spatial.vec3 import Vec3
 from avatarsim.world.shapes import ELLIPSOID
@@ -165,15 +165,14 @@ def _other_doors(
     for margin in (0.0, 0.5 * abs(gap), gap + 10.0 * slack):
         margin = max(margin, 0.0)
         status, bound, *_ = signed_distance_up_to(v, shapes, a, b, seed, margin, SCRATCH)
-        apart, normal = separated_beyond(v, shapes, a, b, seed, margin, SCRATCH)
         if status != CONVERGED and back[0] == CONVERGED:
             return difference, f"with margin: status {NAMES[status]}"
         if bound > margin and not (bound <= gap + slack):
             return difference, f"bound {bound:.17g} proved beyond the gap {gap:.17g}"
         if not bound > margin:
             difference = max(difference, abs(bound - gap))
-        if apart != (gap > margin) and abs(gap - margin) > slack:
-            return difference, f"separated_beyond({margin:.3g}) says {apart} of the gap {gap:.17g}"
+        if (bound > margin) != (gap > margin) and abs(gap - margin) > slack:
+            return difference, f"with margin {margin:.3g} the bound is {bound:.17g}, the gap {gap:.17g}"
     for moved in (True, False):
         warm, wrong = _coherent(batch, k, size, moved)
         difference = max(difference, abs(warm - gap))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collide.signed_distance import separated_beyond, signed_distance, signed_distance_up_to
+from avatarsim.collide.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import gap_along
 from tests.collide.solids import (
@@ -229,11 +229,9 @@ def test_up_to_a_margin_agrees_with_the_full_query_or_proves_more():
         exact = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
         for margin in (0.0, 0.3, inf):
             bounded = signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, margin, SCRATCH)
-            proved, n = separated_beyond(vertices, shapes, 0, 1, NO_SEED, margin, SCRATCH)
-            assert proved == (exact[1] > margin)
-            if proved:
+            if exact[1] > margin:
                 assert margin < bounded[1] <= exact[1] + 1e-12
-                assert gap_along(vertices, shapes, 0, 1, n) > margin
+                assert gap_along(vertices, shapes, 0, 1, bounded[2]) > margin
             else:
                 assert bounded == exact
 
@@ -243,7 +241,7 @@ def test_a_nan_pose_is_a_status_and_never_apart():
     status, gap, _, _, _ = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
     assert status == NOT_FINITE
     assert np.isnan(gap)
-    assert not separated_beyond(vertices, shapes, 0, 1, NO_SEED, 0.0, SCRATCH)[0]
+    assert signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, 0.0, SCRATCH)[0] == NOT_FINITE
 
 
 def test_the_same_question_gives_the_same_bits_whatever_was_asked_before():

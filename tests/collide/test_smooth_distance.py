@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.pair_memory import make_pair_memory
 from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import separated_beyond, signed_distance_up_to
+from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.support import gap_along
 from tests.collide.solids import as_arrays, ask, ball, box, capsule, dumb_ellipsoid_gap, ellipsoid, random_hull
@@ -123,6 +123,3 @@ def test_a_gap_beyond_the_margin_is_proved_by_its_normal(distance):
                 assert status == CONVERGED
                 assert gap_along(vertices, shapes, 0, 1, along) >= bound - 1e-15
                 assert bound == pytest.approx(distance, abs=1e-11) if share > 1.0 else margin < bound <= distance + 1e-11
-            apart, along = separated_beyond(vertices, shapes, 0, 1, no_seed, margin, scratch)
-            assert apart == (share < 1.0)
-            assert not apart or gap_along(vertices, shapes, 0, 1, along) > margin - 1e-15

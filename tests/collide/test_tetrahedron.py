@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collide.gjk import add_support
+from avatarsim.collide.gjk import WHOLE, add_support
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.tetrahedron import grow_tetrahedron
 from tests.collide.solids import as_arrays, ball, box, capsule, ellipsoid
@@ -15,9 +15,9 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 def grown(a, b):
     scratch = make_scratch()
     vertices, shapes = as_arrays(a, b)
-    add_support(vertices, shapes, 0, 1, (1.0, 0.0, 0.0), 0, scratch)
+    add_support(vertices, shapes, 0, 1, (1.0, 0.0, 0.0), WHOLE, 0, scratch)
     size = max(a.size, b.size)
-    return grow_tetrahedron(vertices, shapes, 0, 1, 1, size, scratch), scratch.w
+    return grow_tetrahedron(vertices, shapes, 0, 1, WHOLE, 1, size, scratch), scratch.w
 
 
 TURN = Rotation.from_rotvec([0.3, 1.1, -0.4])
