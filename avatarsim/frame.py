@@ -46,7 +46,7 @@ class Frames:
         if self.effects.dynamics:
             with self.clock.stage("motion"):
                 self.upper.advance(dt)
-            if self.effects.coupling:
+            if self.effects.coupling and self.world.scene.avatars:
                 with self.clock.stage("coupling"):
                     self.lower.receive(self.upper.memory.received, self.upper.memory.moving, self.target)
         self.begun, self.time = self.time, self.time + dt

@@ -56,7 +56,7 @@ def number(name: str, value: object, kind: type[float] | type[int]) -> float:
 
 
 class AvatarsimEngine:
-    """Implements `avatarsim.engine.Engine`."""
+    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies nobody asks for velocities: all are zero."""
 
     name = "avatarsim"
     version = avatarsim.__version__

@@ -46,5 +46,5 @@ class StageClock:
 
     @property
     def ns(self) -> dict[str, int]:
-        """Nanoseconds per stage of this frame; empty unless timing."""
-        return {name: stage.ns for name, stage in self.stages.items() if stage.ns} if self.timing else {}
+        """Nanoseconds per stage of this frame, zero for those that were not called; empty unless timing."""
+        return {name: stage.ns for name, stage in self.stages.items()} if self.timing else {}

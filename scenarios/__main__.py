@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate."""
 
 import argparse
 import os
@@ -41,6 +41,7 @@ def parser() -> argparse.ArgumentParser:
     chosen.add_parser("compare", help="every scene in every engine, accuracy and time, with a report", parents=[shared])
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
+    chosen.add_parser("ablate", help="what each effect of a scene costs, and what leaving it out changes", parents=[shared])
     return top
 
 

@@ -4,14 +4,15 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
-from scenarios import catalog
+from scenarios import ablation, catalog
+from scenarios.effects_said import effects_of, lines_of, table_of_calls
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
 from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
@@ -45,7 +46,7 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     found = {name: catalog.get(name)} if name else catalog.scenarios()
     if asked.filter is not None:
         found = {key: scenario for key, scenario in found.items() if fnmatchcase(key, asked.filter)}
-    elif asked.command in ("compare", "bench") and not asked.full:
+    elif asked.command in ("compare", "bench", "ablate") and not asked.full:
         everyday = {key: scenario for key, scenario in found.items() if scenario.everyday}
         said = f"{len(everyday)} everyday scenes of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
         print(said, file=sys.stderr)
@@ -142,6 +143,8 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
         # the folder of a run that was resumed may lie anywhere, and beside it nothing is ours
         point_latest(ran.folder)
     show(asked, ran.rows(), made.gated)
+    for said in ran.lapses():
+        print(said, file=sys.stderr)
     return finished(asked, made, ran, code)
 
 
@@ -231,7 +234,7 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """Names, lengths and titles; with `--effects` what each scene calls for, and what its author took away."""
+    """Names, lengths and titles; with `--effects` what each scene calls for and by which part, and what its author took away."""
     found = scenes(asked)
     if not found:
         return nothing(asked)
@@ -239,13 +242,14 @@ def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
     if asked.json:
         print(json.dumps(entries, indent=1))
         return 0
+    if asked.effects:
+        print(table_of_calls())
     for entry in entries:
         length = f"{entry['frames']}" if entry["short"] is None else f"{entry['frames']}/{entry['short']}"
         print(f"{entry['name']:24} {length:>10} frames  {entry['title']}")
         if asked.effects:
-            print(f"{'':24} calls for: {', '.join(entry['effects']) or 'nothing'}")
-            if entry["switched_off"]:
-                print(f"{'':24} switched off by its author: {', '.join(entry['switched_off'])}")
+            for line in lines_of(found[entry["name"]].build()):
+                print(f"{'':24} {line}")
     return 0
 
 
@@ -254,10 +258,7 @@ def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
     told = ("name", "frames", "short", "dt", "everyday", "title", "judged")
     entry: dict[str, Any] = {key: getattr(scenario, key) for key in told}
     if effects:
-        scene = scenario.build()
-        kept = scene.effects
-        entry["effects"] = [effect.name for effect in fields(kept) if getattr(kept, effect.name)]
-        entry["switched_off"] = list(kept.missing_from(scene.derived_effects))
+        entry |= effects_of(scenario.build())
     return entry
 
 
@@ -273,6 +274,27 @@ def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
     return 0
 
 
+def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Each scene as it is, without each of its effects, and with all others: accuracy, then time, our engine only."""
+    found = scenes(asked)
+    if not found:
+        return nothing(asked)
+    built = {name: scenario.as_run(asked.full).build() for name, scenario in found.items()}
+    jobs = [
+        job for name, scene in built.items() for seed in asked.seed[:1]
+        for job in ablation.jobs(name, scene, seed, asked.full, asked.frames)
+    ]
+    made = Plan(found, jobs, [], frozenset())
+    ran = begun(asked, words, made, {})
+    code = passes(asked, made, ran, timed=True)
+    told = ablation.lines(ran, built)
+    beside = asked.out.resolve() / "latest"
+    ablation.write(told, [ran.folder, *([beside] if beside.is_dir() else [])])
+    print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else ablation.table(told))
+    return finished(asked, made, ran, code)
+
+
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing, "metrics": metrics, "run": run, "compare": compare, "check": check, "bench": bench,
+    "ablate": ablate,
 }

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
+from scenarios.effects_said import lapse_said
 from scenarios.engines import BASELINE, PRESETS, opened
-from scenarios.gate import Ceilings, exit_code, rows_of
+from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
 from scenarios.processes import Died, Pool
@@ -64,6 +65,12 @@ def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcom
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 
+def lapsed(outcome: Outcome) -> str:
+    """What the author of the scene gave up, in a sentence; empty if nothing."""
+    found = outcome.about.get("lapsed")
+    return lapse_said(outcome.job.scenario, found) if isinstance(found, Mapping) else ""
+
+
 class Run:
     """Collects outcomes and times, turns them into rows, and keeps the run folder's files up to date."""
 
@@ -102,13 +109,13 @@ class Run:
                         progress.step(f"{scene} {clocked.job.run}")
                     self.write(None)
 
+    def _known(self) -> list[tuple[Job, Outcome]]:
+        return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
+
     def rows(self) -> list[Row]:
         """All rows known so far, in the order of the plan."""
         found: list[Row] = []
-        for job in self.jobs:
-            if job.stem not in self.outcomes:
-                continue
-            outcome = self.outcomes[job.stem]
+        for job, outcome in self._known():
             clocked = self.clocked.get(job.stem)
             if clocked and clocked.timed:
                 times = frame_times(clocked.timed, outcome.hashes)
@@ -116,6 +123,9 @@ class Run:
                 outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
             limits = self.limits.get(job.scenario, {})
             gated = (job.engine, job.preset) in self.gated
+            if gated and (said := lapsed(outcome)):
+                gated, bounded = False, bounds_of(self.scenarios[job.scenario])
+                outcome = replace(outcome, notes={**outcome.notes, **dict.fromkeys(bounded, said)})
             rows = rows_of(outcome, self.scenarios[job.scenario], limits, gated)
             if clocked and not clocked.timed:
                 rows.append(replace(rows[0], metric="frame_time_p50", value=None, unit="us", bound=None, ceiling=None,
@@ -142,10 +152,15 @@ class Run:
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
             scenes={name: {"title": s.title, "judged": s.judged} for name, s in self.scenarios.items()},
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
-            notes=[self.note] if self.note else [],
+            notes=[note for note in (self.note, *self.lapses()) if note],
         )
         results.write(known, self.folder)
         return known
+
+    def lapses(self) -> list[str]:
+        """What the authors of gated scenes gave up, a sentence each."""
+        gated = [outcome for job, outcome in self._known() if (job.engine, job.preset) in self.gated]
+        return list(dict.fromkeys(said for outcome in gated if (said := lapsed(outcome))))
 
     def code(self) -> int:
         """The exit code that all rows so far call for."""

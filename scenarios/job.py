@@ -23,7 +23,8 @@ class Job:
     """One engine with one preset in one scenario with one seed.
 
     `preset` is the name in every table; `base` the engine's own preset beneath it and `options` what overrides it, both only for
-    settings that a user added. `frames` cuts the run short. Nothing here is large: a job is sent to a process of its own.
+    settings that a user added. `frames` cuts the run short. `narrow` and `force` switch effects of the scene off and on, beyond
+    what its author did. Nothing here is large: a job is sent to a process of its own.
     """
 
     scenario: str
@@ -35,6 +36,8 @@ class Job:
     base: str = ""
     options: Mapping[str, object] = field(default_factory=dict)
     catalogue: str = CATALOGUE
+    narrow: tuple[str, ...] = ()
+    force: tuple[str, ...] = ()
 
     @property
     def stem(self) -> str:
@@ -51,7 +54,8 @@ class Job:
         scenario: Scenario = import_module(self.catalogue).get(self.scenario).as_run(self.full)
         if self.frames is not None:
             scenario = replace(scenario, frames=min(self.frames, scenario.frames))
-        scene = scenario.build()
+        built = scenario.build()
+        scene = replace(built, narrow=(*built.narrow, *self.narrow), force=(*built.force, *self.force))
         return scenario, scene, scenario.motion(scene, self.seed)
 
     def settings(self, engine: Engine, *, inside: bool = False, stages: bool = False) -> Settings:

@@ -86,8 +86,9 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
 
 def concluded(job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path) -> Outcome:
     """Measure a whole recording."""
-    found = measured(recording, scenario, scene, None if job.full else INSIDE_JUDGED)
+    found = measured(recording, scenario, scene.whole, None if job.full else INSIDE_JUDGED)
     told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
+    told["lapsed"] = dict(scene.lapsed)
     overlap = tuple(found.overlap.tolist())
     hashes = tuple(recording.state_hashes.tolist())
     return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes)

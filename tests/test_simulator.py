@@ -198,7 +198,8 @@ def test_stages_that_a_scene_does_not_call_for_are_not_called() -> None:
 def test_stages_are_timed_only_on_request() -> None:
     engine = AvatarsimEngine()
     engine.load(SCENE, Settings(time_stages=True), DT)
-    assert set(engine.advance(SCENE.first_sample, DT).stage_ns) == {"posture"}
+    spent = engine.advance(SCENE.first_sample, DT).stage_ns
+    assert spent.pop("posture") > 0 and set(spent.values()) == {0}, "what is not called for takes no time"
     assert loaded().advance(SCENE.first_sample, DT).stage_ns == {}
 
 

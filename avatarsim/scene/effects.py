@@ -24,11 +24,18 @@ class Effects:
 
     def narrowed(self, *off: str) -> "Effects":
         """The same effects without those named in `off`."""
+        return self._switched(off, False)
+
+    def widened(self, *on: str) -> "Effects":
+        """The same effects and those named in `on`."""
+        return self._switched(on, True)
+
+    def _switched(self, names: tuple[str, ...], on: bool) -> "Effects":
         known = [f.name for f in fields(self)]
-        for name in off:
+        for name in names:
             if name not in known:
                 raise InvalidScene("effect", name, "one of " + ", ".join(known))
-        return replace(self, **dict.fromkeys(off, False))
+        return replace(self, **dict.fromkeys(names, on))
 
     def missing_from(self, derived: "Effects") -> tuple[str, ...]:
         """Names of effects that `derived` has and this one lacks: what an author took away."""

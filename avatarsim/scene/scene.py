@@ -1,6 +1,7 @@
 """A scene: bodies, avatars, materials, gravity, which pairs may touch. Frozen, and valid once it exists."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,9 +10,9 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Role
+from avatarsim.scene.calls import CALLS, KEPT, Parts
 from avatarsim.scene.checks import Vector, distinct, named, vector
 from avatarsim.scene.effects import Effects
-from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.material import TABLE_1, PairTable
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
@@ -25,7 +26,9 @@ class Scene:
 
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
     `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
-    `exclude` names pairs that are never tested, `narrow` the effects that the author switches off.
+    `exclude` names pairs that are never tested, `narrow` the effects that the author switches off, `require` those that the
+    scene must call for, or it is refused. `force` runs effects that nothing calls for, which costs time and changes nothing:
+    that is what it is there to show.
     """
 
     name: str
@@ -36,6 +39,8 @@ class Scene:
     start: TrackerSample | None = field(default=None, compare=False)
     exclude: tuple[tuple[str, str], ...] = ()
     narrow: tuple[str, ...] = ()
+    require: tuple[str, ...] = ()
+    force: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         named("a scene", self.name)
@@ -51,8 +56,20 @@ class Scene:
             for name in pair:
                 if name not in self.names:
                     raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
-        self.effects.narrowed()
+        self._agree_on_effects()
         checked(self.first_sample, self.avatars)
+
+    def _agree_on_effects(self) -> None:
+        """InvalidScene for an effect that nobody knows, that is required and lacks its part, or is required and narrowed away."""
+        Effects().narrowed(*self.narrow, *self.require, *self.force)
+        for call in CALLS:
+            effect, said = call.effect, f"effect that scene {self.name}"
+            if effect in self.require and not self.calls[effect]:
+                raise InvalidScene(f"{said} requires", effect, f"one that a part of it calls for; this one takes {call.part}")
+            if effect in self.narrow and effect in (*self.require, *self.force):
+                raise InvalidScene(f"{said} narrows", effect, "one that it does not require or force as well")
+            if effect in self.narrow and effect in KEPT:
+                raise InvalidScene(f"{said} narrows", effect, "any other: an avatar without its joints would be another avatar")
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
@@ -123,32 +140,28 @@ class Scene:
         return wanted
 
     @cached_property
+    def calls(self) -> Mapping[str, tuple[str, ...]]:
+        """For each effect the parts of the scene that call for it, by name."""
+        parts = Parts(self.bodies, self.avatars, self.materials)
+        return {call.effect: tuple(call.found(parts)) for call in CALLS}
+
+    @cached_property
     def derived_effects(self) -> Effects:
         """The effects that the parts of the scene call for."""
-        moving = [body for body in self.bodies if body.role is Role.SIMULATED]
-        joints = [link.joint for link in self.links]
-        contacts = [c for (a, b), c in self.materials.pairs.items() if {a, b} <= set(self.material_names)]
-        turning = any(
-            body.mass is not None and np.ptp(np.linalg.eigvalsh(body.mass.inertia)) > 1e-9 * body.mass.inertia.max()
-            for body in moving
-        )
-        balls = [joint for joint in joints if isinstance(joint, Ball)]
-        return Effects(
-            overlap_removal=bool(self.avatars),
-            kinematics=any(isinstance(joint, (Hinges, Ball)) for joint in joints),
-            self_contact=any(len(avatar.links) > 2 for avatar in self.avatars),
-            limits=any(isinstance(joint, Hinges) for joint in joints) or any(ball.limits for ball in balls),
-            reach_cones=any(ball.cone for ball in balls),
-            coupling=bool(self.avatars and moving),
-            dynamics=bool(moving),
-            restitution=bool(moving) and any(contact.restitution > 0.0 for contact in contacts),
-            friction=bool(moving) and any(contact.friction > 0.0 for contact in contacts),
-            gyroscopic=turning,
-            continuous=bool(moving or self.avatars),
-            sleeping=bool(moving),
-        )
+        return Effects(**{effect: bool(parts) for effect, parts in self.calls.items()})
 
     @cached_property
     def effects(self) -> Effects:
-        """The derived effects, less those that the author narrowed away."""
-        return self.derived_effects.narrowed(*self.narrow)
+        """The derived effects, less those that the author narrowed away, and those that are forced."""
+        return self.derived_effects.narrowed(*self.narrow).widened(*self.force)
+
+    @cached_property
+    def whole(self) -> "Scene":
+        """The same scene with the effects that its parts call for: what it is judged as, whatever its author left out."""
+        return replace(self, narrow=(), require=(), force=()) if self.narrow or self.force else self
+
+    @cached_property
+    def lapsed(self) -> Mapping[str, str]:
+        """Effects that the author took away although a part calls for them, and the promise that lapses with each."""
+        gone = self.effects.missing_from(self.derived_effects)
+        return {call.effect: call.lapses for call in CALLS if call.effect in gone}

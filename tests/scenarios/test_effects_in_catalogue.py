@@ -1,0 +1,54 @@
+"""Over the whole catalogue: what a scene does not call for is not run, takes no time, and changes nothing when it is forced."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import FrameRecord, Settings
+from avatarsim.scene.body import Role
+from avatarsim.scene.effects import Effects
+from avatarsim.simulator import AvatarsimEngine
+from scenarios import catalog
+from scenarios.run import REFUSAL
+
+FRAMES = 12
+"""Frames of each scene: enough for things to meet in most of them, few enough for all seventy."""
+
+STAGES = {"posture": "overlap_removal", "motion": "dynamics", "coupling": "coupling"}
+"""The effect that each stage of a frame belongs to."""
+
+NAMES = [name for name, scenario in catalog.scenarios().items() if not scenario.expects.get(REFUSAL)]
+
+
+def shown(name: str, force: tuple[str, ...]) -> tuple[list[FrameRecord], AvatarsimEngine]:
+    """The first frames of a scene, with these effects forced on."""
+    scenario = catalog.get(name).as_run(full=False)
+    scene = replace(scenario.build(), force=force)
+    motion, engine = scenario.motion(scene, 0), AvatarsimEngine()
+    records = [engine.load(scene, Settings(time_stages=True), scenario.dt)]
+    records += [engine.advance(motion(k), scenario.dt) for k in range(min(FRAMES, scenario.frames))]
+    return records, engine
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_not_called_for_is_not_run_and_forced_on_it_changes_nothing(name: str) -> None:
+    effects = catalog.get(name).build().effects
+    plain, engine = shown(name, ())
+    for stage, effect in STAGES.items():
+        if not getattr(effects, effect):
+            assert engine.stage_calls()[stage] == 0
+            assert all(record.stage_ns.get(stage, 0) == 0 for record in plain)
+        else:
+            assert engine.stage_calls()[stage] > 0
+    off = tuple(effect.name for effect in fields(Effects) if not getattr(effects, effect.name))
+    forced, _ = shown(name, off)
+    scene = catalog.get(name).build()
+    # Velocities of driven bodies are found where simulated bodies may meet them, and nowhere else.
+    free = [k for k, role in enumerate(scene.roles) if effects.coupling or role is Role.SIMULATED]
+    for a, b in zip(plain, forced, strict=True):
+        for what in ("positions", "orientations"):
+            np.testing.assert_allclose(getattr(b.shown, what), getattr(a.shown, what), rtol=1e-12, atol=1e-12, err_msg=what)
+        for what in ("velocities", "angular_velocities"):
+            np.testing.assert_allclose(getattr(b.shown, what)[free], getattr(a.shown, what)[free], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(b.angles, a.angles, atol=1e-12)

@@ -1,0 +1,99 @@
+"""Which part of a scene calls for which effect, and what happens where an author asks for what is not there."""
+
+from dataclasses import fields, replace
+
+import pytest
+
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.avatar import rigid_avatar
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.calls import CALLS, KEPT
+from avatarsim.scene.effects import Effects
+from avatarsim.scene.mass import solid
+from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from tests.stability.hostile import hinged_avatar
+
+BALL, CRATE = (Piece(Sphere(0.1)),), (Piece(Box((0.1, 0.2, 0.3))),)
+FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
+DROP = simulated("drop", BALL, "metal", solid(BALL, 1.0), (0.0, 0.0, 1.0))
+TUMBLE = simulated("tumble", CRATE, "wood", solid(CRATE, 1.0), (1.0, 0.0, 1.0))
+HAND = rigid_avatar("hand", BALL, solid(BALL, 0.5))
+
+
+def called(*bodies: object, avatars: tuple = (), **more: object) -> set[str]:
+    """Effects that a scene of these parts calls for."""
+    scene = Scene("s", bodies, avatars, **more)
+    return {effect for effect, parts in scene.calls.items() if parts}
+
+
+def test_the_table_has_a_row_for_every_effect_in_order() -> None:
+    assert [call.effect for call in CALLS] == [effect.name for effect in fields(Effects)]
+
+
+def test_each_part_calls_for_its_effects_and_no_other() -> None:
+    bodily = {"dynamics", "restitution", "friction", "continuous", "sleeping"}
+    assert called(FLOOR) == set()
+    assert called(FLOOR, DROP) == bodily
+    assert called(FLOOR, TUMBLE) == bodily | {"gyroscopic"}
+    assert called(FLOOR, avatars=(HAND,)) == {"overlap_removal"}
+    assert called(DROP, avatars=(HAND,)) == bodily | {"overlap_removal", "coupling"}
+    assert called(FLOOR, avatars=(hinged_avatar(),)) == {"overlap_removal", "kinematics", "self_contact", "limits"}
+
+
+def test_only_materials_that_can_meet_call_for_bounce_and_friction() -> None:
+    slick, rough = Contact(0.0, 0.0), Contact(0.5, 0.5)
+    table = PairTable({("metal", "metal"): rough, ("wood", "metal"): slick, ("wood", "wood"): rough})
+    assert not {"restitution", "friction"} & called(FLOOR, DROP, materials=table)
+    assert {"restitution", "friction"} <= called(FLOOR, DROP, replace(DROP, name="other"), materials=table)
+    assert Scene("s", (FLOOR, TUMBLE)).calls["friction"] == ("wood on wood 0.3",)
+
+
+@pytest.mark.parametrize(("effect", "part"), [
+    ("friction", "friction above 0"), ("self_contact", "three links"), ("coupling", "an avatar together with a simulated body"),
+    ("reach_cones", "reach cone"), ("dynamics", "a simulated body"), ("limits", "a limited hinge"),
+])
+def test_a_scene_that_requires_what_it_lacks_is_refused_by_name(effect: str, part: str) -> None:
+    with pytest.raises(InvalidScene) as error:
+        Scene("bare", (FLOOR,), require=(effect,))
+    said = str(error.value)
+    assert f"'{effect}'" in said and "bare" in said and part in said
+
+
+def test_what_is_required_and_there_is_no_trouble_but_must_not_be_narrowed_away() -> None:
+    assert Scene("s", (FLOOR, DROP), require=("friction",)).effects.friction
+    for twice in ({"require": ("friction",)}, {"force": ("friction",)}):
+        with pytest.raises(InvalidScene, match="narrows is 'friction'"):
+            Scene("s", (FLOOR, DROP), narrow=("friction",), **twice)
+
+
+@pytest.mark.parametrize("asked", ["narrow", "require", "force"])
+def test_an_effect_that_nobody_knows_is_refused(asked: str) -> None:
+    with pytest.raises(InvalidScene, match="'fricton'"):
+        Scene("s", (FLOOR, DROP), **{asked: ("fricton",)})
+
+
+@pytest.mark.parametrize("effect", KEPT)
+def test_what_cannot_be_left_out_is_said(effect: str) -> None:
+    with pytest.raises(InvalidScene, match=effect):
+        Scene("s", (FLOOR,), (hinged_avatar(),), narrow=(effect,))
+
+
+def test_what_lapses_is_said_for_what_was_called_for_and_taken_away() -> None:
+    scene = Scene("s", (FLOOR, DROP), narrow=("continuous", "coupling"))
+    assert dict(scene.lapsed) == {"continuous": "1 (no overlap)"}
+    assert not Scene("s", (FLOOR, DROP)).lapsed
+
+
+def test_a_scene_is_judged_whole_whatever_was_left_out() -> None:
+    scene = Scene("s", (FLOOR,), (hinged_avatar(),), narrow=("self_contact",), force=("sleeping",))
+    assert scene.whole.effects == scene.derived_effects and scene.whole.pair_filter.sum() > scene.pair_filter.sum()
+    plain = Scene("s", (FLOOR, DROP))
+    assert plain.whole is plain
+
+
+def test_a_forced_effect_is_on_though_nothing_calls() -> None:
+    scene = Scene("s", (FLOOR,), (HAND,), force=("sleeping", "reach_cones"))
+    assert scene.effects.sleeping and scene.effects.reach_cones and not scene.effects.friction
+    assert not scene.lapsed
