@@ -1,7 +1,7 @@
 """`python -m scenarios.nearest [--run FOLDER] [--filter GLOB] [--frames N] [--engine NAME] [--preset NAME]`.
 
-Reads the recordings of a run, searches the nearest free posture of sampled frames in contact, prints a table, and writes every
-sample into nearest_free.csv in the run's folder.
+Reads the recordings of a run, searches the nearest free posture of sampled frames in contact, prints a table, and writes
+nearest_free.csv (every sample) and nearest_free_scenes.csv into the run's folder.
 """
 
 import argparse
@@ -18,8 +18,8 @@ from scenarios.nearest.summary import Summary, csv_text, summarised, table
 
 FRAMES = 12
 """Frames sampled per scene; a search takes a second or two."""
-NAME = "nearest_free.csv"
-"""The file of samples."""
+NAME, SCENES = "nearest_free.csv", "nearest_free_scenes.csv"
+"""The file of samples, and that of scenes, which the report reads."""
 
 
 def searched(run: Path, names: Sequence[str], first: str, count: int) -> tuple[list[Sample], list[Summary], list[str]]:
@@ -57,7 +57,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if not names:
             raise UnknownName(f"recordings of {first} in {asked.run}", asked.filter, ())
         samples, summaries, without = searched(asked.run, names, first, max(asked.frames, 1))
-        write_text(asked.run / NAME, csv_text(samples))
+        write_text(asked.run / NAME, csv_text(Sample, samples))
+        write_text(asked.run / SCENES, csv_text(Summary, summaries))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

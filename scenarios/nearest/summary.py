@@ -76,13 +76,13 @@ def summarised(samples: Sequence[Sample]) -> Summary:
     )
 
 
-def csv_text(samples: Sequence[Sample]) -> str:
-    """All samples as CSV."""
+def csv_text(kind: type[Sample] | type[Summary], lines: Sequence[Sample] | Sequence[Summary]) -> str:
+    """All samples, or all summaries, as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(Sample)])
-    for sample in samples:
-        writer.writerow([f"{value:.8g}" if isinstance(value, float) else value for value in astuple(sample)])
+    writer.writerow([entry.name for entry in fields(kind)])
+    for line in lines:
+        writer.writerow([f"{value:.8g}" if isinstance(value, float) else value for value in astuple(line)])
     return text.getvalue()
 
 

@@ -44,6 +44,8 @@ def test_nearest_writes_samples_and_says_that_ours_is_too_far(run: Path, capsys:
     assert "OVER" in capsys.readouterr().out
     rows = list(csv.DictReader((run / "nearest_free.csv").read_text().splitlines()))
     assert [row["frame"] for row in rows] == ["23", "25", "28"]
+    [scene] = csv.DictReader((run / "nearest_free_scenes.csv").read_text().splitlines())
+    assert (scene["scenario"], scene["frames"], scene["lost"]) == ("fist", "3", "0") and float(scene["offset"]) > 0.2
     assert nearest(["--run", str(run), "--frames", "3", "--engine", "mujoco", "--preset", "tuned"]) == 0
 
 

@@ -33,7 +33,7 @@ def test_it_starts_free_and_touches_only_where_it_says_so(name: str) -> None:
     assert deepest[0] == 0.0
     assert (max(deepest) > 0.01) if name.endswith("contact") else (max(deepest) == 0.0)
     # in and out again: a part of the frames is free
-    assert np.mean(np.array(deepest) > 0.0) < 0.8
+    assert np.mean(np.array(deepest) > 0.0) < 0.9
 
 
 @pytest.mark.parametrize("links", worlds.LINKS)
@@ -67,6 +67,7 @@ def test_who_takes_long_is_not_asked_for_a_hundred_avatars() -> None:
     engines = {"avatarsim": ("default", "paper"), "mujoco": ("tuned",)}
     assert [job.run for job in command.jobs_of("avatars_100_apart", 100, engines)] == ["avatarsim/default", "avatarsim/paper"]
     assert [job.engine for job in command.jobs_of("links_199_apart", 199, engines)] == ["avatarsim", "avatarsim", "mujoco"]
+    assert command.jobs_of("links_199_apart", 199, {"pybullet": ("tuned",)}) == []
     job = command.jobs_of("links_16_contact", 16, engines)[0]
     assert len(job.asked()[1].links) == 16
 
