@@ -12,17 +12,18 @@ def write_report(run_dir: Path) -> None:
     All three are made before one of them is replaced. Raises InvalidFile when results.json is missing, truncated or of
     another schema; what stands in the folder then stays as it is.
     """
-    from reports import broad_phase, narrow_phase
+    from reports import broad_phase, closeness, growth, narrow_phase, table_2
     from reports.junit import junit
     from reports.load import load
-    from reports.page import page
+    from reports.page import Extras, page
     from reports.summary import summary
     from reports.verdict import verdict
 
     results = load(run_dir)
     judged = verdict(results)
-    whole = page(results, judged, narrow_phase.load(run_dir), broad_phase.load(run_dir))
-    texts = {SUMMARY: summary(results, judged), JUNIT: junit(judged), PAGE: whole}
+    extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness)))
+    whole = page(results, judged, extras)
+    texts = {SUMMARY: summary(results, judged, extras.two, extras.close), JUNIT: junit(judged), PAGE: whole}
     for name, text in texts.items():
         half_written = run_dir / f".{name}.part"
         half_written.write_text(text, encoding="utf-8")

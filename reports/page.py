@@ -7,9 +7,10 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from reports import broad_phase_chart, closeness, growth, table_2_chart
 from reports.broad_phase import BroadPhase
-from reports.broad_phase_chart import section
 from reports.charts import overlap_panels, time_panels, time_percentiles
+from reports.closeness import Closeness
 from reports.columns import COLUMNS
 from reports.conclusions import (
     CAVEAT,
@@ -21,10 +22,12 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.growth import Growth
 from reports.load import EngineNote, Results
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.palette import dark_rules, strokes
+from reports.table_2 import Table2
 from reports.tables import Block, Cell, blocks, more_truths
 from reports.verdict import Verdict, believed, losing_scenes
 from reports.wording import count, limit, listed, quantity, ratio
@@ -66,8 +69,21 @@ class EngineCard:
     cannot: tuple[tuple[str, str, str], ...]
 
 
-def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None, broad: BroadPhase | None = None) -> str:
-    """The whole page as text; with the sections on single queries and on many objects when the run has them."""
+@dataclass(frozen=True)
+class Extras:
+    """What a run may hold besides its results: a section each."""
+
+    narrow: NarrowPhase | None = None
+    broad: BroadPhase | None = None
+    two: Table2 | None = None
+    growth: Growth | None = None
+    close: Closeness | None = None
+
+
+def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
+    """The whole page as text, with a section for each of the `extras` that the run has."""
+    extras = extras or Extras()
+    narrow, broad = extras.narrow, extras.broad
     first = losing_scenes(verdict)
     shown = blocks(results, first)
     runs = [line.run for block in shown for line in block.lines]
@@ -89,7 +105,10 @@ def page(results: Results, verdict: Verdict, narrow: NarrowPhase | None = None, 
         more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
         narrow=narrow, **(_narrow(narrow) if narrow else {}),
-        broad=broad, **(section(broad) if broad else {}),
+        broad=broad, **(broad_phase_chart.section(broad) if broad else {}),
+        two=extras.two, **(table_2_chart.section(extras.two) if extras.two else {}),
+        growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
+        has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 
 

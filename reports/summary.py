@@ -2,9 +2,11 @@
 
 from html import escape
 
+from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, hover_notes, ratio_sentence
 from reports.load import Results
+from reports.table_2 import Table2, markdown
 from reports.tables import Block, Line, blocks
 from reports.verdict import Verdict, believed, losing_scenes
 from reports.wording import MISSING, count, quantity, ratio
@@ -13,7 +15,7 @@ from reports.wording import MISSING, count, quantity, ratio
 MOST_LOSSES = 20
 
 
-def summary(results: Results, verdict: Verdict) -> str:
+def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
     parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(verdict)]
     shown = blocks(results, losing_scenes(verdict))
@@ -21,6 +23,12 @@ def summary(results: Results, verdict: Verdict) -> str:
         parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
+    if two:
+        parts += ["### Table 2 of the paper, and its Figure 8", markdown(two)]
+    if close and close.near:
+        parts += ["### Beside the nearest free posture", near_sentence(close.near)]
+    if close and close.pairs:
+        parts += [f"### Distance from the user beside {close.pairs[0].other}", pair_sentence(close.pairs)]
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
     parts.append(f"{'; '.join(told)}." if told else "The results say nothing about where they come from.")
     return "\n\n".join(part for part in parts if part) + "\n"

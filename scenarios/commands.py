@@ -45,7 +45,8 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     name = getattr(asked, "scene", None)
     found = {name: catalog.get(name)} if name else catalog.scenarios()
     if asked.filter is not None:
-        found = {key: scenario for key, scenario in found.items() if fnmatchcase(key, asked.filter)}
+        patterns = asked.filter.split(",")
+        found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
     elif asked.command in ("compare", "bench", "ablate") and not asked.full:
         everyday = {key: scenario for key, scenario in found.items() if scenario.everyday}
         said = f"{len(everyday)} everyday scenes of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"

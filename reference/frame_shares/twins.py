@@ -1,0 +1,54 @@
+"""The frames of both methods with clocks: what asks for overlap, what solves for joints, what poses links, and all together."""
+
+from typing import Any, Final
+
+from avatarsim.loops import checked, paper, paper_rounds, paper_walk
+from avatarsim.posture import follow, step
+from avatarsim.posture.contact_row import rows_of_listed
+from avatarsim.posture.free_link import free_link, link_contacts
+from avatarsim.posture.goal import aim
+from avatarsim.posture.kinematics import forward
+from avatarsim.posture.nearest_step import nearest_step
+from avatarsim.separate.overlaps import find_overlaps
+from avatarsim.separate.push_apart import push_apart
+from reference.frame_shares.cycles import clocked, require_counter, twin
+
+COLLISION, IK, POSING, PUSHING, WHOLE = range(5)
+"""Slots: finding what overlaps and how deep, contact rows and certificates included; solving for joints; forward kinematics with
+vertices and boxes; eq. 1's pushes of bodies (method `paper`); the whole frame."""
+NAMES: Final = ("collision", "ik", "posing", "pushing", "whole")
+
+
+def paper_twin() -> Any:
+    """`follow_as_printed` with clocks."""
+    require_counter()
+    find, pose = clocked(find_overlaps, COLLISION), clocked(forward, POSING)
+    treat = twin(paper_rounds.treat_chain, {
+        "link_contacts": clocked(link_contacts, COLLISION), "free_link": clocked(free_link, IK),
+    })
+    push = twin(paper_rounds.push_bodies, {"push_apart": clocked(push_apart, PUSHING), "forward": pose})
+    walk = twin(paper_walk.walk_back, {"find_overlaps": find, "forward": pose})
+    whole = twin(paper_rounds.follow_as_printed, {
+        "find_overlaps": find, "forward": pose, "treat_chain": treat, "push_bodies": push, "walk_back": walk,
+    })
+    return clocked(whole, WHOLE)
+
+
+def checked_twin() -> Any:
+    """`follow_opened` with clocks."""
+    require_counter()
+    pose, check = clocked(step.try_step, POSING), clocked(step.check, COLLISION)
+    attempt = twin(step.attempt, {
+        "rows_of_listed": clocked(rows_of_listed, COLLISION), "nearest_step": clocked(nearest_step, IK),
+        "try_step": pose, "check": check,
+    })
+    back_off = twin(step.back_off, {"try_step": pose, "check": check})
+    one = twin(step.step, {
+        "attempt": attempt, "back_off": back_off, "aim": clocked(aim, IK), "adopt": clocked(step.adopt, POSING),
+    })
+    frame = twin(follow.follow, {"step": one, "aim": clocked(aim, IK)})
+    return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
+
+
+TWINS: Final = {"paper": (paper, "follow_as_printed", paper_twin), "default": (checked, "follow_opened", checked_twin)}
+"""By method: the module whose frame is replaced, the name there, and what makes the twin."""

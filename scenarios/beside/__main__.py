@@ -1,0 +1,97 @@
+"""`python -m scenarios.beside [--run FOLDER] [--filter GLOB] [--engine NAME] [--preset NAME]`.
+
+Reads the recordings of a run and compares our distance from the user with another engine's, over the frames in which that one
+leaves at most 1 mm of overlap on the legal side; prints a table and writes beside.csv into the run's folder.
+"""
+
+import argparse
+import csv
+import io
+import sys
+from collections.abc import Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError, UnknownName
+from reference.judge import Judge
+from scenarios.beside.pair import Beside, compared
+from scenarios.engines import GATED
+from scenarios.files import OUT, write_text
+from scenarios.kept import as_recorded, scenes_of
+from scenarios.record import load
+
+NAME = "beside.csv"
+"""The file of rows."""
+
+
+def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
+    """A row per scene with an avatar that both engines ran, seed 0; `theirs` is engine.preset."""
+    ours = ".".join(GATED)
+    both = [name for name in scenes_of(run, ours, pattern) if name in scenes_of(run, theirs, pattern)]
+    found = []
+    for name in both:
+        first, second = (load(run / "recordings" / f"{name}.{who}.0.npz") for who in (ours, theirs))
+        scenario = as_recorded(name, first)
+        scene = scenario.build()
+        if not scene.links:
+            continue
+        found.append(compared(first, second, scenario, scene, Judge(scene)))
+        print(name, file=sys.stderr, flush=True)
+    return found
+
+
+def csv_text(found: Sequence[Beside], theirs: str) -> str:
+    """All rows as CSV, with who is nearer."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["other", *(entry.name for entry in fields(Beside)), "nearer_offset", "nearer_angle"])
+    for row in found:
+        cells = [f"{value:.8g}" if isinstance(value, float) else value for value in astuple(row)]
+        writer.writerow([theirs, *cells, *row.winner])
+    return text.getvalue()
+
+
+def table(found: Sequence[Beside], theirs: str) -> str:
+    """A line per scene, and how often each is nearer."""
+    lines = [
+        f"Distance from the user, rms over the frames in which {theirs} leaves at most 1 mm of overlap on the legal side.",
+        f"{'scene':24s} {'frames':>10s} {'offset mm: ours':>16s} {'theirs':>9s} {'nearer':>7s} {'angle deg: ours':>16s} "
+        f"{'theirs':>9s} {'nearer':>7s}",
+    ]
+    for r in found:
+        offset, angle = r.winner
+        lines.append(
+            f"{r.scenario:24s} {r.counted:5d}/{r.frames:<4d} {1e3 * r.offset:16.3f} {1e3 * r.their_offset:9.3f} {offset:>7s} "
+            f"{r.angle:16.3f} {r.their_angle:9.3f} {angle:>7s}"
+        )
+    for k, what in enumerate(("offset", "angle")):
+        each = [r.winner[k] for r in found]
+        said = ((side, each.count(side)) for side in ("ours", "theirs", "same", "-"))
+        lines.append(f"{what}, scenes by who is nearer: {', '.join(f'{side} {count}' for side, count in said)}")
+    return "\n".join(lines)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Compare, print, write. 0: ours is nowhere farther; 1: somewhere; 2: usage."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.beside", description=str(__doc__).splitlines()[2])
+    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
+    parser.add_argument("--engine", default="mujoco", metavar="NAME", help="the other engine (default: mujoco)")
+    parser.add_argument("--preset", default="tuned", metavar="NAME", help="with which preset (default: tuned)")
+    asked = parser.parse_args(argv)
+    theirs = f"{asked.engine}.{asked.preset}"
+    try:
+        found = rows(asked.run, asked.filter, theirs)
+        if not found:
+            raise UnknownName(f"recordings of {theirs} and of ours in {asked.run}", asked.filter, ())
+        write_text(asked.run / NAME, csv_text(found, theirs))
+    except AvatarsimError as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    print(table(found, theirs))
+    print(f"\n{asked.run / NAME}")
+    return 1 if any("theirs" in row.winner for row in found) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""Two recordings of one scene, compared where the second is good enough to be compared with."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from reference.judge import Judge
+from scenarios.measure.side import outside
+from scenarios.measure.tracker_offset import angle_offsets, offsets
+from scenarios.record import Recording
+from scenarios.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+LEFT = 1e-3
+"""Overlap [m] up to which a frame of the other engine counts: more than that is not a posture to be compared with."""
+SAME = 1e-6
+"""Figures [m, degrees] closer than this are the same: both are the user's, to rounding."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """One scene: frames run, those of the other engine with at most LEFT of overlap on the legal side, and over these the root
+    mean square offset [m] of link origins and angle [deg] of joints from the user, ours and theirs. nan where no frame counts."""
+
+    scenario: str
+    frames: int
+    counted: int
+    offset: float
+    their_offset: float
+    angle: float
+    their_angle: float
+
+    @property
+    def winner(self) -> tuple[str, str]:
+        """Who is nearer in offset, and who in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
+        return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
+
+
+def _nearer(ours: float, theirs: float) -> str:
+    if not (math.isfinite(ours) and math.isfinite(theirs)):
+        return "-"
+    return "same" if abs(ours - theirs) <= SAME else "ours" if ours < theirs else "theirs"
+
+
+def good_frames(recording: Recording, scenario: Scenario, scene: Scene, judge: Judge) -> NDArray[np.bool_]:
+    """(F,) frames advanced that leave at most LEFT of overlap and have everything on the legal side. nan is not good."""
+    wrong = outside(recording.positions, scenario.regions, scene.names)
+    # a frame counts as a whole: what was outside at a sub-step was outside
+    inside = outside(recording.inside_positions, scenario.regions, scene.names)
+    wrong[recording.inside_frame[inside]] = True
+    good = ~wrong
+    for k in np.flatnonzero(good):
+        good[k] = judge.overlaps(recording.positions[k], recording.orientations[k]).deepest <= LEFT
+    return np.asarray(good[1:])
+
+
+def compared(ours: Recording, theirs: Recording, scenario: Scenario, scene: Scene, judge: Judge) -> Beside:
+    """Both over the same frames: those in which theirs is good. A recording that ended early is compared as far as it goes."""
+    frames = min(ours.frames, theirs.frames)
+    good = good_frames(theirs, scenario, scene, judge)[:frames]
+    figures = []
+    for recording in (ours, theirs):
+        offset, angle = offsets(recording)[:frames][good], np.degrees(angle_offsets(recording, scene))[:frames][good]
+        figures.append([float(np.sqrt(np.mean(v**2))) if v.size else math.nan for v in (offset, angle)])
+    return Beside(
+        scenario.name, frames, int(good.sum()), figures[0][0], figures[1][0], figures[0][1], figures[1][1],
+    )

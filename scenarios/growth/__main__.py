@@ -1,0 +1,88 @@
+"""`python -m scenarios.growth [--run FOLDER] [--engine NAME ...] [--quick]`.
+
+Times frames of growing scenes, the engines of a scene taking turns, prints a table and writes growth.csv into the run's folder.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.errors import AvatarsimError, UnknownName
+from scenarios.engines import BASELINE, known
+from scenarios.files import OUT, write_text
+from scenarios.growth import worlds
+from scenarios.growth.rows import Row, csv_text, table
+from scenarios.harness import offers
+from scenarios.job import Job
+from scenarios.timing import Clocked, timed_pass
+
+NAME = "growth.csv"
+"""The file of rows."""
+BEST = {"mujoco": ("tuned",), "pybullet": ("tuned",)}
+"""Presets timed of the engines we compare with: their best for contact. Of all others every one."""
+MOST = {("mujoco", "avatars"): 10, ("pybullet", "avatars"): 10, ("pybullet", "links"): 100}
+"""Largest size asked of an engine: more avatars take these minutes, and PyBullet has no room for the joints of 199 links."""
+
+
+def jobs_of(name: str, size: int, engines: dict[str, tuple[str, ...]]) -> list[Job]:
+    """Every engine and preset that takes part in a scene."""
+    return [
+        Job(name, engine, preset, full=True, catalogue=worlds.__name__) for engine, presets in engines.items()
+        for preset in presets if size <= MOST.get((engine, name.split("_")[0]), size)
+    ]
+
+
+def row(grows: str, mode: str, size: int, clocked: Clocked) -> Row:
+    """What one engine took."""
+    links = len(worlds.get(clocked.job.scenario).build().links)
+    if clocked.timed is None:
+        return Row(grows, mode, size, links, clocked.job.run, float("nan"), float("nan"), clocked.note)
+    p50, p99 = np.percentile(clocked.timed.best_us, (50, 99))
+    return Row(grows, mode, size, links, clocked.job.run, float(p50), float(p99), clocked.note)
+
+
+def timed(engines: dict[str, tuple[str, ...]], quick: bool) -> list[Row]:
+    """All rows, scene by scene."""
+    rows: list[Row] = []
+    begun = time.monotonic()
+    for grows, sizes in (("links", worlds.LINKS), ("avatars", worlds.AVATARS)):
+        for mode in worlds.MODES:
+            for size in sizes[:1] if quick else sizes:
+                jobs = jobs_of(f"{grows}_{size}_{mode}", size, engines)
+                # the quick length of the timing pass: an engine that takes long gets fewer repeats
+                rows += [row(grows, mode, size, clocked) for clocked in timed_pass(jobs, False)]
+                print(f"{time.monotonic() - begun:6.1f} s  {grows} {size}, {mode}", file=sys.stderr, flush=True)
+    return rows
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Time, print, write. 0: done; 2: usage; 3: an engine gave no times."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.growth", description=str(__doc__).splitlines()[2])
+    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    everybody = [name for name in known() if name != BASELINE]
+    parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
+    parser.add_argument("--quick", action="store_true", help="the smallest sizes only: shows that it runs")
+    asked = parser.parse_args(argv)
+    try:
+        for name in asked.engine:
+            if name not in known():
+                raise UnknownName("engine", name, known())
+        offered = offers(asked.engine, 1)
+        engines = {name: BEST.get(name, offered[name].presets) for name in asked.engine if not offered[name].trouble}
+        rows = timed(engines, asked.quick)
+        asked.run.mkdir(parents=True, exist_ok=True)
+        write_text(asked.run / NAME, csv_text(rows))
+    except AvatarsimError as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    print(table(rows))
+    print(f"\n{asked.run / NAME}")
+    return 3 if any(row.p50 != row.p50 for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+"""`python -m scenarios.table_2 [--run FOLDER]`.
+
+Reads a run that has timed scenes of the paper's Table 2, prints the table beside the paper's, and writes table_2.csv and
+figure_8.csv into the run's folder.
+"""
+
+import argparse
+import csv
+import io
+import json
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError
+from scenarios.files import OUT, write_text
+from scenarios.table_2.rows import SCENES, Row, rows, trace
+
+TABLE, TRACE = "table_2.csv", "figure_8.csv"
+"""The files of the table and of the trace."""
+
+
+def written(folder: Path, clocks: bool = True) -> list[Row]:
+    """Write both files of a run; nothing where the run has none of the scenes."""
+    found = rows(folder, clocks)
+    if found:
+        write_text(folder / TABLE, _csv([entry.name for entry in fields(Row)], [astuple(row) for row in found]))
+        lines = [
+            (run, k + 1, us, int(iterations)) for run, numbers in trace(folder).items()
+            for k, (us, iterations) in enumerate(zip(numbers["us"], numbers["iterations"], strict=True))
+        ]
+        write_text(folder / TRACE, _csv(("run", "frame", "us", "iterations"), lines))
+    return found
+
+
+def _csv(head: Sequence[str], lines: Sequence[Sequence[object]]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    for line in lines:
+        writer.writerow([("" if math.isnan(value) else f"{value:.6g}") if isinstance(value, float) else value for value in line])
+    return text.getvalue()
+
+
+def _cell(value: float, width: int, digits: int) -> str:
+    return f"{'-':>{width}s}" if math.isnan(value) else f"{value:{width}.{digits}f}"
+
+
+def table(found: Sequence[Row]) -> str:
+    """A line per scene and method."""
+    lines = [
+        f"{'scene':18s} {'method':22s} {'frames':>6s} {'ms':>8s} {'joints':>7s} {'iter':>6s} {'IK %':>6s} {'pairs':>6s} "
+        f"{'cq %':>6s} {'us/joint':>8s} {'us/iter':>8s} {'us/pair':>8s} {'us/query':>8s} {'posing %':>8s} {'overlap mm':>10s}",
+    ]
+    for r in found:
+        lines.append(
+            f"{r.scene:18s} {r.run:22s} {r.frames:6d} {r.ms:8.4f} {_cell(r.joints, 7, 1)} {_cell(r.iterations, 6, 2)} "
+            f"{_cell(r.ik_share, 6, 1)} {_cell(r.pairs, 6, 2)} {_cell(r.collision_share, 6, 1)} {_cell(r.us_per_joint, 8, 3)} "
+            f"{_cell(r.us_per_iteration, 8, 3)} {_cell(r.us_per_pair, 8, 3)} {_cell(r.us_per_query, 8, 3)} "
+            f"{_cell(r.posing_share, 8, 1)} {_cell(1e3 * r.overlap, 10, 4)}"
+        )
+    return "\n".join(lines)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Read, print, write. 0: done; 2: the run cannot be used; 5: it has none of the scenes."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.table_2", description=str(__doc__).splitlines()[2])
+    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--no-clocks", action="store_true", help="leave out the shares, which need a run of their own")
+    asked = parser.parse_args(argv)
+    try:
+        found = written(asked.run, not asked.no_clocks)
+    except (AvatarsimError, OSError, json.JSONDecodeError) as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    if not found:
+        print(f"the run has timed none of {', '.join(SCENES)}", file=sys.stderr)
+        return 5
+    print(table(found))
+    print(f"\n{asked.run / TABLE}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,55 @@
+"""The two questions that are answered from the recordings of a run, through their commands."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import UnknownName
+from scenarios import catalog, record
+from scenarios.beside.__main__ import main as beside
+from scenarios.kept import recordings, scenes_of
+from scenarios.nearest.__main__ import main as nearest
+from tests.scenarios.beside.test_pair import shown
+from tests.scenarios.examples import fist
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(catalog, "get", {"fist": fist()}.__getitem__)
+    for who, stops in (("avatarsim.default", 0.2), ("mujoco.tuned", 0.4)):
+        held = shown(stops)
+        record.save(replace(held, meta=dict(held.meta) | {"full": True}), tmp_path / "recordings" / f"fist.{who}.0.npz")
+    return tmp_path
+
+
+def test_scenes_and_recordings_are_found_by_name(run: Path) -> None:
+    assert scenes_of(run, "mujoco.tuned") == ["fist"] and scenes_of(run, "mujoco.tuned", "hand*") == []
+    first, other = recordings(run, "fist", "mujoco.tuned")
+    assert first.positions[-1, 1, 0] == 0.4 and other.positions[-1, 1, 0] == 0.2
+    with pytest.raises(UnknownName):
+        recordings(run, "fist", "pybullet.tuned")
+
+
+def test_beside_writes_a_row_and_says_that_theirs_is_nearer(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert beside(["--run", str(run)]) == 1
+    assert "theirs 1" in capsys.readouterr().out
+    [row] = csv.DictReader((run / "beside.csv").read_text().splitlines())
+    assert (row["other"], row["counted"], row["nearer_offset"]) == ("mujoco.tuned", "30", "theirs")
+
+
+def test_nearest_writes_samples_and_says_that_ours_is_too_far(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert nearest(["--run", str(run), "--frames", "3"]) == 1
+    assert "OVER" in capsys.readouterr().out
+    rows = list(csv.DictReader((run / "nearest_free.csv").read_text().splitlines()))
+    assert [row["frame"] for row in rows] == ["23", "25", "28"]
+    [scene] = csv.DictReader((run / "nearest_free_scenes.csv").read_text().splitlines())
+    assert (scene["scenario"], scene["frames"], scene["lost"]) == ("fist", "3", "0") and float(scene["offset"]) > 0.2
+    assert nearest(["--run", str(run), "--frames", "3", "--engine", "mujoco", "--preset", "tuned"]) == 0
+
+
+@pytest.mark.parametrize("main", [beside, nearest])
+def test_a_run_without_recordings_is_a_usage_error(main, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--run", str(tmp_path)]) == 2
+    assert "UnknownName" in capsys.readouterr().err
