@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test fuzz check bench report lint lock clean FORCE
+.PHONY: help setup compare test fuzz check ablate bench report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -37,6 +37,11 @@ compare: $(READY)  ## the everyday scenes in every engine, the report, the verdi
 check: $(READY)  ## the gate: fails when the engine leaves more overlap than a scenario allows
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios check
+
+ablate: $(READY)  ## what each effect of a scene costs and what leaving it out changes, into the last run's report (ALL=1: every scene)
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m scenarios ablate $(if $(ALL),--filter '*')
+	@$(VENV_PYTHON) -m reports write
 
 bench: $(READY)  ## time per frame, per collision query beside coal, python-fcl, MuJoCo, PyBullet, and per object up to 20,000
 	@$(COMPILED)

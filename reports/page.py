@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from reports import broad_phase_chart, closeness, growth, table_2_chart
+from reports import broad_phase_chart, closeness, effects, growth, table_2_chart
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -22,6 +22,7 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.effects import Ablation
 from reports.growth import Growth
 from reports.load import EngineNote, Results
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
@@ -78,6 +79,7 @@ class Extras:
     two: Table2 | None = None
     growth: Growth | None = None
     close: Closeness | None = None
+    ablation: Ablation | None = None
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
@@ -108,6 +110,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> st
         broad=broad, **(broad_phase_chart.section(broad) if broad else {}),
         two=extras.two, **(table_2_chart.section(extras.two) if extras.two else {}),
         growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
+        effects=extras.ablation, **(effects.section(extras.ablation) if extras.ablation else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 

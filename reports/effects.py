@@ -1,0 +1,154 @@
+"""What each effect costs and what its absence changes, from what `python -m scenarios ablate` left in the run's folder."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from avatarsim.errors import InvalidFile
+from reports.wording import MISSING, count, listed, quantity
+
+FILE, SCHEMA_VERSION, FORCED = "ablation.json", 1, "forced"
+ROUNDING = 1e-12
+"""Metres by which a forced effect may move a body; more is a change of the result."""
+NOISE = 0.05
+"""Share of a frame below which a difference of two runs says nothing."""
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A bound that holds with the effect and not without it; `without` is None where nothing could be measured."""
+
+    metric: str
+    kept: float
+    without: float | None
+    bound: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """One effect of one scene; see `scenarios.ablation.Line`."""
+
+    scenario: str
+    effect: str
+    called_by: tuple[str, ...]
+    with_us: float | None
+    without_us: float | None
+    share: float | None
+    moved: float | None
+    broken: tuple[Broken, ...]
+    note: str
+
+
+@dataclass(frozen=True)
+class Ablation:
+    """All lines: those of single effects, and by scene that of all the others, forced."""
+
+    lines: tuple[Line, ...]
+    forced: tuple[Line, ...]
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """In the order of the run."""
+        return tuple(dict.fromkeys(line.scenario for line in (*self.lines, *self.forced)))
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Those that were left out anywhere, in the order of the table of calls."""
+        return tuple(dict.fromkeys(line.effect for line in self.lines))
+
+    def at(self, scenario: str, effect: str) -> Line | None:
+        """One cell; None if the scene does not call for the effect."""
+        return next((line for line in self.lines if (line.scenario, line.effect) == (scenario, effect)), None)
+
+
+def load(run_dir: Path) -> Ablation | None:
+    """The file of a run; None when nobody asked. Raises InvalidFile for a file that is damaged or of another layout."""
+    path = run_dir / FILE
+    if not path.exists():
+        return None
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        if found["schema_version"] != SCHEMA_VERSION:
+            raise InvalidFile(f"schema_version of {path}", found["schema_version"], f"{SCHEMA_VERSION}; run again")
+        lines = [_line(row) for row in found["lines"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that `ablate` wrote") from error
+    return Ablation(
+        tuple(line for line in lines if line.effect != FORCED), tuple(line for line in lines if line.effect == FORCED)
+    )
+
+
+def _line(row: dict[str, Any]) -> Line:
+    broken = tuple(Broken(str(m), float(kept), _real(lost), float(bound)) for m, kept, lost, bound in row["broken"])
+    called_by = tuple(map(str, row["called_by"]))
+    return Line(
+        str(row["scenario"]), str(row["effect"]), called_by, _real(row["with_us"]), _real(row["without_us"]), _real(row["share"]),
+        _real(row["moved"]), broken, str(row["note"]),
+    )
+
+
+def _real(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def cost_sentence(found: Ablation) -> str:
+    """The dearest effects, by the median share of the frame over the scenes that call for them."""
+    shares = {e: [s for line in found.lines if line.effect == e and (s := line.share) is not None] for e in found.effects}
+    middle = sorted(((median(values), e, len(values)) for e, values in shares.items() if values), reverse=True)
+    dear = [f"{_name(e)} {100.0 * share:.0f} % ({count(n, 'scene')})" for share, e, n in middle if share > NOISE]
+    saving = [f"{_name(e)} (without it a frame takes {1.0 - s:.1f} times as long)" for s, e, _ in middle if s < -NOISE]
+    said = f"Median share of the frame: {', '.join(dear)}." if dear else "No effect takes a measurable share of the frame."
+    return f"{said} Paying for {'itself' if len(saving) == 1 else 'themselves'}: {', '.join(saving)}." if saving else said
+
+
+def absence_sentence(found: Ablation) -> str:
+    """Where a bound rests on an effect, and where not."""
+    rests = tuple(f"{_name(e)} in {n}" for e in found.effects if (n := sum(bool(x.broken) for x in found.lines if x.effect == e)))
+    idle = tuple(_name(e) for e in found.effects if not any(line.broken for line in found.lines if line.effect == e))
+    of = count(len(found.scenes), "scene")
+    said = f"Bounds rest on {listed(rests, 12)} of {of}." if rests else "No bound rests on any effect."
+    return f"{said} No bound of these scenes notices the absence of {', '.join(idle)}." if idle else said
+
+
+def forced_sentence(found: Ablation) -> str:
+    """Whether effects that nothing calls for change anything when they are forced on, and what that costs."""
+    changed = tuple(line.scenario for line in found.forced if line.moved is None or not line.moved <= ROUNDING or line.broken)
+    if changed:
+        return f"Forced on where nothing calls for them, the other effects change the result of {listed(changed)}."
+    cost = [-line.share for line in found.forced if line.share is not None]
+    dearer = f", and cost {100.0 * median(cost):.0f} % of the frame in the median" if cost else ""
+    most = max((line.moved or 0.0 for line in found.forced), default=0.0)
+    moved = f"by more than {quantity(most, 'm')}" if most else "at all"
+    where = f"in {count(len(found.forced), 'scene')}{dearer}"
+    return f"Forced on where nothing calls for them, all other effects together move no body {moved} {where}."
+
+
+def cell(line: Line | None) -> str:
+    """Share of the frame in words; empty where the scene does not call for the effect."""
+    if line is None:
+        return ""
+    return MISSING if line.share is None or math.isnan(line.share) else f"{100.0 * line.share:.0f} %"
+
+
+def broken_rows(found: Ablation) -> list[tuple[str, str, str, Broken]]:
+    """(effect, scene, who calls, bound) of every bound that is lost, effect by effect."""
+    return [
+        (_name(effect), line.scenario, listed(line.called_by, 2), lost)
+        for effect in found.effects for line in found.lines if line.effect == effect for lost in line.broken
+    ]
+
+
+def _name(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def section(found: Ablation) -> dict[str, object]:
+    """What the section is made of."""
+    return {
+        "effects_cost": cost_sentence(found), "effects_absence": absence_sentence(found),
+        "effects_forced": forced_sentence(found), "effects_cell": cell, "effects_broken": broken_rows(found),
+        "effects_name": _name, "effects_noise": 100.0 * NOISE,
+    }

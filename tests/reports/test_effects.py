@@ -1,0 +1,112 @@
+"""What effects cost, in the report: there when its file is, and its sentences say what the figures say."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import write_report
+from reports.effects import (
+    FILE,
+    Ablation,
+    absence_sentence,
+    broken_rows,
+    cell,
+    cost_sentence,
+    forced_sentence,
+    load,
+    section,
+)
+from tests.reports.test_page import Tree
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def row(effect: str, share: float | None, broken: list | None = None, moved: float | None = 0.0, scene: str = "drop") -> Json:
+    """One line of the file."""
+    return {
+        "scenario": scene, "effect": effect, "called_by": ["ball"], "with_us": 3.0, "share": share, "moved": moved,
+        "without_us": None if share is None else 3.0 * (1.0 - share), "broken": broken or [],
+        "note": "" if share is not None else "crashed",
+    }
+
+
+LOST = [["restitution_error_max", 1e-9, 0.3, 1e-6], ["apex_error_max", 0.0, None, 1e-3]]
+LINES = [row("restitution", 0.25, LOST), row("sleeping", -1.5), row("friction", 0.01), row("forced", -0.02)]
+
+
+def fill(folder: Path, lines: list[Json]) -> Ablation:
+    (folder / FILE).write_text(json.dumps({"schema_version": 1, "lines": lines}))
+    found = load(folder)
+    assert found is not None
+    return found
+
+
+def test_nothing_when_nobody_asked(tmp_path: Path) -> None:
+    assert load(tmp_path) is None
+
+
+def test_the_dearest_come_first_and_what_saves_time_is_said(tmp_path: Path) -> None:
+    said = cost_sentence(fill(tmp_path, LINES))
+    assert said == (
+        "Median share of the frame: restitution 25 % (1 scene). Paying for itself: sleeping (without it a frame takes 2.5 times "
+        "as long)."
+    )
+    assert cost_sentence(fill(tmp_path, [row("friction", 0.01)])) == "No effect takes a measurable share of the frame."
+
+
+def test_what_rests_on_an_effect_is_told_from_what_does_not(tmp_path: Path) -> None:
+    found = fill(tmp_path, LINES)
+    assert absence_sentence(found) == (
+        "Bounds rest on restitution in 1 of 1 scene. No bound of these scenes notices the absence of sleeping, friction."
+    )
+    assert [(effect, lost.metric, lost.without) for effect, _, _, lost in broken_rows(found)] == [
+        ("restitution", "restitution_error_max", 0.3), ("restitution", "apex_error_max", None),
+    ]
+
+
+@pytest.mark.parametrize("bad", [row("forced", 0.0, moved=1e-3), row("forced", 0.0, moved=None), row("forced", 0.0, LOST)])
+def test_a_forced_effect_that_changes_something_is_named(tmp_path: Path, bad: Json) -> None:
+    assert forced_sentence(fill(tmp_path, [bad])) == (
+        "Forced on where nothing calls for them, the other effects change the result of drop."
+    )
+
+
+def test_forced_effects_that_change_nothing_are_said_with_their_cost(tmp_path: Path) -> None:
+    assert forced_sentence(fill(tmp_path, LINES)) == (
+        "Forced on where nothing calls for them, all other effects together move no body at all in 1 scene, and cost 2 % of the "
+        "frame in the median."
+    )
+
+
+def test_a_cell_is_empty_where_nothing_calls_and_a_dash_where_nothing_was_measured(tmp_path: Path) -> None:
+    found = fill(tmp_path, [*LINES, row("coupling", None, scene="other")])
+    assert cell(found.at("drop", "coupling")) == "" and cell(found.at("other", "coupling")) == "—"
+    assert cell(found.at("drop", "restitution")) == "25 %"
+
+
+@pytest.mark.parametrize("text", [
+    "{", '{"schema_version": 1}', '{"schema_version": 1, "lines": [{}]}', '{"schema_version": 2, "lines": []}',
+])
+def test_a_file_that_cannot_be_used_is_said_so(tmp_path: Path, text: str) -> None:
+    (tmp_path / FILE).write_text(text)
+    with pytest.raises(InvalidFile, match=FILE):
+        load(tmp_path)
+
+
+def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    write_report(folder)
+    assert 'id="effects"' not in (folder / "index.html").read_text()
+    assert set(section(fill(folder, [*LINES, row("coupling", None, scene="other")]))) <= {
+        "effects_cost", "effects_absence", "effects_forced", "effects_cell", "effects_broken", "effects_name", "effects_noise",
+    }
+    write_report(folder)
+    text = (folder / "index.html").read_text()
+    tree = Tree()
+    tree.feed(text)
+    assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
+    assert 'id="effects"' in text and "2 bounds lost" in text and "not measured" in text and "-150 %" in text
