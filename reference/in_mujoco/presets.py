@@ -34,6 +34,7 @@ DEFAULT: Preset = {
     "lead": Chosen(0.0, "the tracker is followed as it is"),
     "armature": Chosen(0.0, DOCUMENTED + " (rotor inertia of a joint, here as a share of its link's inertia)"),
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins)"),
+    "sleep": Chosen(False, DOCUMENTED + " (trees at rest are computed like all others)"),
 }
 """MuJoCo's defaults, and its documented way to follow motion capture: one mocap body per link, welded to the
 link."""

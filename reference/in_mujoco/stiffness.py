@@ -44,6 +44,8 @@ class Stiffness:
         option.iterations = int(self._number("iterations"))
         refsafe = int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
         option.disableflags = option.disableflags & ~refsafe if self._chosen["refsafe"].value else option.disableflags | refsafe
+        if self._chosen["sleep"].value:
+            option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
         model.eq_data[:, 10] = self._number("weld_rotation")
         model.geom_margin[:] = self._number("margin") * self._world.geom_driven

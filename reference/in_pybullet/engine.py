@@ -152,6 +152,10 @@ class PybulletEngine:
                 rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
                 collisionMargin=margin, physicsClientId=client,
             )
+            if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
+                pybullet.changeDynamics(
+                    part.body, part.link, activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING, physicsClientId=client
+                )
             # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction
             if self._number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
                 pybullet.changeDynamics(part.body, part.link, contactProcessingThreshold=0.0, physicsClientId=client)

@@ -37,6 +37,7 @@ DEFAULT: Preset = {
     "root_speed": Chosen(0.0, "0: no cap; used by drive 'velocity' only [m/s]"),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
     "gravity_on_links": Chosen(True, "gravity acts on all that has mass"),
+    "sleep": Chosen(False, DOCUMENTED + ": nothing falls asleep"),
 }
 """PyBullet's defaults and its documented way to drive an avatar: fixed constraint on the root, position
 motors on the joints."""

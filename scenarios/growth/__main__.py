@@ -7,6 +7,7 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,16 +25,22 @@ NAME = "growth.csv"
 """The file of rows."""
 BEST = {"mujoco": ("tuned",), "pybullet": ("tuned",)}
 """Presets timed of the engines we compare with: their best for contact. Of all others every one."""
+SLEEPS = "sleeping"
+"""The same with their own sleeping switched on, which neither of them does by itself."""
 MOST = {("mujoco", "avatars"): 10, ("pybullet", "avatars"): 10, ("pybullet", "links"): 100}
 """Largest size asked of an engine: more avatars take these minutes, and PyBullet has no room for the joints of 199 links."""
 
 
 def jobs_of(name: str, size: int, engines: dict[str, tuple[str, ...]]) -> list[Job]:
     """Every engine and preset that takes part in a scene."""
-    return [
+    grows = name.split("_")[0]
+    jobs = [
         Job(name, engine, preset, full=True, catalogue=worlds.__name__) for engine, presets in engines.items()
-        for preset in presets if size <= MOST.get((engine, name.split("_")[0]), size)
+        for preset in presets if size <= MOST.get((engine, grows), size)
     ]
+    # what rests may sleep in the others too, if somebody asks for it
+    asleep = [replace(job, preset=SLEEPS, base=job.preset, options={"sleep": True}) for job in jobs if job.engine in BEST]
+    return [*jobs, *(asleep if grows == "objects" else [])]
 
 
 def row(grows: str, mode: str, size: int, clocked: Clocked) -> Row:
@@ -49,8 +56,8 @@ def timed(engines: dict[str, tuple[str, ...]], quick: bool) -> list[Row]:
     """All rows, scene by scene."""
     rows: list[Row] = []
     begun = time.monotonic()
-    for grows, sizes in (("links", worlds.LINKS), ("avatars", worlds.AVATARS)):
-        for mode in worlds.MODES:
+    for grows, sizes in worlds.SIZES.items():
+        for mode in worlds.MODES[grows]:
             for size in sizes[:1] if quick else sizes:
                 jobs = jobs_of(f"{grows}_{size}_{mode}", size, engines)
                 # the quick length of the timing pass: an engine that takes long gets fewer repeats

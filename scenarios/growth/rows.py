@@ -11,8 +11,8 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Row:
-    """Frame time [us], median and 99th percentile of each frame's least over the repeats, of a scene with `size` links (avatars),
-    `links` in all; nan with the reason in `note` where nothing was timed."""
+    """Frame time [us], median and 99th percentile of each frame's least over the repeats, of a scene with `size` links (avatars,
+    objects), `links` in all; nan with the reason in `note` where nothing was timed."""
 
     grows: str
     mode: str
@@ -36,8 +36,8 @@ def csv_text(rows: Sequence[Row]) -> str:
 
 
 def exponent(rows: Sequence[Row]) -> float:
-    """The power of the number of links with which p50 grows: slope of a line through the logarithms; nan with fewer than two."""
-    known = [(math.log(row.links), math.log(row.p50)) for row in rows if row.p50 > 0.0]
+    """The power of the size with which p50 grows: slope of a line through the logarithms; nan with fewer than two."""
+    known = [(math.log(row.size), math.log(row.p50)) for row in rows if row.p50 > 0.0]
     if len(known) < 2:
         return math.nan
     x, y = np.array(known).T
@@ -57,7 +57,7 @@ def table(rows: Sequence[Row]) -> str:
             cells = "".join(
                 f"{found[size].p50:10.1f}" if size in found and found[size].p50 > 0.0 else f"{'-':>10s}" for size in sizes
             )
-            lines.append(f"{mode:8s} {run:21s}{cells}   links^{exponent(list(found.values())):.2f}")
+            lines.append(f"{mode:8s} {run:21s}{cells}   size^{exponent(list(found.values())):.2f}")
     for note in dict.fromkeys(f"{row.run}, {row.grows} {row.size}: {row.note}" for row in rows if math.isnan(row.p50)):
         lines.append(f"not timed: {note}")
     return "\n".join(lines)

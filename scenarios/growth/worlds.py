@@ -1,6 +1,6 @@
-"""Scenes of any size: a comb of many limbs over a floor, and a row of people before a wall.
+"""Scenes of any size: a comb of many limbs over a floor, a row of people before a wall, a gallery of objects at rest.
 
-A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`.
+A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`, `objects_2000_idle`.
 """
 
 from dataclasses import replace
@@ -17,6 +17,9 @@ from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from scenarios.avatars.humanoid import humanoid
 from scenarios.avatars.standing import standing
+from scenarios.growth.gallery import FRAMES as GALLERY_FRAMES
+from scenarios.growth.gallery import MODES as GALLERY_MODES
+from scenarios.growth.gallery import gallery, walk
 from scenarios.keyframes import posed
 from scenarios.scenario import RENDERED, Motion, Scenario
 from scenarios.stage import floor, wall_ahead
@@ -25,8 +28,12 @@ LINKS = (16, 31, 61, 100, 199)
 """Links of the comb: a back, and limbs of three links."""
 AVATARS = (1, 3, 10, 30, 100)
 """People in the row, of 15 links each."""
-MODES = ("apart", "contact")
-"""Nothing touches; or most of the time limbs (arms) are in the floor (the wall)."""
+OBJECTS = (20, 200, 2000)
+"""Objects in the gallery."""
+SIZES = {"links": LINKS, "avatars": AVATARS, "objects": OBJECTS}
+"""What grows, and how far."""
+MODES = {"links": ("apart", "contact"), "avatars": ("apart", "contact"), "objects": GALLERY_MODES}
+"""Nothing touches; or most of the time limbs (arms) are in the floor (the wall). Objects: see `gallery`."""
 FRAMES = 90
 """One and a half seconds: three times into contact and out again."""
 JOINTED, APART = 3, 0.09
@@ -135,13 +142,12 @@ def row_motion(scene: Scene, seed: int) -> Motion:
 @cache
 def get(name: str) -> Scenario:
     """The scenario called `name`: what grows, how many, in which mode. UnknownName for anything else."""
-    sizes = {"links": LINKS, "avatars": AVATARS}
-    known = [f"{what}_{size}_{mode}" for what in sizes for size in sizes[what] for mode in MODES]
+    known = [f"{what}_{size}_{mode}" for what, sizes in SIZES.items() for size in sizes for mode in MODES[what]]
     if name not in known:
         raise UnknownName("scene of growing size", name, known)
     what, size, mode = name.split("_")
-    scene = {"links": comb_scene, "avatars": row_scene}[what]
+    scene = {"links": comb_scene, "avatars": row_scene, "objects": gallery}[what]
     return Scenario(
         name, f"{size} {what}, {mode}.", "Frame time.", partial(scene, int(size), mode),
-        {"links": comb_motion, "avatars": row_motion}[what], FRAMES,
+        {"links": comb_motion, "avatars": row_motion, "objects": walk}[what], GALLERY_FRAMES if what == "objects" else FRAMES,
     )

@@ -17,7 +17,7 @@ from scenarios.measure.timing import Timed
 from scenarios.timing import Clocked
 
 SIZES = {"links": worlds.LINKS[:3], "avatars": worlds.AVATARS[:2]}
-SMALL = [f"{what}_{size}_{mode}" for what, sizes in SIZES.items() for size in sizes for mode in worlds.MODES]
+SMALL = [f"{what}_{size}_{mode}" for what, sizes in SIZES.items() for size in sizes for mode in worlds.MODES[what]]
 
 
 @pytest.mark.parametrize("name", SMALL)
@@ -59,12 +59,14 @@ def test_growth_is_the_slope_of_the_logarithms() -> None:
 def test_the_table_and_the_file_hold_what_is_missing_too() -> None:
     found = [line(10, 5.0), line(100, 50.0), Row("links", "apart", 100, 100, "mujoco/tuned", math.nan, math.nan, "it fell over")]
     text = table(found)
-    assert "links^1.00" in text and "not timed: mujoco/tuned, links 100: it fell over" in text
+    assert "size^1.00" in text and "not timed: mujoco/tuned, links 100: it fell over" in text
     assert csv_text(found).splitlines()[3] == "links,apart,100,100,mujoco/tuned,,,it fell over"
 
 
 def test_who_takes_long_is_not_asked_for_a_hundred_avatars() -> None:
     engines = {"avatarsim": ("default", "paper"), "mujoco": ("tuned",)}
+    galleries = [job.run for job in command.jobs_of("objects_20_idle", 20, engines)]
+    assert galleries == ["avatarsim/default", "avatarsim/paper", "mujoco/tuned", "mujoco/sleeping"]
     assert [job.run for job in command.jobs_of("avatars_100_apart", 100, engines)] == ["avatarsim/default", "avatarsim/paper"]
     assert [job.engine for job in command.jobs_of("links_199_apart", 199, engines)] == ["avatarsim", "avatarsim", "mujoco"]
     assert command.jobs_of("links_199_apart", 199, {"pybullet": ("tuned",)}) == []
@@ -79,8 +81,8 @@ def test_the_command_times_every_engine_and_writes(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(command, "timed_pass", timed_pass)
     assert command.main(["--run", str(tmp_path), "--engine", "avatarsim", "--quick"]) == 0
     lines = (tmp_path / "growth.csv").read_text().splitlines()
-    # two kinds, two modes, two methods
-    assert len(lines) == 9 and lines[1] == "links,apart,16,16,avatarsim/default,4,4,2 repeats"
+    # three kinds, two modes, two methods
+    assert len(lines) == 13 and lines[1] == "links,apart,16,16,avatarsim/default,4,4,2 repeats"
     monkeypatch.setattr(command, "timed_pass", lambda jobs, full: [Clocked(job, None, "died") for job in jobs])
     assert command.main(["--run", str(tmp_path), "--engine", "avatarsim", "--quick"]) == 3
     assert command.main(["--run", str(tmp_path), "--engine", "abacus"]) == 2
