@@ -24,6 +24,7 @@ from scenarios.results import Row, is_time
 from scenarios.resume import earlier_run, how_to_go_on
 from scenarios.scenario import Scenario
 from scenarios.table import table
+from scenarios.table_2.printed import SCENES
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,10 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
         patterns = asked.filter.split(",")
         found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
     elif asked.command in ("compare", "bench") and not asked.full:
-        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday}
-        said = f"{len(everyday)} everyday scenes of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
+        also = SCENES if asked.command == "bench" else ()
+        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
+        kinds = "everyday scenes and those of Table 2" if also else "everyday scenes"
+        said = f"{len(everyday)} {kinds} of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
         print(said, file=sys.stderr)
         found = everyday
     for scenario in found.values():
