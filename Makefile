@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test fuzz check ablate bench report lint lock clean FORCE
+.PHONY: help setup compare test fuzz check ablate bench nearness report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -43,12 +43,22 @@ ablate: $(READY)  ## what each effect of a scene costs and what leaving it out c
 	@$(VENV_PYTHON) -m scenarios ablate $(if $(ALL),--filter '*')
 	@$(VENV_PYTHON) -m reports write
 
-bench: $(READY)  ## time per frame, per collision query beside coal, python-fcl, MuJoCo, PyBullet, and per object up to 20,000
+bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 avatars, single collision queries, 20,000 objects
 	@$(COMPILED)
 	@code=0; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
+	  $(VENV_PYTHON) -m scenarios.table_2 || code=$$?; \
+	  $(VENV_PYTHON) -m scenarios.growth || code=$$?; \
 	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reference.broad_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+# What is found is no error of a command; a command that could not ask is.
+nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free posture (half an hour for all scenes), 100 orders of chains
+	@$(COMPILED)
+	@failed=0; export OMP_NUM_THREADS=1; \
+	for question in beside spread nearest; do \
+	  $(VENV_PYTHON) -m scenarios.$$question || [ $$? = 1 ] || failed=1; \
+	done; $(VENV_PYTHON) -m reports write || failed=1; exit $$failed
 
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write

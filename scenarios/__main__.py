@@ -3,14 +3,20 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios import commands
+from scenarios import ablation, commands, listing
 from scenarios.files import OUT
 from scenarios.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.resume import stoppable
+
+COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
+    "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": commands.compare,
+    "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate,
+}
+"""What each word of the command line does."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -54,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return int(end.code or 0)
     try:
         with stoppable():
-            code = commands.COMMANDS[asked.command](asked, words)
+            code = COMMANDS[asked.command](asked, words)
             # here, where it can still be answered, and not at the interpreter's end
             sys.stdout.flush()
         return code

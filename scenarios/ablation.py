@@ -1,5 +1,7 @@
 """What each effect costs and what leaving it out changes: every scene again without each of its effects, and with all others."""
 
+import argparse
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -10,8 +12,9 @@ from avatarsim.scene.calls import KEPT
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.scene import Scene
 from scenarios import record
+from scenarios.commands import Plan, begun, finished, nothing, passes, scenes
 from scenarios.engines import GATED
-from scenarios.files import write_json
+from scenarios.files import plain, write_json
 from scenarios.gate import bounds_of
 from scenarios.harness import Run
 from scenarios.job import Job, Outcome
@@ -127,3 +130,23 @@ def table(found: Sequence[Line]) -> str:
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.3g}"
+
+
+def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Each scene as it is, without each of its effects, and with all others: accuracy, then time, our engine only."""
+    found = scenes(asked)
+    if not found:
+        return nothing(asked)
+    built = {name: scenario.as_run(asked.full).build() for name, scenario in found.items()}
+    planned = [
+        job for name, scene in built.items() for seed in asked.seed[:1]
+        for job in jobs(name, scene, seed, asked.full, asked.frames)
+    ]
+    made = Plan(found, planned, [], frozenset())
+    ran = begun(asked, words, made, {})
+    code = passes(asked, made, ran, timed=True)
+    told = lines(ran, built)
+    beside = asked.out.resolve() / "latest"
+    write(told, [ran.folder, *([beside] if beside.is_dir() else [])])
+    print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else table(told))
+    return finished(asked, made, ran, code)

@@ -3,28 +3,26 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
-from scenarios import ablation, catalog
-from scenarios.effects_said import effects_of, lines_of, table_of_calls
+from scenarios import catalog
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
 from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.harness import Run, offers
 from scenarios.job import Job, Outcome, State
-from scenarios.metrics import FAMILIES, METRICS
 from scenarios.own_settings import OwnSettings, read
 from scenarios.provenance import provenance
 from scenarios.results import Row, is_time
 from scenarios.resume import earlier_run, how_to_go_on
 from scenarios.scenario import Scenario
 from scenarios.table import table
+from scenarios.table_2.printed import SCENES
 
 
 @dataclass(frozen=True)
@@ -48,8 +46,10 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
         patterns = asked.filter.split(",")
         found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
     elif asked.command in ("compare", "bench", "ablate") and not asked.full:
-        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday}
-        said = f"{len(everyday)} everyday scenes of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
+        also = SCENES if asked.command == "bench" else ()
+        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
+        kinds = "everyday scenes and those of Table 2" if also else "everyday scenes"
+        said = f"{len(everyday)} {kinds} of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
         print(said, file=sys.stderr)
         found = everyday
     for scenario in found.values():
@@ -232,70 +232,3 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
             value = row.note if row.value is None else f"{row.value:12.4g} {row.unit}"
             print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
     return finished(asked, made, ran, code)
-
-
-def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """Names, lengths and titles; with `--effects` what each scene calls for and by which part, and what its author took away."""
-    found = scenes(asked)
-    if not found:
-        return nothing(asked)
-    entries = [entry_of(scenario, asked.effects) for scenario in found.values()]
-    if asked.json:
-        print(json.dumps(entries, indent=1))
-        return 0
-    if asked.effects:
-        print(table_of_calls())
-    for entry in entries:
-        length = f"{entry['frames']}" if entry["short"] is None else f"{entry['frames']}/{entry['short']}"
-        print(f"{entry['name']:24} {length:>10} frames  {entry['title']}")
-        if asked.effects:
-            for line in lines_of(found[entry["name"]].build()):
-                print(f"{'':24} {line}")
-    return 0
-
-
-def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
-    """What `list` says of one scene."""
-    told = ("name", "frames", "short", "dt", "everyday", "title", "judged")
-    entry: dict[str, Any] = {key: getattr(scenario, key) for key in told}
-    if effects:
-        entry |= effects_of(scenario.build())
-    return entry
-
-
-def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """The definitions."""
-    known_metrics = {**METRICS, **FAMILIES}
-    if asked.json:
-        rows = [{"metric": name, "unit": unit, "meaning": says} for name, (unit, says) in known_metrics.items()]
-        print(json.dumps(rows, indent=1))
-        return 0
-    for name, (unit, says) in known_metrics.items():
-        print(f"{name:26} {f'[{unit}]' if unit else '':9} {says}")
-    return 0
-
-
-def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """Each scene as it is, without each of its effects, and with all others: accuracy, then time, our engine only."""
-    found = scenes(asked)
-    if not found:
-        return nothing(asked)
-    built = {name: scenario.as_run(asked.full).build() for name, scenario in found.items()}
-    jobs = [
-        job for name, scene in built.items() for seed in asked.seed[:1]
-        for job in ablation.jobs(name, scene, seed, asked.full, asked.frames)
-    ]
-    made = Plan(found, jobs, [], frozenset())
-    ran = begun(asked, words, made, {})
-    code = passes(asked, made, ran, timed=True)
-    told = ablation.lines(ran, built)
-    beside = asked.out.resolve() / "latest"
-    ablation.write(told, [ran.folder, *([beside] if beside.is_dir() else [])])
-    print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else ablation.table(told))
-    return finished(asked, made, ran, code)
-
-
-COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
-    "list": listing, "metrics": metrics, "run": run, "compare": compare, "check": check, "bench": bench,
-    "ablate": ablate,
-}

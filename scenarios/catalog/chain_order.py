@@ -1,10 +1,11 @@
 """Does it matter in which order the chains are treated? The same motion for every seed; the seed is the engine's alone.
 
-Both arms and a leg meet a wall at once, the hands close together, the head bent towards it; then with the other leg. The
-paper draws the order of the chains at random; run with `--seed 0 1 2 ...` the spread of what is shown is the spread over
-orders. A method without an order shows the same frames, bit for bit.
+Both arms, crossed, and a leg meet a wall at once, the head bent towards it; then with the other leg. The arms overlap each
+other too: chains that meet nothing but a wall give way in the same manner in every order. The paper draws the order of the
+chains at random; `python -m scenarios.spread` measures the spread over a hundred orders. A method without an order shows the
+same frames, bit for bit.
 
-In the 120 frames of a quick comparison the raw motion is inside wall in 74 of them (up to 0.19 m deep).
+In the 120 frames of a quick comparison the raw motion is inside wall in 74 of them (up to 0.19 m deep), self in 54 (0.03 m).
 """
 
 from avatarsim.scene.scene import Scene
@@ -28,7 +29,7 @@ def motion(scene: Scene, seed: int) -> Motion:
     human, start, keys = scene.avatars[0], scene.first_sample, list[Key]()
     for k, leg in enumerate(("left", "right")):
         turned = {
-            "left_shoulder": (0.0, -80.0, -25.0), "right_shoulder": (0.0, -70.0, 25.0), f"{leg}_hip": (0.0, -75.0, 0.0),
+            "left_shoulder": (0.0, -80.0, -45.0), "right_shoulder": (0.0, -70.0, 45.0), f"{leg}_hip": (0.0, -75.0, 0.0),
             "neck": (0.0, 40.0, 0.0), "chest": (0.0, 15.0, 0.0),
         }
         bent = {"left_elbow": (15.0,), "right_elbow": (20.0,), f"{leg}_knee": (-60.0,)}

@@ -16,7 +16,8 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
 from scenarios.files import OUT, write_text
-from scenarios.table_2.rows import SCENES, Row, rows, trace
+from scenarios.table_2.printed import SCENES
+from scenarios.table_2.rows import Row, rows, trace
 
 TABLE, TRACE = "table_2.csv", "figure_8.csv"
 """The files of the table and of the trace."""

@@ -13,11 +13,10 @@ from reference.frame_shares.measure import Shares, measured
 from scenarios.kept import as_recorded, scenes_of
 from scenarios.measure.tracker_offset import angle_offsets
 from scenarios.record import Recording, load
+from scenarios.table_2.printed import SCENES
 
 Array = NDArray[np.float64]
 
-SCENES = ("two_arms", "self_collision", "two_arms_and_leg", "arm_in_corner")
-"""The scenes of Table 2, in its order."""
 TRACE = "two_arms"
 """The scene of Figure 8."""
 PRINTED = "printed in the paper"

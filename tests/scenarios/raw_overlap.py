@@ -5,7 +5,7 @@ RAW = {
     "arms_through_chest": {"self": (132, 0.1002)},
     "avatar_into_wall": {"wall": (139, 0.2531)},
     "ball_off_table": {"table": (128, 0.0301), "ball": (126, 0.0379)},
-    "chain_order": {"wall": (74, 0.1861)},
+    "chain_order": {"wall": (74, 0.1861), "self": (54, 0.0259)},
     "coach_release": {"slab": (224, 0.0888)},
     "driven_10cm_wall": {"wall": (111, 0.1)},
     "hand_grasp": {"duck": (98, 0.0259), "mug": (69, 0.0227)},

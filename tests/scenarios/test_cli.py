@@ -157,6 +157,10 @@ def test_without_a_filter_a_comparison_takes_the_everyday_scenes_and_the_gate_ta
 
     assert taken("compare") == {"ball_drop"}
     assert "1 everyday scenes of 2" in capsys.readouterr().err
+    both["two_arms"] = replace(drop, name="two_arms", everyday=False)
+    assert taken("compare") == {"ball_drop"} and taken("bench") == {"ball_drop", "two_arms"}
+    assert taken("compare", "--filter", "rar*,two_*") == {"rare", "two_arms"}
+    del both["two_arms"]
     assert taken("compare", "--filter", "*") == taken("compare", "--full") == taken("check") == {"ball_drop", "rare"}
 
 

@@ -13,7 +13,8 @@ from reference.frame_shares.measure import Shares
 from scenarios import catalog, record
 from scenarios.table_2 import rows as module
 from scenarios.table_2.__main__ import main, table, written
-from scenarios.table_2.rows import AS_PRINTED, PRINTED, SCENES, row, rows, runs
+from scenarios.table_2.printed import SCENES
+from scenarios.table_2.rows import AS_PRINTED, PRINTED, row, rows, runs
 from tests.scenarios.examples import recorded
 
 FRAMES = 4
