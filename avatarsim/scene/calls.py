@@ -8,7 +8,7 @@ import numpy as np
 
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, Role
-from avatarsim.scene.joint import Ball, Hinges, Rigid
+from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.material import Contact, PairTable
 
 ROUND = 1e-9
@@ -55,8 +55,8 @@ def jointed(parts: Parts) -> list[str]:
 
 
 def many_limbed(parts: Parts) -> list[str]:
-    """Avatars with two links at least that are neither parent and child nor carried rigidly."""
-    return [a.name for a in parts.avatars if len(a.links) > 2 and any(not isinstance(k.joint, Rigid) for k in a.links[1:])]
+    """Avatars with two links at least that are not parent and child."""
+    return [avatar.name for avatar in parts.avatars if len(avatar.links) > 2]
 
 
 def limited(parts: Parts) -> list[str]:
@@ -111,7 +111,7 @@ NO_OVERLAP, STAYS, BOUNCES, FAST = "1 (no overlap)", "2 (stays with the user)", 
 CALLS = (
     Call("overlap_removal", "an avatar", "a tracked posture goes into things; the one shown must not", NO_OVERLAP, driven),
     Call("kinematics", "an avatar's hinge or ball joint", "links of a chain give way by turning in their joints", STAYS, jointed),
-    Call("self_contact", "an avatar of three links or more, moved by joints", "limbs must not go through each other",
+    Call("self_contact", "an avatar of three links or more", "limbs must not go through each other",
          NO_OVERLAP, many_limbed),
     Call("limits", "a limited hinge or ball joint", "a posture must stay within what the joint allows", STAYS, limited),
     Call("reach_cones", "a ball joint with a reach cone", "a limb must stay in its spherical polygon", STAYS, coned),

@@ -29,7 +29,7 @@ from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.global_depth import global_depth
 from avatarsim.collide.pair_memory import make_pair_memory
 from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import separated_beyond, signed_distance
+from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.collide.support import gap_along
 from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import make_sweep_memory
@@ -46,7 +46,6 @@ begun, worked = time.time(), time.process_time()
 """
 ENTRIES = (
     """signed_distance(vertices, shapes, 0, 1, up, scratch)
-separated_beyond(vertices, shapes, 0, 1, up, 0.0, scratch)
 gap_along(vertices, shapes, 0, 1, up)
 global_depth(vertices, shapes, np.array([0, 1, 2]), 0, 1, scratch)
 """,
