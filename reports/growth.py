@@ -123,7 +123,8 @@ def _spec(growth: Growth, dots: list[dict[str, object]], inks: Mapping[str, Stro
     colours = alt.Scale(domain=list(inks), range=[ink.light for ink in inks.values()])
     dashes = alt.Scale(domain=list(inks), range=[list(ink.dash) for ink in inks.values()])
     chart = alt.Chart({"values": dots}).mark_line(point=True, strokeWidth=1.5).encode(
-        x=alt.X("size:Q", title=None, scale=alt.Scale(type="log"), axis=alt.Axis(values=sizes, format="d", grid=False)),
+        x=alt.X("size:Q", title=None, scale=alt.Scale(type="log", domain=[sizes[0], sizes[-1]]),
+                axis=alt.Axis(values=sizes, format="d", grid=False)),
         y=alt.Y("us:Q", title=None, scale=alt.Scale(type="log", domain=[10.0**low, 10.0**high]), axis=alt.Axis(
             values=[10.0**k for k in range(low, high + 1)], labelExpr=f"{{{names}}}[round(log(datum.value)/log(10))]")),
         color=alt.Color("run:N", legend=None, scale=colours), strokeDash=alt.StrokeDash("run:N", legend=None, scale=dashes),

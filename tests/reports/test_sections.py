@@ -28,6 +28,7 @@ NEAR = (
     "scenario,frames,lost,offset,nearest_offset,angle,nearest_angle,distance,nearest_distance,downhill_distance,near_offset,near_angle\n"
     "arm_in_corner,12,1,0.03,0.02,0.1,0.1,0.05,0.04,0.05,1,1\n"
     "two_arms,12,0,0.03,0.01,0.1,0.0,0.05,0.04,0.05,1,1\n"
+    "squeeze,12,0,0.03,0.03,0.5,0.2,0.05,0.04,0.05,1,0\n"
 )
 BESIDE = (
     "other,scenario,frames,counted,offset,their_offset,angle,their_angle,nearer_offset,nearer_angle\n"
@@ -109,9 +110,10 @@ def test_closeness_names_what_is_beyond_and_who_is_nearer(tmp_path: Path) -> Non
     (tmp_path / closeness.NEAREST).write_text(NEAR)
     (tmp_path / closeness.BESIDE).write_text(BESIDE)
     found = closeness.load(tmp_path)
-    assert found is not None and [line.scenario for line in found.near] == ["two_arms", "arm_in_corner"]
+    assert found is not None and [line.scenario for line in found.near] == ["two_arms", "squeeze", "arm_in_corner"]
     assert closeness.near_sentence(found.near) == (
-        "Offset and angle are within 2 times in 1 of 2 scenes. Beyond: two_arms (offset ×3.00, angle ×∞)."
+        "Offset and angle are within 2 times in 1 of 3 scenes. Beyond: two_arms (offset ×3.00, angle ×∞), "
+        "squeeze (offset ×1.00, angle ×2.50)."
     )
     assert closeness.pair_sentence(found.pairs) == (
         "In offset, mujoco/tuned is nearer in 1 scene: two_arms; ours in 0. "
