@@ -9,7 +9,7 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.posture.trapped import LOOK_EVERY
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.mass import solid
@@ -191,17 +191,6 @@ def test_the_seed_alone_decides_which_way_is_taken() -> None:
 
     assert hashes(1) == hashes(1)
     assert hashes(1) != hashes(2)
-
-
-def test_what_moves_into_a_way_is_not_run_into() -> None:
-    """The way is searched among bodies where they are; each of its steps is certified again among those of its own frame."""
-    ball = (Piece(Sphere(0.08)),)
-    loose = tuple(
-        simulated(f"ball_{k}", ball, "wood", solid(ball, 0.5), (-0.45, 0.2 * k - 0.4, 0.6 + 0.3 * k)) for k in range(5)
-    )
-    floor = (slab("floor", (0.0, 0.0, -0.45), (4.0, 4.0, 0.1)),)
-    records, scene = play((*pocket(), *floor, *loose), limbed(), (-0.1, 0.0, 0.0), [BEHIND] * 120)
-    assert total(records, "led") > 0
 
 
 @pytest.mark.parametrize("name", ["search_after", "search_work", "around", "trapped_frames", "trapped_jump", "walled_jump"])

@@ -27,7 +27,6 @@ from avatarsim.scene.tracker import rest
 from avatarsim.world.skeleton import Posture
 from tests.posture.little_worlds import hand, little, mixed_avatar, panel
 
-
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
 
