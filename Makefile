@@ -70,13 +70,14 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck
 
 # Everything runs, whatever fails; the exit status is then 1.
-fuzz: $(READY)  ## a million pairs of shapes against exact answers, then hostile motion (PAIRS=..., FRAMES=..., SEED=...)
+fuzz: $(READY)  ## a million pairs of shapes against exact answers, then hostile motion and 500 returns (PAIRS=..., FRAMES=..., SEED=...)
 	@$(COMPILED)
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
 	for avatar in hinged humanoid; do \
-	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),20000) \
+	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \
+	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --returns --judge-every 4 || failed=1; \
 	done; exit $$failed
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom

@@ -21,7 +21,7 @@ def lower_loop(world: World, method: str, chosen: Chosen, seed: int) -> CheckedL
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-    return CheckedLoop(world, chosen.posture, chosen.coupling)
+    return CheckedLoop(world, chosen.posture, chosen.coupling, seed)
 
 
 class Frames:

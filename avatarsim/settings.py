@@ -24,6 +24,14 @@ class PostureSettings(NamedTuple):
     stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
     stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
     untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
+    search_after    frames without coming nearer to a tracker whose own posture is free, after which a way out is searched.
+    search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
+    around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
+                    a hand without any that is pushed through a table is to lie on it. 2: for all.
+    trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say.
+    trapped_jump    frames of this kind after which a trapped avatar is shown at the tracker's posture, whatever lies between:
+                    a stated jump, counted as a crossing. 0: never, it stays until a way is found.
+    walled_jump     the same where something that is no link stands between the trunk and the tracker's. 0: it waits there.
     """
 
     stand_off: float = 2e-4
@@ -43,6 +51,12 @@ class PostureSettings(NamedTuple):
     stiffness_floor: float = 3.0
     stuck_frames: int = 12
     untie: int = 1
+    search_after: int = 3
+    search_work: int = 1200
+    around: int = 1
+    trapped_frames: int = 12
+    trapped_jump: int = 0
+    walled_jump: int = 0
 
 
 class CouplingSettings(NamedTuple):

@@ -20,6 +20,9 @@ PRESETS = ("default", "paper")
 MOST = 1e9
 """Largest value of any option: a billion of anything here is a slip of the hand."""
 
+CHOICES = {"untie": 1, "around": 2}
+"""Largest value of the options that are a choice between 0 and this."""
+
 METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
 """The groups of settings that each method reads."""
 
@@ -47,11 +50,11 @@ def frame_time(dt: float) -> None:
 
 def number(name: str, value: object, kind: type[float] | type[int]) -> float:
     """`value` as a number of `kind`, 0 or more."""
-    found = as_number(value)
-    if not 0.0 <= found <= MOST:
-        raise InvalidInput(f"option {name}", value, f"a number from 0 to {MOST:g}")
+    found, most = as_number(value), CHOICES.get(name, MOST)
+    if not 0.0 <= found <= most:
+        raise InvalidInput(f"option {name}", value, f"a number from 0 to {most:g}")
     if kind is int and found != int(found):
-        raise InvalidInput(f"option {name}", value, f"a whole number from 0 to {MOST:g}")
+        raise InvalidInput(f"option {name}", value, f"a whole number from 0 to {most:g}")
     return kind(found)
 
 

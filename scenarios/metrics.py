@@ -60,6 +60,9 @@ METRICS: dict[str, tuple[str, str]] = {
     "warmup": ("s", "import, load and first frames in a fresh process"),
     "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
     "resyncs": ("", "jumps that untied limbs"),
+    "trapped": ("frames", "the tracker's posture is free, the shown one is far and came no nearer for a stated time"),
+    "walled": ("frames", "trapped, and something that is no link stands between the shown trunk and the tracker's"),
+    "crossings": ("", "jumps out of a trap or across a wall, taken only where settings ask for them"),
     "run": ("", "stands in for all metrics of a run that gave none: crashed, not measured, refused"),
 }
 FAMILIES: dict[str, tuple[str, str]] = {

@@ -5,9 +5,11 @@ import numpy as np
 from avatarsim.by_reference import refer
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, pull
-from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs
+from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.posture.follow import follow
-from avatarsim.posture.workspace import COUNT, COUNT_NAMES, ready_memory
+from avatarsim.posture.trapped import LOOK_EVERY, seek
+from avatarsim.posture.way_memory import IDLE, MODE, make_way
+from avatarsim.posture.workspace import COUNT, COUNT_NAMES, SLOW, ready_memory
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.world.arena import Array, Index, opening, packed, yes
 from avatarsim.world.opened import (
@@ -21,7 +23,7 @@ from avatarsim.world.opened import (
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
-BAD = ("bad_queries", "rows_dropped", "resyncs")
+BAD = ("bad_queries", "rows_dropped", "resyncs", "trapped", "walled", "crossings")
 """Counts that say that something did not end well."""
 
 NOTHING_RECEIVED, NOBODY = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
@@ -57,19 +59,41 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     follow(geometry, skeleton, tracker, settings, posture, poses, memory)
 
 
+@kernel
+def seek_opened(world: Index, kept: Index, way: Index) -> None:
+    """`seek` on the arenas of a world, of what the loop keeps, and of the search."""
+    o = opening(world)
+    geometry, _ = refer(opened_geometry(o)), opened_dynamics(o)
+    poses, _ = refer(opened_poses(o)), opened_velocities(o)
+    skeleton, posture = refer(opened_skeleton(o)), refer(opened_posture(o))
+    o = opening(kept)
+    yes(o)
+    opened_springs(o)
+    settings, memory = refer(opened_settings(o)), refer(opened_memory(o))
+    seek(geometry, skeleton, settings, posture, poses, memory, refer(opened_way(opening(way))))
+
+
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
-    def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings) -> None:
+    def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
         self.world = world
         memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
         springs = make_springs(world.skeleton, world.dynamics, world.poses, coupling)
         kept = (world.scene.effects.coupling, springs, settings, memory)
         self._kept, (_, _, _, self.memory) = packed(kept)
+        way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
+        self._way, self.way = packed(way)
+        self._search_after = settings.search_after
+        # nobody is slow yet: it does nothing, and no frame has to wait for the compiler
+        seek_opened(world.words, self._kept, self._way)
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the springs displace by their offsets."""
         follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, NOBODY)
+        slow = self.memory.flags[SLOW] - self._search_after
+        if self.way.state[MODE] != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
+            seek_opened(self.world.words, self._kept, self._way)
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] go into the springs; a driven body held by what is `moving` (nb) now goes on."""

@@ -3,6 +3,7 @@
 from avatarsim.collide.scratch import Scratch, scratch_at
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import Springs
+from avatarsim.posture.way_memory import Way
 from avatarsim.posture.workspace import Goal, Memory, PairMemory, Rows
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.world.arena import (
@@ -15,6 +16,7 @@ from avatarsim.world.arena import (
     index_line,
     line,
     real,
+    stack,
     vectors,
     whole,
 )
@@ -67,7 +69,8 @@ def opened_settings(o: Opening) -> PostureSettings:
     """The next PostureSettings."""
     return PostureSettings(
         real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), real(o),
-        real(o), real(o), whole(o), whole(o),
+        real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o),
+        whole(o),
     )
 
 
@@ -78,4 +81,14 @@ def opened_springs(o: Opening) -> Springs:
     return Springs(
         settings, vectors(o)[0], vectors(o)[0], vectors(o)[0], line(o)[0], line(o)[0], vectors(o)[0], line(o)[0], opened_poses(o),
         opened_poses(o), index_line(o)[0],
+    )
+
+
+@kernel
+def opened_way(o: Opening) -> Way:
+    """The next Way."""
+    return Way(
+        opened_memory(o), opened_posture(o), opened_poses(o), opened_posture(o), opened_posture(o), cube(o)[0], stack(o)[0],
+        grid(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0],
+        index_line(o)[0], index_line(o)[0],
     )

@@ -1,16 +1,41 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.goal import aim, clip_to_limits, merit, tracker_speed
+from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker_speed
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
-from avatarsim.posture.workspace import COUNT, FRAME, MERIT_WINDOW, NOW, TRACKER_SPEED, UNTIED, Memory
+from avatarsim.posture.workspace import (
+    COUNT,
+    FRAME,
+    HELD_STILL,
+    LED,
+    MERIT_WINDOW,
+    NOW,
+    PAST,
+    PAST_FRAMES,
+    SLOW,
+    SPEED,
+    STEPPED,
+    TRACKER_SPEED,
+    UNDER_WAY,
+    UNTIED,
+    Memory,
+)
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
+from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
 
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
+
+JUMP = 0.2
+"""[rad or m] a tracker that moves more than this within a frame has jumped: the way to it is a new one."""
+
+NEAR_ENOUGH = 0.1
+"""[rad or m] an avatar nearer than this to the tracker's posture in every joint needs no other way."""
+
+NEARER = 0.64
+"""Share to which half the squared distance to the tracker must fall within PAST_FRAMES: a fifth of the distance."""
 
 SPEED_MEMORY = 0.8
 """Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
@@ -47,6 +72,37 @@ def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memor
 
 
 @kernel
+def walk(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, steps: int, posture_out: Posture, poses_out: Poses,
+    memory_out: Memory,
+) -> float:
+    """At most `steps` certified steps towards the goal that `clip_to_limits` has set; the largest part of the last one."""
+    largest = 0.0
+    aim(skel, posture_out, settings, memory_out.goal)
+    frame = int(memory_out.flags[FRAME])
+    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
+    memory_out.flags[FRAME] = frame + 1
+    for _ in range(steps):
+        largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
+        there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
+        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * budget(settings, memory_out):
+            break
+    return largest
+
+
+@kernel
+def judge_progress(memory_out: Memory) -> None:
+    """Count the frames in a row in which the avatar is not a fifth nearer to the tracker than PAST_FRAMES before.
+
+    After `unstick`, which has aimed from where the frame ends.
+    """
+    flags, goal = memory_out.flags, memory_out.goal
+    now, place = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES
+    flags[SLOW] = flags[SLOW] + 1.0 if farthest(goal) > NEAR_ENOUGH and now > NEARER * flags[place] else 0.0
+    flags[place] = now
+
+
+@kernel
 def follow(
     geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
@@ -56,14 +112,16 @@ def follow(
     clip_to_limits(skel, tracker, memory_out.goal)
     speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
-    aim(skel, posture_out, settings, memory_out.goal)
-    frame = int(memory_out.flags[FRAME])
-    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
-    memory_out.flags[FRAME] = frame + 1
-    for _ in range(settings.steps):
-        largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
-        there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
-        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * budget(settings, memory_out):
-            break
-    memory_out.flags[UNTIED] = 0.0
+    flags = memory_out.flags
+    flags[UNTIED], flags[SPEED] = 0.0, speed
+    if speed > JUMP:
+        # whoever jumps wants to go elsewhere
+        flags[LED] = 0.0
+        flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
+    if flags[LED] == UNDER_WAY:
+        flags[SLOW] += 1.0
+        return
+    if flags[LED] != HELD_STILL:
+        flags[STEPPED] = walk(geo, skel, settings, settings.steps, posture_out, poses_out, memory_out)
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)
+    judge_progress(memory_out)

@@ -101,3 +101,12 @@ def merit(goal: Goal) -> float:
     for j in range(goal.full.shape[0]):
         total += 0.5 * goal.full[j] * goal.full[j] / goal.inverse_weight[j]
     return total
+
+
+@kernel
+def farthest(goal: Goal) -> float:
+    """Largest part of the way to the tracker's posture [rad or m]."""
+    most = 0.0
+    for part in goal.full:
+        most = max(most, abs(part))
+    return most

@@ -4,7 +4,7 @@ from avatarsim.collide.support import gap_along
 from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
-from avatarsim.posture.goal import aim
+from avatarsim.posture.goal import aim, farthest
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.workspace import ADDING, LISTED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
 from avatarsim.settings import PostureSettings
@@ -29,9 +29,7 @@ def unstick(
 ) -> None:
     """Count the frames without progress and act on the count."""
     aim(skel, posture_out, settings, memory_out.goal)
-    error = 0.0
-    for way in memory_out.goal.full:
-        error = max(error, abs(way))
+    error = farthest(memory_out.goal)
     flags = memory_out.flags
     if error > ERROR and abs(error - flags[STUCK_ERROR]) < PROGRESS:
         flags[STUCK] += 1.0

@@ -31,9 +31,10 @@ MERIT_WINDOW = 8
 
 # counts of one frame, by place in Memory.counts
 QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
+LED_STEPS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS = range(13, 17)
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "resyncs", "bad_queries",
+    "resyncs", "bad_queries", "led", "trapped", "walled", "crossings",
 )
 
 
@@ -126,7 +127,15 @@ class Memory(NamedTuple):
 COUNT, BUILT = range(2)
 
 # places in Memory.flags
-MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT = range(8)
+(
+    MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED, PAST,
+) = range(15)
+
+# values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
+HELD_STILL, UNDER_WAY = 1.0, 2.0
+
+PAST_FRAMES = 6
+"""Frames over which coming nearer is judged; as many merits stand in the flags from PAST on."""
 
 
 def _posture(nl: int, nd: int) -> Posture:
@@ -189,7 +198,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     trial = Poses(*(array.copy() for array in poses))
     return Memory(
         trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
-        np.zeros(nl, dtype=np.bool_), np.zeros(8), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
+        np.zeros(nl, dtype=np.bool_), np.zeros(PAST + PAST_FRAMES), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
     )
 
 

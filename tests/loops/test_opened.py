@@ -11,7 +11,9 @@ from avatarsim.loops.upper import advance
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
 from avatarsim.posture.follow import follow
-from avatarsim.posture.workspace import COUNT, ready_memory
+from avatarsim.posture.trapped import LOOK_EVERY, seek
+from avatarsim.posture.way_memory import IDLE, MODE, make_way
+from avatarsim.posture.workspace import COUNT, SLOW, ready_memory
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
@@ -33,6 +35,7 @@ class Plain:
         on = scene.effects
         self.coupled = on.coupling
         self.lower = ready_memory(self.geo, self.skel, self.posture, self.poses, CHOSEN.posture)
+        self.way = make_way(self.geo, self.skel, self.posture, self.poses, self.lower, 0)
         self.springs = make_springs(self.skel, self.dyn, self.poses, CHOSEN.coupling)
         self.upper = make_upper_memory(self.geo, self.dyn, self.poses, on.gyroscopic)
         self.events = make_events(len(scene.names), 64)
@@ -45,6 +48,9 @@ class Plain:
             pull(self.geo, self.skel, self.dyn, self.poses, self.lower, dt, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
         follow(self.geo, self.skel, target, CHOSEN.posture, self.posture, self.poses, self.lower)
+        slow = self.lower.flags[SLOW] - CHOSEN.posture.search_after
+        if self.way.state[MODE] != IDLE or (slow >= 0 and slow % LOOK_EVERY == 0):
+            seek(self.geo, self.skel, CHOSEN.posture, self.posture, self.poses, self.lower, self.way)
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
         if self.coupled:
             give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.pressed, self.springs.rate)
@@ -77,8 +83,8 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str, first: in
         upper.advance(scenario.dt)
         if scene.effects.coupling:
             lower.receive(upper.memory.received, upper.memory.moving, target)
-        mine = (world.poses, world.velocities, world.posture, lower.memory, upper.memory)
-        theirs = (apart.poses, apart.velocities, apart.posture, apart.lower, apart.upper)
+        mine = (world.poses, world.velocities, world.posture, lower.memory, lower.way, upper.memory)
+        theirs = (apart.poses, apart.velocities, apart.posture, apart.lower, apart.way, apart.upper)
         for a, b in zip(leaves(mine), leaves(theirs), strict=True):
             assert a.tobytes() == b.tobytes()
         worked += int(lower.memory.counts.sum())

@@ -248,7 +248,7 @@ def test_a_tracker_at_the_end_of_the_number_range_does_no_harm(places: Iterable[
 
 
 CHILD = """
-from tests.stability.test_posture_fuzz import run
+from tests.stability.hostile_run import run
 print(run("hinged", seed=9, frames=40, away=20, home=10, judge_every=1000).hashes[-1])
 """
 

@@ -209,6 +209,15 @@ def hostile_motion(at: Trial, seed: int, away_frames: int, home_frames: int) -> 
         stretch += 1
 
 
+def one_return(at: Trial, seed: int, away_frames: int, home_frames: int) -> Iterator[tuple[str, TrackerSample]]:
+    """From home one stretch of the kind that the seed says, and home again."""
+    kind = KINDS[seed % len(KINDS)]
+    for sample in away(kind, at, away_frames, np.random.default_rng(seed)):
+        yield kind, sample
+    for _ in range(home_frames):
+        yield "home", at.home
+
+
 def link_error(scene: Scene, record: FrameRecord, sample: TrackerSample) -> float:
     """Root mean square distance [m] of shown link origins from the tracker's."""
     wanted, _ = link_poses(scene.avatars, sample)
@@ -221,12 +230,11 @@ def outside_room(scene: Scene, record: FrameRecord) -> float:
 
     Middles, not link origins: a joint's centre may lie a few millimetres outside the link's own shape.
     """
-    worst, first = -np.inf, len(scene.bodies)
-    for k, link in enumerate(scene.links):
-        for piece in link.pieces:
-            middle = record.shown.positions[first + k] + rotation.rotate(record.shown.orientations[first + k], piece.position)
-            worst = max(worst, float((ROOM[0] - middle).max()), float((middle - ROOM[1]).max()))
-    return worst
+    first = len(scene.bodies)
+    of = [first + k for k, link in enumerate(scene.links) for _ in link.pieces]
+    places = np.array([piece.position for link in scene.links for piece in link.pieces])
+    middles = record.shown.positions[of] + rotation.rotate(record.shown.orientations[of], places)
+    return float(max((ROOM[0] - middles).max(), (middles - ROOM[1]).max()))
 
 
 def hinge_excess(scene: Scene, record: FrameRecord) -> float:

@@ -1,0 +1,272 @@
+"""What is done when the avatar comes no nearer to a tracker whose own posture is free: search, lead, say so, and jump if asked.
+
+trapped: the tracker's posture overlaps nothing, the shown one is not near it, and for `trapped_frames` frames in a row it was not
+a fifth nearer than a few frames before. walled: besides, something that is no link stands between the shown trunk and the
+tracker's. Both are said in every frame that they last, the time included in which the avatar is led out.
+"""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
+from avatarsim.posture.follow import notice_others
+from avatarsim.posture.goal import aim
+from avatarsim.posture.kinematics import forward
+from avatarsim.posture.step import adopt, try_step
+from avatarsim.posture.untie import apart_at_trial, forget
+from avatarsim.posture.way_lead import REFUSALS, lead
+from avatarsim.posture.way_memory import (
+    AT,
+    BLOCKED,
+    BLOCKING,
+    FIRST_REST,
+    IDLE,
+    LAST,
+    LEADING,
+    MODE,
+    NODE,
+    REFUSED,
+    REST,
+    RESTED,
+    RESTING,
+    SEARCHING,
+    TRIES,
+    Way,
+    copy_posture,
+)
+from avatarsim.posture.way_search import begin_tree, search
+from avatarsim.posture.workspace import (
+    ADDING,
+    CROSSINGS,
+    HELD_STILL,
+    LED,
+    LED_STEPS,
+    SLOW,
+    SPEED,
+    STEPPED,
+    TRAPPED,
+    TRAPPED_FRAMES,
+    UNDER_WAY,
+    WALLED,
+    WALLED_FRAMES,
+    Memory,
+)
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.pair_filter import may_meet
+from avatarsim.world.skeleton import FREE, Posture, Skeleton
+
+AT_REST = 1e-2
+"""[rad or m] tracker and avatar that move less than this per frame rest: the avatar then waits while a way is searched. Else
+the tracker is followed meanwhile, and each walk begins where the avatar has got to."""
+
+CREEPING_TRIES = 2
+"""Walks during which an avatar that still moves is not made to wait; 0 stops limbs short of the wall that they press on."""
+
+LOOK_EVERY = 8
+"""Frames after which it is looked again whether the tracker's posture is free: pressing into a wall is the ordinary case."""
+
+LONGEST_REST = 960
+"""Most frames that the search rests: a tracker may stay beyond a wall for good, and a trap may open at any time."""
+
+
+@kernel
+def tracker_is_free(geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Way) -> bool:
+    """Whether the posture way.goal is proved free of every overlap; its poses are then the trial of the unseen avatar."""
+    memory, state = way_out.memory, way_out.state
+    memory.rows.x[:] = 0.0
+    forward(geo, skel, way_out.goal, memory.rows.x, memory.trial, memory.trial_axes)
+    if is_no_pose(skel, memory):
+        return False
+    trial, nb = memory.trial, geo.first_shape.shape[0] - 1
+    a, b = state[BLOCKING], state[BLOCKED]
+    if a != b and boxes_meet(trial.boxes, a, b) and not apart_at_trial(geo, a, b, settings.least_gap, memory):
+        # what was in the way when last looked is, as a rule, still in the way
+        return False
+    for link in range(skel.first, nb):
+        for k in range(nb):
+            if (k >= skel.first and k <= link) or not boxes_meet(trial.hulls, link, k) or not may_meet(geo.wanted, link, k):
+                continue
+            for a in range(geo.first_shape[link], geo.first_shape[link + 1]):
+                for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
+                    if boxes_meet(trial.boxes, a, b) and not apart_at_trial(geo, a, b, settings.least_gap, memory):
+                        state[BLOCKING], state[BLOCKED] = a, b
+                        return False
+    return True
+
+
+@kernel
+def is_walled(geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory: Memory) -> bool:
+    """Whether, for a root, some piece of a body that is no link has no direction that separates here from the trial."""
+    sweep_boxes(geo, skel, poses, settings.least_gap, memory)
+    memory.flags[ADDING] = 0.0
+    for link in range(skel.kind.shape[0]):
+        if skel.parent[link] >= 0:
+            continue
+        body = skel.first + link
+        for k in range(skel.first):
+            if not boxes_meet(memory.swept_hulls, body, k) or not may_meet(geo.wanted, body, k):
+                continue
+            for a in range(geo.first_shape[body], geo.first_shape[body + 1]):
+                for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
+                    if boxes_meet(memory.swept, a, b) and not certify_pair(geo, skel, poses, a, b, settings, memory):
+                        return True
+    return False
+
+
+@kernel
+def look(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory_out: Memory, way_out: Way
+) -> bool:
+    """Whether the tracker's posture is free; if so, whether something walls the avatar off from it."""
+    s = way_out
+    copy_posture(memory_out.goal.tracker, s.goal)
+    notice_others(geo, skel, poses, s.memory)
+    if not tracker_is_free(geo, skel, settings, s):
+        return False
+    memory_out.flags[WALLED] = 1.0 if is_walled(geo, skel, settings, poses, s.memory) else 0.0
+    return True
+
+
+@kernel
+def jump_is_due(settings: PostureSettings, memory: Memory) -> bool:
+    """Whether the avatar was trapped for as long as the settings say that it is to wait."""
+    flags = memory.flags
+    patience = settings.walled_jump if flags[WALLED] > 0.0 else settings.trapped_jump
+    return flags[TRAPPED] > 0.0 and patience > 0 and flags[SLOW] >= patience
+
+
+@kernel
+def let_go(mode: int, memory_out: Memory, way_out: Way) -> None:
+    """The shown avatar follows the tracker again."""
+    way_out.state[MODE] = mode
+    if memory_out.flags[LED] > 0.0:
+        memory_out.flags[LED] = 0.0
+        forget(memory_out)
+
+
+@kernel
+def set_free(memory_out: Memory, way_out: Way) -> None:
+    """Nobody is trapped, and nothing is searched."""
+    let_go(IDLE, memory_out, way_out)
+    way_out.state[REST] = FIRST_REST
+    memory_out.flags[TRAPPED], memory_out.flags[WALLED] = 0.0, 0.0
+
+
+@kernel
+def hold_if_at_rest(memory_out: Memory, way: Way) -> None:
+    """Let the shown avatar wait where it is: a way begins where it was shown.
+
+    Not before tracker and avatar rest, or only the tracker does and the first walks were in vain: where the avatar creeps to
+    is then no better a place to begin from.
+    """
+    flags = memory_out.flags
+    if flags[SPEED] < AT_REST and (flags[STEPPED] < AT_REST or way.state[TRIES] > CREEPING_TRIES):
+        flags[LED] = HELD_STILL
+
+
+@kernel
+def may_search(skel: Skeleton, settings: PostureSettings, memory: Memory) -> bool:
+    """Whether a way is searched at all: not without work, and around what walls the avatar off only as `around` says."""
+    if settings.search_work == 0 or settings.around == 2 or memory.flags[WALLED] == 0.0:
+        return settings.search_work > 0
+    rates = 0
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] != FREE:
+            rates += skel.first_dof[link + 1] - skel.first_dof[link]
+    return settings.around == 1 and rates > 0
+
+
+@kernel
+def begin_search(
+    skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """Begin with the straight walk from the shown posture, or rest."""
+    if not may_search(skel, settings, memory_out):
+        let_go(RESTING, memory_out, way_out)
+        way_out.state[RESTED] = 0
+        return
+    begin_tree(posture, poses, way_out)
+    way_out.state[MODE], way_out.state[TRIES] = SEARCHING, 0
+    hold_if_at_rest(memory_out, way_out)
+
+
+@kernel
+def go_on_searching(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """The search of one frame."""
+    s, flags = way_out, memory_out.flags
+    if flags[SPEED] >= AT_REST and flags[LED] == HELD_STILL:
+        let_go(SEARCHING, memory_out, s)
+    if s.state[NODE] < 0:
+        copy_posture(memory_out.goal.tracker, s.goal)
+        if flags[LED] == 0.0:
+            begin_tree(posture, poses, s)
+            hold_if_at_rest(memory_out, s)
+    s.state[MODE] = search(geo, skel, settings, s)
+    if s.state[MODE] == RESTING:
+        s.state[RESTED] = 0
+        let_go(RESTING, memory_out, s)
+    elif s.state[MODE] == LEADING:
+        flags[LED] = UNDER_WAY
+        forget(memory_out)
+
+
+@kernel
+def go_on_leading(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """The steps of one frame along the way; at its end the tracker is followed, and a way that is blocked is searched anew."""
+    s = way_out
+    for _ in range(settings.steps):
+        lead(geo, skel, settings, s, posture, poses, memory_out)
+        memory_out.counts[LED_STEPS] += 1
+        if s.state[AT] == s.state[LAST]:
+            set_free(memory_out, s)
+            memory_out.flags[SLOW] = 0.0
+            return
+        if s.state[REFUSED] > REFUSALS:
+            let_go(SEARCHING, memory_out, s)
+            begin_search(skel, settings, posture, poses, memory_out, s)
+            return
+
+
+@kernel
+def seek(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of this file."""
+    s, flags = way_out, memory_out.flags
+    if flags[SLOW] == 0.0:
+        set_free(memory_out, s)
+        return
+    mode = s.state[MODE]
+    due = mode != IDLE and mode != LEADING and jump_is_due(settings, memory_out)
+    if due or (mode != LEADING and int(flags[SLOW]) % LOOK_EVERY == settings.search_after % LOOK_EVERY):
+        if not look(geo, skel, settings, poses, memory_out, s):
+            set_free(memory_out, s)
+            return
+        if mode == IDLE:
+            begin_search(skel, settings, posture, poses, memory_out, s)
+    if s.state[MODE] == IDLE:
+        return
+    flags[TRAPPED] = 1.0 if flags[SLOW] >= settings.trapped_frames else 0.0
+    memory_out.counts[TRAPPED_FRAMES], memory_out.counts[WALLED_FRAMES] = int(flags[TRAPPED]), int(flags[TRAPPED] * flags[WALLED])
+    if due and jump_is_due(settings, memory_out):
+        # that posture was just proved free
+        aim(skel, posture, settings, memory_out.goal)
+        for j in range(memory_out.rows.x.shape[0]):
+            memory_out.rows.x[j] = memory_out.goal.full[j]
+        try_step(geo, skel, posture, memory_out)
+        adopt(geo, skel, posture, poses, memory_out)
+        memory_out.counts[CROSSINGS] += 1
+        flags[SLOW] = 0.0
+        set_free(memory_out, s)
+    elif s.state[MODE] == RESTING:
+        s.state[RESTED] += 1
+        if s.state[RESTED] >= s.state[REST]:
+            s.state[REST] = min(2 * s.state[REST], LONGEST_REST)
+            begin_search(skel, settings, posture, poses, memory_out, s)
+    elif s.state[MODE] == SEARCHING:
+        go_on_searching(geo, skel, settings, posture, poses, memory_out, s)
+    elif s.state[MODE] == LEADING:
+        go_on_leading(geo, skel, settings, posture, poses, memory_out, s)

@@ -1,0 +1,53 @@
+"""Lead the shown avatar along a way that was found: each step is certified again, for what stands around may have moved."""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.goal import aim
+from avatarsim.posture.step import adopt, check, step, try_step
+from avatarsim.posture.way_memory import AT, LAST, REFUSED, Way, get_node
+from avatarsim.posture.workspace import ADDING, Memory
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+AHEAD = 6
+"""Nodes that one step may reach ahead, if the straight way is certified and no longer than a step may be."""
+
+REFUSALS = 4
+"""Steps that reach no further node, after which a way is given up."""
+
+
+@kernel
+def straight_to(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, k: int, way: Way, posture_out: Posture, poses_out: Poses,
+    memory_out: Memory,
+) -> bool:
+    """Go straight to place k of the path, if that is certified and no longer than a step, unless it was one."""
+    get_node(way, way.path[k], memory_out.goal.tracker)
+    to_turn, to_move = aim(skel, posture_out, settings, memory_out.goal)
+    if k > way.state[AT] + 1 and not (to_turn <= settings.turn_cap and to_move <= settings.move_cap):
+        return False
+    for j in range(memory_out.rows.x.shape[0]):
+        memory_out.rows.x[j] = memory_out.goal.full[j]
+    try_step(geo, skel, posture_out, memory_out)
+    memory_out.flags[ADDING] = 0.0
+    if check(geo, skel, posture_out, poses_out, settings, memory_out) > 0:
+        return False
+    adopt(geo, skel, posture_out, poses_out, memory_out)
+    return True
+
+
+@kernel
+def lead(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Way, posture_out: Posture, poses_out: Poses,
+    memory_out: Memory,
+) -> None:
+    """One step along the path: to the farthest node ahead that can be reached, else as far as the solver gets to the next one."""
+    s = way_out
+    at, last = s.state[AT], s.state[LAST]
+    for k in range(min(at + AHEAD, last), at, -1):
+        if straight_to(geo, skel, settings, k, s, posture_out, poses_out, memory_out):
+            s.state[AT], s.state[REFUSED] = k, 0
+            return
+    get_node(s, s.path[min(at + 1, last)], memory_out.goal.tracker)
+    step(geo, skel, posture_out, poses_out, settings, memory_out)
+    s.state[REFUSED] += 1

@@ -1,0 +1,134 @@
+"""Drives an avatar through hostile motion, and writes down what the judge finds and how long each return takes."""
+
+import time
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
+
+from avatarsim.engine import Settings
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.simulator import AvatarsimEngine
+from reference.judge import Judge
+from tests.stability.hostile import (
+    DT,
+    TRIALS,
+    Trial,
+    ball_excess,
+    hinge_excess,
+    hostile_motion,
+    link_error,
+    one_return,
+    outside_room,
+)
+
+ARRIVED = 0.01
+"""[m] rms distance of link origins from the tracker's below which an avatar is home."""
+PROMPT = 30
+"""Frames (0.5 s) within which 95 % of the returns shall end."""
+PATIENCE = 90
+"""Frames (1.5 s) within which every return shall end, or its frame records say `trapped`."""
+ROUNDING = 1e-9
+"""[rad] excess of a ball that the detour over quaternions may show: orientations are exported, not swings."""
+RETURN_SEEDS = range(1, 501)
+"""The stated list of 500 hostile returns, each from home by one stretch of motion and home again."""
+
+
+@dataclass
+class Return:
+    """One return: where it was, after which kind of motion, frames until home (None: not within PATIENCE), `trapped` seen."""
+
+    where: int
+    kind: str
+    frames: int | None = None
+    trapped: bool = False
+
+
+@dataclass
+class Report:
+    """What a run found; every list but `returns` holds (frame, kind of motion, value)."""
+
+    frames: int = 0
+    overlaps: list[tuple[int, str, object]] = field(default_factory=list)
+    outside: list[tuple[int, str, float]] = field(default_factory=list)
+    hinges: list[tuple[int, str, float]] = field(default_factory=list)
+    balls: list[tuple[int, str, float]] = field(default_factory=list)
+    not_finite: list[tuple[int, str, float]] = field(default_factory=list)
+    returns: list[Return] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+    closest: float = np.inf
+    hashes: list[str] = field(default_factory=list)
+    micros: list[float] = field(default_factory=list)
+
+    def home_within(self, frames: int) -> float:
+        """Share of the returns that ended within so many frames."""
+        return sum(r.frames is not None and r.frames <= frames for r in self.returns) / max(1, len(self.returns))
+
+    def silent(self) -> list[Return]:
+        """Returns that did not end within PATIENCE, and no frame record of which says `trapped`."""
+        return [r for r in self.returns if r.frames is None and not r.trapped]
+
+    def broken(self) -> int:
+        """How many things happened that never may."""
+        lists = (self.overlaps, self.outside, self.hinges, self.balls, self.not_finite, self.silent())
+        return sum(len(found) for found in lists)
+
+
+def drive(
+    at: Trial, motion: Iterable[tuple[str, TrackerSample]], judge: Judge, settings: Settings, judge_every: int, report: Report,
+    where: int | None = None,
+) -> None:
+    """One engine through one motion; the judge sees every `judge_every`-th frame. `where` names the returns, else their frame."""
+    engine, before, now = AvatarsimEngine(), "home", None
+    engine.load(at.scene, settings, DT)
+    for frame, (kind, sample) in enumerate(motion):
+        start = time.perf_counter_ns()
+        record = engine.advance(sample, DT)
+        report.micros.append(1e-3 * (time.perf_counter_ns() - start))
+        report.frames += 1
+        report.counts.update({key: value for key, value in record.counts.items() if value})
+        report.hashes.append(record.state_hash())
+        if not np.isfinite(record.shown.positions).all() or not np.isfinite(record.shown.orientations).all():
+            report.not_finite.append((frame, kind, np.nan))
+        if frame % judge_every == 0:
+            verdict = judge.overlaps(record.shown.positions, record.shown.orientations, 1e-3)
+            report.closest = min(report.closest, verdict.gap)
+            if not verdict.deepest == 0.0:
+                report.overlaps.append((frame, kind, verdict.pairs or verdict.faults))
+        for found, value, most in (
+            (report.outside, outside_room(at.scene, record), 0.0),
+            (report.hinges, hinge_excess(at.scene, record), 0.0),
+            (report.balls, ball_excess(at.scene, record), ROUNDING),
+        ):
+            if not value <= most:
+                found.append((frame, kind, value))
+        if kind == "home" and before != "home":
+            now, begun = Return(frame if where is None else where, before), frame
+        if kind == "home" and now is not None:
+            now.trapped = now.trapped or record.statuses.get("trapped", 0) > 0
+            waited = frame - begun + 1
+            if link_error(at.scene, record, sample) < ARRIVED:
+                now.frames = waited
+            if now.frames is not None or waited == PATIENCE:
+                report.returns.append(now)
+                now = None
+        before = kind
+
+
+def run(name: str, seed: int, frames: int, away: int = 60, home: int = 90, judge_every: int = 1, **options: object) -> Report:
+    """Drive avatar `name` through hostile motion of every kind in turn for `frames` frames."""
+    at, report = TRIALS[name](), Report()
+    motion = islice(hostile_motion(at, seed, away, home), frames)
+    drive(at, motion, Judge(at.scene), Settings(options=options, seed=seed), judge_every, report)
+    return report
+
+
+def run_returns(name: str, seeds: Iterable[int], judge_every: int = 1, **options: object) -> Report:
+    """One hostile return of avatar `name` for each seed, each from the beginning."""
+    at, report = TRIALS[name](), Report()
+    judge = Judge(at.scene)
+    for seed in seeds:
+        drive(at, one_return(at, seed, 60, PATIENCE), judge, Settings(options=options, seed=seed), judge_every, report, seed)
+    return report
