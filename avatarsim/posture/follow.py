@@ -5,6 +5,7 @@ from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
+    CALM,
     COUNT,
     FRAME,
     HELD_STILL,
@@ -13,6 +14,7 @@ from avatarsim.posture.workspace import (
     NOW,
     PAST,
     PAST_FRAMES,
+    PRESSED,
     SLOW,
     SPEED,
     STEPPED,
@@ -36,6 +38,14 @@ NEAR_ENOUGH = 0.1
 
 NEARER = 0.64
 """Share to which half the squared distance to the tracker must fall within PAST_FRAMES: a fifth of the distance."""
+
+PRESSED_TRUST, PRESSED_GAIN = 0.15, 12.0
+"""Trust allowed to limbs that a tracker at rest presses into something, and what each rad or m per frame of its speed adds.
+Without it limbs that find a better place to rest at whip there, 47 degrees in a frame; with less they are slow."""
+
+CALM_SPEED, PUSHING = 1e-3, 1e-2
+"""[rad or m] a tracker that moves less than the first per frame rests; one that moves more than the second is followed as fast
+as one can, whatever limbs are pressed into."""
 
 SPEED_MEMORY = 0.8
 """Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
@@ -83,6 +93,10 @@ def walk(
     memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
     memory_out.flags[FRAME] = frame + 1
     for _ in range(steps):
+        if memory_out.flags[PRESSED] > 0.0:
+            most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
+            for j in range(memory_out.goal.trust.shape[0]):
+                memory_out.goal.trust[j] = min(memory_out.goal.trust[j], most)
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
         if there or largest < ARRIVED or work_done(memory_out) > 0.6 * budget(settings, memory_out):
@@ -121,6 +135,9 @@ def follow(
     if flags[LED] == UNDER_WAY:
         flags[SLOW] += 1.0
         return
+    flags[CALM] = flags[CALM] + 1.0 if speed < CALM_SPEED else 0.0
+    if speed >= PUSHING:
+        flags[PRESSED] = 0.0
     if flags[LED] != HELD_STILL:
         flags[STEPPED] = walk(geo, skel, settings, settings.steps, posture_out, poses_out, memory_out)
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)

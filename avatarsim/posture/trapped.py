@@ -39,6 +39,7 @@ from avatarsim.posture.workspace import (
     HELD_STILL,
     LED,
     LED_STEPS,
+    PRESSED,
     SLOW,
     SPEED,
     STEPPED,
@@ -244,7 +245,9 @@ def seek(
     if due or (mode != LEADING and int(flags[SLOW]) % LOOK_EVERY == settings.search_after % LOOK_EVERY):
         if not look(geo, skel, settings, poses, memory_out, s):
             set_free(memory_out, s)
+            flags[PRESSED] = 1.0
             return
+        flags[PRESSED] = 0.0
         if mode == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:

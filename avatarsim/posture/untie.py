@@ -6,7 +6,7 @@ from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
 from avatarsim.posture.goal import aim, farthest
 from avatarsim.posture.step import adopt, try_step
-from avatarsim.posture.workspace import ADDING, LISTED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
+from avatarsim.posture.workspace import ADDING, CALM, LISTED, PRESSED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import row, sub
 from avatarsim.world.geometry import Geometry, Poses
@@ -21,6 +21,9 @@ PROGRESS = 0.02
 
 FORGET_AT = 5
 """Frames without progress after which shrunk trust, listed pairs and directions are forgotten: they can poison the way."""
+
+CALM_FRAMES = 60
+"""Frames for which a tracker rests, after which nothing is forgotten any more: each time limbs look for another place to rest."""
 
 
 @kernel
@@ -43,7 +46,8 @@ def unstick(
             forget(memory_out)
             memory_out.counts[RESYNCS] += 1
             flags[UNTIED], flags[STUCK] = 1.0, 0.0
-    elif waited % (FORGET_AT + 1) == FORGET_AT and waited >= FORGET_AT:
+    elif waited % (FORGET_AT + 1) == FORGET_AT and flags[PRESSED] > 0.0 and flags[CALM] < CALM_FRAMES:
+        # with little trust, so that nothing whips; where the tracker's posture is free, `trapped` searches instead
         forget(memory_out)
 
 
