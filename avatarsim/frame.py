@@ -3,6 +3,8 @@
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 """
 
+import numpy as np
+
 from avatarsim.engine import Snapshot
 from avatarsim.loops.checked import CheckedLoop
 from avatarsim.loops.paper import PaperLoop
@@ -11,17 +13,18 @@ from avatarsim.loops.tracked import TrackedLoop
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.stage_clock import StageClock
+from avatarsim.world.arena import Index
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 
-def lower_loop(world: World, method: str, chosen: Chosen, seed: int) -> CheckedLoop | PaperLoop | TrackedLoop:
-    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
+def lower_loop(world: World, method: str, chosen: Chosen, seed: int, moving: Index) -> CheckedLoop | PaperLoop | TrackedLoop:
+    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is. `moving`: see CheckedLoop."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-    return CheckedLoop(world, chosen.posture, chosen.coupling, seed)
+    return CheckedLoop(world, chosen.posture, chosen.coupling, seed, moving)
 
 
 class Frames:
@@ -30,11 +33,13 @@ class Frames:
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
         self.begun, self.time = 0.0, 0.0
-        if world.scene.avatars:
-            self.target = Target(world)
-            self.lower = lower_loop(world, method, chosen, seed)
+        moving = np.zeros(len(world.scene.names), dtype=np.int64)
         if self.effects.dynamics:
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record)
+            moving = self.upper.memory.moving
+        if world.scene.avatars:
+            self.target = Target(world)
+            self.lower = lower_loop(world, method, chosen, seed, moving)
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""

@@ -34,8 +34,9 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
     Not answering: springs act for dt [s], then `follow`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go into
-    the springs; what stood in the way may have moved on (`moving`, nb): then `follow` does not wait a frame. Both in one kernel,
-    since each kernel that calls `follow` compiles all of it again.
+    the springs; what stood in the way may have moved on: then `follow` does not wait a frame. `moving` (nb): who moves, or did
+    when the upper loop last ran; empty if nobody knows. Both in one kernel, since each kernel that calls `follow` compiles all of
+    it again.
     """
     o = opening(world)
     geometry, dynamics = refer(opened_geometry(o)), refer(opened_dynamics(o))
@@ -56,8 +57,7 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
         memory.counts[:] = 0
     elif memory.rows.size[COUNT] == 0:
         return
-    follow(geometry, skeleton, tracker, settings, posture, poses, memory)
-
+    follow(geometry, skeleton, tracker, settings, moving, posture, poses, memory)
 
 @kernel
 def seek_opened(world: Index, kept: Index, way: Index) -> None:
@@ -76,8 +76,11 @@ def seek_opened(world: Index, kept: Index, way: Index) -> None:
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
-    def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
-        self.world = world
+    def __init__(
+        self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, moving: Index = NOBODY
+    ) -> None:
+        """moving (nb): kept by the upper loop, who moved in its last frame; without it the loop looks at everybody."""
+        self.world, self._moving, self._noticed = world, moving, NOBODY
         memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
         springs = make_springs(world.skeleton, world.dynamics, world.poses, coupling)
         kept = (world.scene.effects.coupling, springs, settings, memory)
@@ -90,7 +93,9 @@ class CheckedLoop:
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the springs displace by their offsets."""
-        follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, NOBODY)
+        follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._noticed)
+        # everybody has been looked at once
+        self._noticed = self._moving
         slow = self.memory.flags[SLOW] - self._search_after
         if self.way.state[MODE] != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
             seek_opened(self.world.words, self._kept, self._way)

@@ -24,6 +24,7 @@ from avatarsim.posture.workspace import (
     Memory,
 )
 from avatarsim.settings import PostureSettings
+from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
 
@@ -52,33 +53,58 @@ SPEED_MEMORY = 0.8
 
 
 @kernel
+def notice(geo: Geometry, poses: Poses, b: int, memory_out: Memory) -> bool:
+    """Copy the pose of a body that is no link into the trial; returns whether it was another one before."""
+    trial, moved = memory_out.trial, False
+    for i in range(3):
+        moved = moved or trial.position[b, i] != poses.position[b, i]
+        for k in range(3):
+            moved = moved or trial.rotation[b, i, k] != poses.rotation[b, i, k]
+    if not moved:
+        return False
+    for i in range(3):
+        trial.position[b, i] = poses.position[b, i]
+        for k in range(3):
+            trial.rotation[b, i, k] = poses.rotation[b, i, k]
+    for i in range(6):
+        trial.hulls[b, i] = poses.hulls[b, i]
+        memory_out.swept_hulls[b, i] = poses.hulls[b, i]
+    for s in range(geo.first_shape[b], geo.first_shape[b + 1]):
+        for i in range(6):
+            trial.boxes[s, i] = poses.boxes[s, i]
+            memory_out.swept[s, i] = poses.boxes[s, i]
+        for v in range(geo.shapes.start[s], geo.shapes.start[s + 1]):
+            for i in range(3):
+                trial.vertices[v, i] = poses.vertices[v, i]
+    return True
+
+
+@kernel
 def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) -> None:
     """Copy the poses of all bodies that are not links into the trial; they stand still while the avatars move."""
-    trial = memory_out.trial
+    changed = False
     for b in range(skel.first):
-        moved = False
-        for i in range(3):
-            moved = moved or trial.position[b, i] != poses.position[b, i]
-            for k in range(3):
-                moved = moved or trial.rotation[b, i, k] != poses.rotation[b, i, k]
-        if moved:
-            for i in range(3):
-                trial.position[b, i] = poses.position[b, i]
-                for k in range(3):
-                    trial.rotation[b, i, k] = poses.rotation[b, i, k]
-            for i in range(6):
-                trial.hulls[b, i] = poses.hulls[b, i]
-                memory_out.swept_hulls[b, i] = poses.hulls[b, i]
-            for s in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                for i in range(6):
-                    trial.boxes[s, i] = poses.boxes[s, i]
-                    memory_out.swept[s, i] = poses.boxes[s, i]
-                for v in range(geo.shapes.start[s], geo.shapes.start[s + 1]):
-                    for i in range(3):
-                        trial.vertices[v, i] = poses.vertices[v, i]
+        changed = notice(geo, poses, b, memory_out) or changed
+    look_again(changed, memory_out)
+
+
+@kernel
+def notice_movers(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, memory_out: Memory) -> None:
+    """The same of those only that may have moved (nb): to look at thousands of objects at rest takes longer than the avatar does."""
+    changed = False
+    for b in range(skel.first):
+        if moving[b] == 1:
+            changed = notice(geo, poses, b, memory_out) or changed
+    look_again(changed, memory_out)
+
+
+@kernel
+def look_again(changed: bool, memory_out: Memory) -> None:
+    """A frame begins: directions remembered are a frame old, and if somebody moved the list of who is near is made anew."""
     memory_out.pairs.marks[NOW] += 1
-    # an empty reach makes the list anew
-    memory_out.reach[:] = 0.0
+    if changed:
+        # an empty reach makes the list anew
+        memory_out.reach[:] = 0.0
 
 
 @kernel
@@ -118,11 +144,17 @@ def judge_progress(memory_out: Memory) -> None:
 
 @kernel
 def follow(
-    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
-    memory_out: Memory,
+    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, moving: Index, posture_out: Posture,
+    poses_out: Poses, memory_out: Memory,
 ) -> None:
-    """Bring the posture towards the tracker's by at most `settings.steps` certified steps; the work adds to the counts."""
-    notice_others(geo, skel, poses_out, memory_out)
+    """Bring the posture towards the tracker's by at most `settings.steps` certified steps; the work adds to the counts.
+
+    moving (nb): 1 for bodies that may have moved since the last call; empty if nobody knows.
+    """
+    if moving.shape[0] > 0:
+        notice_movers(geo, skel, poses_out, moving, memory_out)
+    else:
+        notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
