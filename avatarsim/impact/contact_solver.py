@@ -8,7 +8,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contacts import Contacts, axis, push, velocity_at
+from avatarsim.impact.contacts import Contacts, push_along, speed_along
 from avatarsim.impact.masses import Masses
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
@@ -25,31 +25,33 @@ and tall stacks are given up while they still converge."""
 
 
 @kernel
-def wanted_impulse(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """What contact k would like its impulse to be, everybody else's held: a projected step, in its own frame."""
-    u = velocity_at(contacts, k, linear, angular)
-    normal = contacts.impulse[k, 0] - (dot(axis(contacts, k, 0), u) - contacts.target[k]) / contacts.ease[k, 0]
-    normal = max(0.0, normal)
+def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
+    """What contact k would like its normal impulse to be, everybody else's held."""
+    short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
+    return float(max(0.0, contacts.impulse[k, 0] - short / contacts.ease[k, 0]))
+
+
+@kernel
+def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, angular: Array) -> tuple[float, float]:
+    """What contact k would like its friction to be under that normal impulse: a projected step."""
     limit = contacts.friction[k] * normal
     if limit == 0.0:
-        return (normal, 0.0, 0.0)
-    x = contacts.impulse[k, 1] - (dot(axis(contacts, k, 1), u) - contacts.slide[k, 0]) / contacts.ease[k, 1]
-    y = contacts.impulse[k, 2] - (dot(axis(contacts, k, 2), u) - contacts.slide[k, 1]) / contacts.ease[k, 1]
+        return 0.0, 0.0
+    x = contacts.impulse[k, 1] - (speed_along(contacts, k, 1, linear, angular) - contacts.slide[k, 0]) / contacts.ease[k, 1]
+    y = contacts.impulse[k, 2] - (speed_along(contacts, k, 2, linear, angular) - contacts.slide[k, 1]) / contacts.ease[k, 1]
     length = sqrt(x * x + y * y)
     if length > limit:
         x, y = x * limit / length, y * limit / length
-    return (normal, x, y)
+    return x, y
 
 
 @kernel
 def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, angular: Array) -> None:
     """Add d (in the frame of contact k) to its impulse, velocities included."""
     for i in range(3):
-        contacts.impulse[k, i] += d[i]
-    j = add(
-        add(scale(axis(contacts, k, 0), d[0]), scale(axis(contacts, k, 1), d[1])), scale(axis(contacts, k, 2), d[2])
-    )
-    push(contacts, masses, k, j, linear, angular)
+        if d[i] != 0.0:
+            contacts.impulse[k, i] += d[i]
+            push_along(contacts, masses, k, i, d[i], linear, angular)
 
 
 @kernel
@@ -58,15 +60,15 @@ def relax(contacts: Contacts, masses: Masses, k: int, grip: bool, linear: Array,
     if contacts.target[k] == -inf:
         return 0.0
     p = contacts.impulse
-    u = velocity_at(contacts, k, linear, angular)
-    normal = max(0.0, p[k, 0] - (dot(axis(contacts, k, 0), u) - contacts.target[k]) / contacts.ease[k, 0])
+    normal = wanted_normal(contacts, k, linear, angular)
     dn = normal - p[k, 0]
     moved = abs(dn) * contacts.ease[k, 0]
     if dn != 0.0:
-        change(contacts, masses, k, (dn, 0.0, 0.0), linear, angular)
+        p[k, 0] = normal
+        push_along(contacts, masses, k, 0, dn, linear, angular)
     if grip and contacts.friction[k] > 0.0 and (normal > 0.0 or p[k, 1] != 0.0 or p[k, 2] != 0.0):
-        want = wanted_impulse(contacts, k, linear, angular)
-        dx, dy = want[1] - p[k, 1], want[2] - p[k, 2]
+        x, y = wanted_friction(contacts, k, normal, linear, angular)
+        dx, dy = x - p[k, 1], y - p[k, 2]
         moved = max(moved, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
         change(contacts, masses, k, (0.0, dx, dy), linear, angular)
     return float(moved)
@@ -78,9 +80,10 @@ def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: 
     worst = 0.0
     for k in range(first, last):
         if contacts.target[k] != -inf:
-            want = wanted_impulse(contacts, k, linear, angular)
-            across = abs(want[1] - contacts.impulse[k, 1]) + abs(want[2] - contacts.impulse[k, 2])
-            worst = max(worst, abs(want[0] - contacts.impulse[k, 0]) * contacts.ease[k, 0], across * contacts.ease[k, 1])
+            normal = wanted_normal(contacts, k, linear, angular)
+            x, y = wanted_friction(contacts, k, normal, linear, angular)
+            across = abs(x - contacts.impulse[k, 1]) + abs(y - contacts.impulse[k, 2])
+            worst = max(worst, abs(normal - contacts.impulse[k, 0]) * contacts.ease[k, 0], across * contacts.ease[k, 1])
     return worst
 
 
@@ -95,6 +98,7 @@ def sweeps(
     last_square, best, earlier = inf, inf, inf
     worst = inf
     for sweep in range(cap):
+        contacts.visits[0] += 2 * (last - first)
         for k in range(first, last):
             put_row(before, k, row(p, k))
         worst = 0.0
@@ -129,8 +133,8 @@ def sweeps(
 
 @kernel
 def solve_contacts(
-    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
-    before: Array, direction: Array,
+    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, tries: int,
+    cap: int, before: Array, direction: Array,
 ) -> float:
     """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
 
@@ -140,13 +144,13 @@ def solve_contacts(
     Args:
         linear, angular: (nb, 3), changed.
         tolerance: largest change of the last double sweep [m/s].
-        cap: double sweeps.
+        tries: double sweeps before normals are solved alone. cap: double sweeps with normals alone, and then with all.
         before, direction: (cap, 3) working memory.
 
     Returns:
         The change of the last double sweep [m/s]; above ``tolerance`` the cap was reached, or more sweeps led nowhere.
     """
-    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY, True, before, direction)
+    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
     if not (worst > tolerance):
         return worst
     for k in range(first, last):
@@ -154,3 +158,18 @@ def solve_contacts(
         change(contacts, masses, k, (0.0, -p[1], -p[2]), linear, angular)
     sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
     return sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, True, before, direction)
+
+
+@kernel
+def solve_roughly(
+    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, tries: int,
+    cap: int, before: Array, direction: Array,
+) -> float:
+    """As `solve_contacts`, in a hurry: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
+
+    Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
+    """
+    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
+    if worst > tolerance:
+        worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
+    return worst

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.masses import Masses, yielding
+from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
@@ -16,7 +16,14 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 ROOM = 2048
-"""Contact points held at once. A wall of 100 boxes has about 1000; more is reported as a status, never dropped."""
+"""Contact points held at once at least. A wall of 100 boxes has about 1000; more is reported as a status, never dropped."""
+
+ROOM_PER_BODY = 16
+"""Contact points held at once for every simulated body, if that is more: a box in the middle of a wall touches others with 24
+corners, each of which belongs to two."""
+
+POINTS_OF_PAIR = 16
+"""Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
@@ -30,10 +37,16 @@ class Contacts(NamedTuple):
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
     gap (cap) [m]; restitution, friction (cap); bend (cap, 3) acceleration of A's point seen from B's that needs no force [m/s^2];
     ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg];
+    lever_a, lever_b (cap, 3, 3) arm x axis, for each axis of the frame: its dot product with the angular velocity is what that
+    adds to the point's velocity along the axis; turn_a, turn_b (cap, 3, 3) angular velocity [rad/s] per impulse [N s] along
+    each axis;
     target (cap) least normal velocity asked for [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction has nothing to do [m/s];
     impulse (cap, 3) along the rows of frame [N s];
-    standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`.
+    standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
+    visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
+    edge_a, edge_b (cap, 3) directions of the edges where two edges cross, of any length, else zero;
+    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on.
     """
 
     used: Index
@@ -49,10 +62,19 @@ class Contacts(NamedTuple):
     friction: Array
     bend: Array
     ease: Array
+    lever_a: Array
+    lever_b: Array
+    turn_a: Array
+    turn_b: Array
     target: Array
     slide: Array
     impulse: Array
     standing: Index
+    visits: Index
+    edge_a: Array
+    edge_b: Array
+    sway_a: Array
+    sway_b: Array
 
 
 def make_contacts(cap: int = ROOM) -> Contacts:
@@ -62,7 +84,10 @@ def make_contacts(cap: int = ROOM) -> Contacts:
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
         frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
         gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
+        lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
+        visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
+        sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)),
     )
 
 
@@ -91,6 +116,10 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     put_row(contacts.arm_b, k, arm_b)
     contacts.gap[k] = gap
     put_row(contacts.bend, k, (0.0, 0.0, 0.0))
+    put_row(contacts.sway_a, k, (0.0, 0.0, 0.0))
+    put_row(contacts.sway_b, k, (0.0, 0.0, 0.0))
+    put_row(contacts.edge_a, k, (0.0, 0.0, 0.0))
+    put_row(contacts.edge_b, k, (0.0, 0.0, 0.0))
     contacts.target[k] = 0.0
     contacts.slide[k, 0] = 0.0
     contacts.slide[k, 1] = 0.0
@@ -100,23 +129,38 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
 
 @kernel
 def weigh(contacts: Contacts, masses: Masses) -> None:
-    """Fill ``ease`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal."""
-    for k in range(contacts.used[0]):
-        n, s, t = axis(contacts, k, 0), axis(contacts, k, 1), axis(contacts, k, 2)
-        contacts.ease[k, 0] = dot(n, response(contacts, masses, k, n))
-        u, w = response(contacts, masses, k, s), response(contacts, masses, k, t)
-        half, mean = 0.5 * (dot(s, u) - dot(t, w)), 0.5 * (dot(s, u) + dot(t, w))
-        # the larger eigenvalue of the 2 x 2 block: a step by its inverse never overshoots
-        contacts.ease[k, 1] = mean + sqrt(half * half + dot(s, w) * dot(s, w))
+    """Fill ``ease`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal; and levers and turns."""
+    weigh_after(contacts, masses, 0.0)
 
 
 @kernel
-def response(contacts: Contacts, masses: Masses, k: int, j: Vec3) -> Vec3:
-    """Change of v_ab [m/s] at contact k under the impulse j [N s] on A and -j on B."""
-    a, b = contacts.body[k, 0], contacts.body[k, 1]
-    return relative_velocity(
-        yielding(masses, a, row(contacts.arm_a, k), j), yielding(masses, b, row(contacts.arm_b, k), (-j[0], -j[1], -j[2]))
-    )
+def weigh_after(contacts: Contacts, masses: Masses, t: float) -> None:
+    """`weigh` with the arms as they are t seconds later, to first order."""
+    for k in range(contacts.used[0]):
+        a, b = contacts.body[k, 0], contacts.body[k, 1]
+        inertia_a, inertia_b = columns(masses.inverse_inertia, a), columns(masses.inverse_inertia, b)
+        for i in range(3):
+            along_axis = axis(contacts, k, i)
+            lever_a = cross(along(row(contacts.arm_a, k), t, row(contacts.sway_a, k)), along_axis)
+            lever_b = cross(along(row(contacts.arm_b, k), t, row(contacts.sway_b, k)), along_axis)
+            put_row(contacts.lever_a[k], i, lever_a)
+            put_row(contacts.lever_b[k], i, lever_b)
+            put_row(contacts.turn_a[k], i, turned(inertia_a, lever_a))
+            put_row(contacts.turn_b[k], i, turned(inertia_b, lever_b))
+        straight = masses.inverse_mass[a] + masses.inverse_mass[b]
+        contacts.ease[k, 0] = straight + turning(contacts, k, 0, 0)
+        one, other = straight + turning(contacts, k, 1, 1), straight + turning(contacts, k, 2, 2)
+        both = turning(contacts, k, 1, 2)
+        half, mean = 0.5 * (one - other), 0.5 * (one + other)
+        # the larger eigenvalue of the 2 x 2 block: a step by its inverse never overshoots
+        contacts.ease[k, 1] = mean + sqrt(half * half + both * both)
+
+
+@kernel
+def turning(contacts: Contacts, k: int, i: int, j: int) -> float:
+    """Velocity along axis i of contact k per impulse along axis j [1/kg] that comes of turning: A + B of eq. 9 for the normal."""
+    on_a = dot(row(contacts.lever_a[k], i), row(contacts.turn_a[k], j))
+    return float(on_a + dot(row(contacts.lever_b[k], i), row(contacts.turn_b[k], j)))
 
 
 @kernel
@@ -159,3 +203,33 @@ def impulse_of(contacts: Contacts, k: int) -> Vec3:
     for i in range(3):
         j = along(j, p[i], axis(contacts, k, i))
     return j
+
+
+@kernel
+def speed_along(contacts: Contacts, k: int, i: int, linear: Array, angular: Array) -> float:
+    """Part of `velocity_at` along axis i of contact k [m/s], from the levers that `weigh` left."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    f, p, q = contacts.frame, contacts.lever_a, contacts.lever_b
+    on_a = f[k, i, 0] * linear[a, 0] + f[k, i, 1] * linear[a, 1] + f[k, i, 2] * linear[a, 2]
+    on_a += p[k, i, 0] * angular[a, 0] + p[k, i, 1] * angular[a, 1] + p[k, i, 2] * angular[a, 2]
+    on_b = f[k, i, 0] * linear[b, 0] + f[k, i, 1] * linear[b, 1] + f[k, i, 2] * linear[b, 2]
+    on_b += q[k, i, 0] * angular[b, 0] + q[k, i, 1] * angular[b, 1] + q[k, i, 2] * angular[b, 2]
+    if i == 0 and contacts.driven[k] != NOT_DRIVEN and contacts.standing[0] == 1:
+        if contacts.driven[k] == DRIVEN_A:
+            on_a = min(0.0, on_a)
+        else:
+            on_b = max(0.0, on_b)
+    return float(on_a - on_b)
+
+
+@kernel
+def push_along(contacts: Contacts, masses: Masses, k: int, i: int, d: float, linear: Array, angular: Array) -> None:
+    """Apply the impulse d [N s] along axis i of contact k to A and -d to B, by the turns that `weigh` left."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
+    on_a, on_b = d * masses.inverse_mass[a], d * masses.inverse_mass[b]
+    for x in range(3):
+        linear[a, x] += on_a * f[k, i, x]
+        linear[b, x] -= on_b * f[k, i, x]
+        angular[a, x] += d * p[k, i, x]
+        angular[b, x] -= d * q[k, i, x]

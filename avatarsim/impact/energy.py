@@ -32,11 +32,12 @@ def potential_energy(masses: Masses, b: int, gravity: Array, position: Array) ->
 
 @kernel
 def held_energy(
-    masses: Masses, inertia: Array, held: Index, gravity: Array, position: Array, linear: Array, angular: Array
+    masses: Masses, inertia: Array, members: Index, held: Index, gravity: Array, position: Array, linear: Array, angular: Array
 ) -> tuple[float, float]:
-    """(kinetic, potential) energy [J] of all bodies with ``held`` 1: those that contact forces act on."""
+    """(kinetic, potential) energy [J] of all members with ``held`` 1: those that contact forces act on."""
     kinetic, potential = 0.0, 0.0
-    for b in range(held.shape[0]):
+    for m in range(members.shape[0]):
+        b = members[m]
         if held[b] == 1:
             kinetic += kinetic_energy(masses, inertia, b, linear, angular)
             potential += potential_energy(masses, b, gravity, position)
@@ -44,15 +45,16 @@ def held_energy(
 
 
 @kernel
-def take_back(gain: float, kinetic: float, held: Index, linear: Array, angular: Array) -> bool:
-    """Scale the velocities of held bodies so that a ``gain`` [J] above rounding is gone; True if that was needed.
+def take_back(gain: float, kinetic: float, members: Index, held: Index, linear: Array, angular: Array) -> bool:
+    """Scale the velocities of held members so that a ``gain`` [J] above rounding is gone; True if that was needed.
 
     A common factor keeps separating contacts separating and friction in its disc.
     """
     if not (gain > NO_GAIN) or not (kinetic > 0.0):
         return False
     kept = sqrt(max(0.0, 1.0 - gain / kinetic))
-    for b in range(held.shape[0]):
+    for m in range(members.shape[0]):
+        b = members[m]
         if held[b] == 1:
             for i in range(3):
                 linear[b, i] *= kept

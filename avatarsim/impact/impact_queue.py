@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.collision_impulse import collision_impulse, turning_term
-from avatarsim.impact.contact_solver import change, solve_contacts
-from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, axis, impulse_of, velocity_at
+from avatarsim.impact.contact_solver import FIRST_TRY, change, solve_contacts, solve_roughly
+from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, axis, impulse_of, speed_along, velocity_at
 from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import normal_velocity, tangential_velocity, velocity_after
@@ -16,6 +16,7 @@ from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 REST_SPEED = 1.5e-3
 """A rebound slower than this [m/s] is rest: it would rise 1.1e-7 m. Larger: visible bounces end early; smaller: a bouncing
@@ -30,6 +31,9 @@ BLOCK_TOLERANCE = 1e-15
 BLOCK_SWEEPS = 3000
 """Double sweeps per block; a box face needs about 25."""
 
+ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
+"""The same where many blocks follow each other at one instant: what is left of an approach is looked at again anyway."""
+
 CENTRAL = 1e-9
 """An arm whose part across the normal is smaller than this part of it counts as parallel: then normal and friction impulse do
 not influence each other and eqs 9 and 10 are the exact answer."""
@@ -40,7 +44,7 @@ def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple
     """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches."""
     head, fastest = -1, 0.0
     for k in range(contacts.used[0]):
-        v = normal_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+        v = speed_along(contacts, k, 0, linear, angular)
         if v < fastest:
             head, fastest = k, v
     return head, fastest
@@ -64,7 +68,7 @@ def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Arr
     while start < count:
         end, tied = start, False
         while end < count and same_pair(contacts, start, end):
-            v = normal_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
+            v = speed_along(contacts, end, 0, linear, angular)
             contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
             if contacts.target[end] <= REST_SPEED:
                 contacts.target[end] = 0.0
@@ -120,10 +124,10 @@ def in_frame(contacts: Contacts, k: int, j: Vec3) -> Vec3:
 
 @kernel
 def resolve_impact(
-    contacts: Contacts, masses: Masses, head: int, fastest: float, literal: bool, linear: Array, angular: Array,
-    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
+    contacts: Contacts, masses: Masses, members: Index, head: int, fastest: float, literal: bool, precise: bool,
+    linear: Array, angular: Array, linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
 ) -> bool:
-    """Resolve the head of the queue; ``received`` (nb, 3) gains the impulses [N s] on driven bodies.
+    """Resolve the head of the queue, to rounding if ``precise``; ``received`` (nb, 3) gains the impulses [N s] on driven bodies.
 
     Returns:
         Whether the energy guard had to shorten the impulses: Newton's law (eq. 8) with friction can otherwise create energy.
@@ -140,19 +144,24 @@ def resolve_impact(
         if points == 1 and (contacts.friction[first] == 0.0 or central(contacts, first)):
             lone_impact(contacts, masses, first, False, linear, angular)
         else:
-            for b in range(linear.shape[0]):
+            for m in range(members.shape[0]):
+                b = members[m]
                 put_row(linear_before, b, row(linear, b))
                 put_row(angular_before, b, row(angular, b))
-            tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest)
-            solve_contacts(contacts, masses, first, last, linear, angular, tolerance, BLOCK_SWEEPS, before, direction)
-            guarded = guard_energy(contacts, first, last, linear, angular, linear_before, angular_before)
+            tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest) if precise else -ROUGH_TOLERANCE * fastest
+            solve_contacts(
+                contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY, BLOCK_SWEEPS if precise else ROUGH_SWEEPS,
+                before, direction,
+            )
+            guarded = guard_energy(contacts, members, first, last, linear, angular, linear_before, angular_before)
     collect(contacts, first, last, received)
     return guarded
 
 
 @kernel
 def guard_energy(
-    contacts: Contacts, first: int, last: int, linear: Array, angular: Array, linear_before: Array, angular_before: Array
+    contacts: Contacts, members: Index, first: int, last: int, linear: Array, angular: Array, linear_before: Array,
+    angular_before: Array,
 ) -> bool:
     """Shorten the block's impulses so that the energy they add, sum p . (u- + u+) / 2, is not above zero."""
     work, gained = 0.0, 0.0
@@ -167,7 +176,8 @@ def guard_energy(
     if not (gained > 1e-13 * abs(work)):
         return False
     kept = min(1.0, max(0.0, -work / (gained - work)))
-    for b in range(linear.shape[0]):
+    for m in range(members.shape[0]):
+        b = members[m]
         for i in range(3):
             linear[b, i] = linear_before[b, i] + kept * (linear[b, i] - linear_before[b, i])
             angular[b, i] = angular_before[b, i] + kept * (angular[b, i] - angular_before[b, i])
@@ -192,14 +202,26 @@ def collect(contacts: Contacts, first: int, last: int, received: Array) -> None:
 
 @kernel
 def settle(
-    contacts: Contacts, masses: Masses, tolerance: float, sweeps_cap: int, linear: Array, angular: Array, before: Array,
-    direction: Array, received: Array,
+    contacts: Contacts, masses: Masses, members: Index, hasty: bool, tolerance: float, tries: int, sweeps_cap: int, linear: Array,
+    angular: Array,
+    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
 ) -> float:
-    """Take away what slow approach is left, all contacts together and without rebound; returns the residual [m/s]."""
+    """Take away what approach is left, all contacts together and without rebound; returns the residual [m/s].
+
+    No energy is added, even if the solver stops half way.
+    """
     count = contacts.used[0]
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(linear_before, b, row(linear, b))
+        put_row(angular_before, b, row(angular, b))
     for k in range(count):
         contacts.target[k] = 0.0
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
-    left = solve_contacts(contacts, masses, 0, count, linear, angular, tolerance, sweeps_cap, before, direction)
+    if hasty:
+        left = solve_roughly(contacts, masses, 0, count, linear, angular, tolerance, tries, sweeps_cap, before, direction)
+    else:
+        left = solve_contacts(contacts, masses, 0, count, linear, angular, tolerance, tries, sweeps_cap, before, direction)
+    guard_energy(contacts, members, 0, count, linear, angular, linear_before, angular_before)
     collect(contacts, 0, count, received)
     return left

@@ -1,17 +1,18 @@
 """Contact forces that are constant over a stretch of time: what holds, slows and stops bodies that stay in touch."""
 
 from math import hypot, inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contact_solver import solve_contacts, unsolved
-from avatarsim.impact.contacts import Contacts, axis, impulse_of, push, velocity_at
+from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, unsolved
+from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import add, along, cross, dot, norm, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -28,9 +29,13 @@ HOP = 1e-6
 """Slower separations are braked over the segment if they rise less than half of this [m] meanwhile. Without it a box that settles
 rocks from corner to corner by nanometres, thousands of times."""
 
-LIFT = 2e-5
-"""Speed [m/s] at which a dip is lifted again: a third of it in a frame, and a flight of 2e-11 m when the lift ends. Lifting by
-correcting positions instead feeds rocking bodies with potential energy, and they never rest."""
+LIFT = 2e-4
+"""Speed [m/s] at which a dip is lifted again, by those who can pay for it: within 3 ms, and a flight of 2e-9 m when that
+ends. Lifting by correcting positions instead feeds rocking bodies with potential energy, and they never rest."""
+
+PAYS = 400.0
+"""A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times what the lift costs on Earth. What is slower
+stays in its dip; to lift it would make energy of nothing."""
 
 SOLVED = 1e-9
 """Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times
@@ -45,6 +50,16 @@ whose slip is a remainder of third order, shortens its segments without end."""
 
 ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
+
+
+class Care(NamedTuple):
+    """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
+    attempts; 1 attempt asks for `solve_roughly`."""
+
+    tolerance: float
+    first: int
+    sweeps: int
+    attempts: int
 
 
 @kernel
@@ -68,6 +83,17 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
             across = norm(tangential_velocity(n, sub(row(linear, a), row(linear, b))))
             distance = norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k]
             bend = scale(n, across * across / distance)
+        if ball[a] + ball[b] == 0 and contacts.driven[k] == NOT_DRIVEN:
+            put_row(contacts.sway_a, k, cross(row(angular, a), row(contacts.arm_a, k)))
+            put_row(contacts.sway_b, k, cross(row(angular, b), row(contacts.arm_b, k)))
+        e, f = row(contacts.edge_a, k), row(contacts.edge_b, k)
+        wide = norm(cross(e, f))
+        if wide > 0.0:
+            # the plane along both edges turns: N'' of `motion.edge_plane` without the points' own acceleration
+            n, u = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
+            turns = add(cross(cross(row(angular, a), e), f), cross(e, cross(row(angular, b), f)))
+            sign = 1.0 if dot(cross(e, f), n) > 0.0 else -1.0
+            bend = along(bend, sign * 2.0 * dot(turns, u) / wide, n)
         if contacts.face[k] != 0:
             n, w = axis(contacts, k, 0), row(angular, a if contacts.face[k] == 1 else b)
             if ball[a] + ball[b] == 1:
@@ -81,10 +107,18 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
 
 
 @kernel
+def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
+    """Whether a body of contact k is fast enough for the energy of lifting it by ``dip`` [m] to be taken from its motion."""
+    v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
+    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * dip)
+
+
+@kernel
 def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     """Set the velocities that each contact must have after h seconds of constant force, from velocities at the start.
 
-    Velocities at the end are judged with the arms of the start, so the bend of the path is added to what is asked for.
+    Velocities at the end are judged with the arms of the middle, so the bend of the path is added to what is asked for, but for
+    the half of the arms' own part that the middle knows already.
     """
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
@@ -95,7 +129,11 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
         else:
             gap = contacts.gap[k]
             way = gap - 1.5 * STAND_OFF if gap > 1.5 * STAND_OFF else min(0.0, gap)
-            bend = row(contacts.bend, k)
+            if way < 0.0 and not can_pay(contacts, k, -gap, linear):
+                way = 0.0
+            a, b = contacts.body[k, 0], contacts.body[k, 1]
+            known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
+            bend = along(row(contacts.bend, k), -0.5, known)
             contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT, 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
@@ -113,7 +151,7 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
     count, start = contacts.used[0], 0
     while start < count:
         end, limit, pull, touching = start, 0.0, 0.0, -1
-        while end < count and contacts.key[end] // 8 == contacts.key[start] // 8:
+        while end < count and contacts.key[end] // POINTS_OF_PAIR == contacts.key[start] // POINTS_OF_PAIR:
             if contacts.impulse[end, 0] > 0.0:
                 u0 = tangential_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
                 if norm(u0) * h > SLIPPED:
@@ -137,11 +175,13 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
 
 @kernel
 def fall(
-    moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array, angular: Array,
-    linear_end: Array, angular_end: Array,
+    members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array,
+    angular: Array, linear_end: Array, angular_end: Array,
 ) -> None:
-    """Velocities after h seconds without contacts; ``inertia`` (nb, 3, 3) in world axes, gyroscopic unless ``round_``."""
-    for b in range(moving.shape[0]):
+    """Velocities of the members after h seconds without contacts; ``inertia`` (nb, 3, 3) in world axes, gyroscopic unless
+    ``round_``."""
+    for m in range(members.shape[0]):
+        b = members[m]
         for i in range(3):
             linear_end[b, i] = linear[b, i] + (h * gravity[i] if moving[b] == 1 else 0.0)
             angular_end[b, i] = angular[b, i]
@@ -153,13 +193,14 @@ def fall(
 
 @kernel
 def hold(
-    contacts: Contacts, masses: Masses, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
-    linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array,
+    contacts: Contacts, masses: Masses, members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
+    linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array, care: Care,
 ) -> tuple[float, float]:
     """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
 
     Args:
         contacts: hold forces [N] on entry (a guess), impulses over the segment [N s] on return.
+        members: the bodies that the contacts are between, but for fixed and sleeping ones.
         masses: driven bodies must not yield in them.
         linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
 
@@ -170,19 +211,32 @@ def hold(
         for i in range(3):
             contacts.impulse[k, i] *= h
     residual = 0.0
-    for attempt in range(ATTEMPTS):
+    for attempt in range(care.attempts):
         count = contacts.used[0]
+        # forces that act at the arms of the middle do the work of a path that bends, to second order
+        weigh_after(contacts, masses, 0.5 * h)
         aim(contacts, h, linear, angular)
-        fall(moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
+        fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
         for k in range(count):
-            push(contacts, masses, k, impulse_of(contacts, k), linear_end, angular_end)
+            for i in range(3):
+                push_along(contacts, masses, k, i, contacts.impulse[k, i], linear_end, angular_end)
         residual = unsolved(contacts, 0, count, linear_end, angular_end)
-        if residual > 10.0 * SOLVED or not (residual >= 0.0):
-            residual = solve_contacts(
-                contacts, masses, 0, count, linear_end, angular_end, SOLVED, SWEEPS, before, direction
-            )
+        if residual > 10.0 * care.tolerance or not (residual >= 0.0):
+            if care.attempts == 1:
+                residual = solve_roughly(
+                    contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, care.sweeps, before,
+                    direction,
+                )
+            else:
+                residual = solve_contacts(
+                    contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, care.sweeps, before,
+                    direction,
+                )
+            if not (residual <= 10.0 * care.tolerance):
+                # the end of a slip cannot be found with forces that are not known
+                break
         shorter = end_of_slip(contacts, h, linear, angular, linear_end, angular_end)
-        if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == ATTEMPTS - 1:
+        if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == care.attempts - 1:
             break
         for k in range(count):
             for i in range(3):

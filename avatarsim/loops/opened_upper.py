@@ -5,6 +5,8 @@ from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import Masses
 from avatarsim.kernel import kernel
+from avatarsim.loops.islands import Islands
+from avatarsim.loops.last_forces import LastForces
 from avatarsim.loops.opened_checked import opened_scratch
 from avatarsim.loops.upper_memory import Memory, Switches
 from avatarsim.motion.free_rotation import Series
@@ -34,8 +36,27 @@ def opened_contacts(o: Opening) -> Contacts:
     """The next Contacts."""
     return Contacts(
         index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], matrices(o)[0], vectors(o)[0],
-        vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], line(o)[0], grid(o)[0], vectors(o)[0],
-        index_line(o)[0],
+        vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], matrices(o)[0], matrices(o)[0],
+        matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0],
+        vectors(o)[0], vectors(o)[0], vectors(o)[0],
+    )
+
+
+@kernel
+def opened_last(o: Opening) -> LastForces:
+    """The next LastForces."""
+    return LastForces(
+        index_line(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0]
+    )
+
+
+@kernel
+def opened_islands(o: Opening) -> Islands:
+    """The next Islands."""
+    return Islands(
+        index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
+        index_line(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0], line(o)[0],
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
     )
 
 
@@ -65,8 +86,9 @@ def opened_memory(o: Opening) -> Memory:
         opened_masses(o), matrices(o)[0], line(o)[0], line(o)[0], opened_poses(o), opened_paths(o),
         Series(vectors(o)[0], vectors(o)[0], grid(o)[0]), opened_contacts(o), opened_manifold(o), opened_scratch(o),
         vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], opened_filter(o), opened_sweep(o),
-        index_grid(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
-        vectors(o)[0], vectors(o)[0], index_line(o)[0],
+        index_grid(o)[0], grid(o)[0], grid(o)[0], opened_last(o), index_line(o)[0], vectors(o)[0], vectors(o)[0],
+        index_line(o)[0], opened_poses(o), opened_islands(o), index_line(o)[0], line(o)[0], line(o)[0], index_line(o)[0],
+        index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0],
     )
 
 

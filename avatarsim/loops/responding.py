@@ -1,99 +1,169 @@
 """What contacts do at one instant of the upper loop: impacts first, then forces and paths until the next event."""
 
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.contact_solver import FIRST_TRY
 from avatarsim.impact.contact_time import time_to_contact
 from avatarsim.impact.contacts import weigh
-from avatarsim.impact.events import APPROACH, IMPACT, Events, record
+from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, resolve_impact, settle
-from avatarsim.impact.resting import SOLVED, SWEEPS, curvature, hold
+from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, curvature, hold
 from avatarsim.kernel import kernel
-from avatarsim.loops.touching import recall_forces, remember_forces
-from avatarsim.loops.upper_memory import CONTACTS, DONE, GUARDED, IMPACTS, OUT_OF_IMPACTS, SOLVES, UNSOLVED, Memory, Switches
+from avatarsim.loops.clocks import witness
+from avatarsim.loops.last_forces import recall_forces, remember_forces
+from avatarsim.loops.upper_memory import (
+    CONTACTS,
+    DONE,
+    GUARDED,
+    IMPACTS,
+    OUT_OF_IMPACTS,
+    SOLVES,
+    UNSOLVED,
+    WORK,
+    Memory,
+    Switches,
+)
+from avatarsim.loops.zeno_tail import begin_tail
 from avatarsim.motion.path import FREE, HELD, STILL
 from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
-from avatarsim.world.geometry import Poses
+from avatarsim.world.geometry import Geometry, Poses
 
-IMPACTS_CAP = 2000
-"""Impacts resolved at one instant."""
+Index = NDArray[np.int64]
+
+IMPACTS_ALONE, IMPACTS_PER_POINT = 100, 4
+"""Impacts resolved one after the other at one instant, at least and per contact point. What still approaches then is an avalanche
+of ever slower rebounds between the same bodies, and ends in one impact of all together without rebound. Fewer: Newton's cradles
+lose speed; more: a struck stack takes thousands."""
 
 GENTLE_TURN = 0.1
 """Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines."""
 
+RISE, FEW = 8e-7, 2
+"""Spin x gravity x h^3 [m] of a segment, a body that stands on so few points: it rises by a quarter of that (h^3 / 12 times three
+times spin x twist x arm), and from a micrometre on it flies, lands and loses energy."""
+
 SETTLED = 1e-10
 """Approach [m/s] that needs no impulse."""
+
+PRECISE, VISITS = 24, 20000
+"""Impacts of one instant that are solved for to rounding; visits of contact points by the solver after which all other impacts of
+this instant are taken together."""
+
+HASTY = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1)
+"""Of a plastic step."""
+
+CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
+"""Where bodies rest, or are few."""
+
+BRISK = Care(tolerance=1e-7, first=FIRST_TRY, sweeps=60, attempts=3)
+"""Of many bodies in motion: they sink by a few nanometres a frame, which is lifted again."""
+
+MANY, MOTION = 16, 1e-2
+"""More contact points than this are many; a body faster than this [m/s] moves."""
 
 STILLNESS = 1e-7
 """A held body slower than this [m/s, rad/s] at both ends of a segment rests: its velocities become exactly zero."""
 
 
 @kernel
-def impacts(poses: Poses, velocities: Velocities, memory: Memory, events: Events, time: float, switches: Switches) -> int:
-    """Resolve all impacts of this instant; returns DONE or OUT_OF_IMPACTS.
+def impacts(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
+    now: float, hasty: bool, switches: Switches,
+) -> int:
+    """Resolve all impacts of this instant, ``hasty`` all at once and without rebound; returns DONE or OUT_OF_IMPACTS.
 
     Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 0
-    status, resolved = DONE, 0
+    status, resolved, patience = DONE, 0, 0 if hasty else IMPACTS_ALONE + IMPACTS_PER_POINT * contacts.used[0]
+    weigh(contacts, memory.strike)
     head, fastest = fastest_approach(contacts, v, w)
     if head < 0 or fastest >= -SETTLED:
         return status
-    weigh(contacts, memory.strike)
     while head >= 0 and fastest < -REST_SPEED:
-        if resolved == IMPACTS_CAP:
+        if resolved >= patience or contacts.visits[0] > VISITS:
             status = OUT_OF_IMPACTS
             break
         a, b = contacts.body[head, 0], contacts.body[head, 1]
-        met = time
+        met = now
         if switches.record:
             curvature(contacts, memory.ball, v, w)
             met += time_to_contact(contacts, head, v, w, memory.paths.linear, memory.paths.angular)
-            record(events, APPROACH, met, a, b, poses.position, poses.rotation, v, w)
+            witness(geometry, events, APPROACH, met, now, a, b, poses, velocities, memory)
         guarded = resolve_impact(
-            contacts, memory.strike, head, fastest, switches.paper, v, w, memory.linear_end, memory.angular_end, memory.before,
-            memory.direction, memory.received,
+            contacts, memory.strike, members, head, fastest, switches.paper, resolved < PRECISE, v, w, memory.linear_end,
+            memory.angular_end, memory.before, memory.direction, memory.received,
         )
+        begin_tail(contacts, dynamics, memory, head, fastest, now)
         if switches.record:
-            record(events, IMPACT, met, a, b, poses.position, poses.rotation, v, w)
+            witness(geometry, events, IMPACT, met, now, a, b, poses, velocities, memory)
         memory.counts[GUARDED] += 1 if guarded else 0
         resolved += 1
         head, fastest = fastest_approach(contacts, v, w)
     memory.counts[IMPACTS] += resolved
+    memory.counts[WORK] += resolved * contacts.used[0] // 2
     if fastest < -SETTLED:
         # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
-        settle(contacts, memory.strike, 1e-12, SWEEPS, v, w, memory.before, memory.direction, memory.received)
+        rough = hasty or fastest < -REST_SPEED
+        few = contacts.used[0] <= MANY and not rough
+        settle(
+            contacts, memory.strike, members, rough, 1e-12 if few else max(1e-12, -1e-6 * fastest),
+            HASTY.first if rough else FIRST_TRY, SWEEPS if few else BRISK.sweeps, v, w, memory.linear_end, memory.angular_end,
+            memory.before, memory.direction, memory.received,
+        )
     return status
 
 
 @kernel
-def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, left: float) -> float:
-    """Forces and paths for at most ``left`` seconds; returns for how long they hold."""
+def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
+    """How exactly the forces on these bodies are worth solving for."""
+    if hasty:
+        return HASTY
+    if memory.contacts.used[0] > MANY:
+        for m in range(members.shape[0]):
+            if norm(row(velocities.linear, members[m])) > MOTION:
+                return BRISK
+    return CAREFUL
+
+
+@kernel
+def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool) -> float:
+    """Forces and paths of the members for at most ``left`` seconds; returns for how long they hold."""
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
-    held[:] = 0
+    for m in range(members.shape[0]):
+        held[members[m]] = 0
     contacts.standing[0] = 1
     if count > 0:
+        pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
         for k in range(count):
             for i in range(2):
                 b = contacts.body[k, i]
                 spin = norm(row(velocities.angular, b))
-                if moving[b] == 1 and memory.ball[b] == 0 and spin * h > GENTLE_TURN:
-                    h = GENTLE_TURN / spin
-        recall_forces(contacts, memory.last_key, memory.last_force, memory.last_count[0])
-        weigh(contacts, memory.hold)
+                if moving[b] == 1 and memory.ball[b] == 0 and not hasty:
+                    if spin * h > GENTLE_TURN:
+                        h = GENTLE_TURN / spin
+                    if count <= FEW and spin * pull * h * h * h > RISE:
+                        h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+        recall_forces(contacts, memory.last)
         curvature(contacts, memory.ball, velocities.linear, velocities.angular)
+        care = care_for(memory, velocities, members, hasty)
         h, residual = hold(
-            contacts, memory.hold, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
-            velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction,
+            contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
+            velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction, care,
         )
-        remember_forces(contacts, h, memory.last_key, memory.last_force, memory.last_count)
+        remember_forces(contacts, h, members, memory.last)
         memory.counts[SOLVES] += 1
-        memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * SOLVED) else 0
+        memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0
         memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
         for k in range(count):
             if contacts.impulse[k, 0] > 0.0:
                 held[contacts.body[k, 0]], held[contacts.body[k, 1]] = 1, 1
-    for b in range(moving.shape[0]):
+    for m in range(members.shape[0]):
+        b = members[m]
         held[b] *= moving[b]
         paths.time[b] = -1.0
         paths.kind[b] = (HELD if held[b] == 1 else FREE) if moving[b] == 1 else STILL

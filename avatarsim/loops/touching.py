@@ -7,14 +7,16 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, Contacts, add_contact
+from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, add_contact
 from avatarsim.kernel import kernel
-from avatarsim.loops.upper_memory import Memory
+from avatarsim.loops.blocked import add_corners, is_blocked
+from avatarsim.loops.upper_memory import WORK, Memory
+from avatarsim.motion.edge_plane import lone_edge
 from avatarsim.motion.manifold import manifold
 from avatarsim.motion.time_of_impact import TOUCH
 from avatarsim.settings import PostureSettings
-from avatarsim.spatial.vec3 import put_row, row, scale, sub
-from avatarsim.world.dynamics import Dynamics
+from avatarsim.spatial.vec3 import neg, put_row, row, scale, sub
+from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 
 Array = NDArray[np.float64]
@@ -25,6 +27,9 @@ FOUND, NO_ROOM, BROKEN = 0, 1, 2
 
 DRIVEN_TOUCH = 2.0 * PostureSettings().stand_off
 """Gap [m] below which a driven body touches: twice the stand-off that it keeps. Below the stand-off it could push nothing."""
+
+QUERY_WORK = 8
+"""Work of one contact query, see `upper_memory.WORK`."""
 
 SIMULATED, DRIVEN = 1, 2
 """Values of `Role` that matter here."""
@@ -40,8 +45,10 @@ def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:
 
 
 @kernel
-def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: int, memory: Memory) -> tuple[int, float]:
-    """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs that somebody moves in.
+def find_contacts(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
+) -> tuple[int, float]:
+    """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs (count, 2) that somebody moves in.
 
     A driven body keeps a stand-off from everything, so it touches from DRIVEN_TOUCH on: what it cannot come nearer to, it hits.
 
@@ -52,8 +59,8 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
     worst, outcome = inf, FOUND
     shapes, vertices = geometry.shapes, poses.vertices
     pieces = geometry.body.shape[0]
-    for p in range(pair_count):
-        a, b = memory.pairs[p, 0], memory.pairs[p, 1]
+    for p in range(pairs.shape[0]):
+        a, b = pairs[p, 0], pairs[p, 1]
         if memory.moving[a] + memory.moving[b] == 0:
             continue
         driven = DRIVEN_A if dynamics.role[a] == DRIVEN else (DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN)
@@ -62,6 +69,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                 reach = TOUCH if driven == NOT_DRIVEN else DRIVEN_TOUCH
                 if boxes_apart(poses.boxes, sa, sb, reach):
                     continue
+                memory.counts[WORK] += QUERY_WORK
                 status, gap, n, on_a, on_b = signed_distance_up_to(
                     vertices, shapes, sa, sb, (0.0, 0.0, 0.0), reach, memory.scratch
                 )
@@ -69,6 +77,7 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                     return BROKEN, worst
                 if not (gap < reach):
                     continue
+                raw, before = n, contacts.used[0]
                 count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
                 worst = min(worst, gap)
                 for i in range(count):
@@ -82,30 +91,17 @@ def find_contacts(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_cou
                         outcome = NO_ROOM
                         break
                     contacts.face[k] = found.face[0]
+                if found.face[0] == 0 and count == 1 and memory.ball[a] + memory.ball[b] == 0:
+                    of_a, _, e = lone_edge(vertices, shapes, sa, neg(raw))
+                    of_b, _, f = lone_edge(vertices, shapes, sb, raw)
+                    if of_a and of_b and contacts.used[0] > before:
+                        put_row(contacts.edge_a, before, e)
+                        put_row(contacts.edge_b, before, f)
+                if memory.clogged[0] >= memory.frames[0] and is_blocked(memory.blocked, a, b, memory.frames[0]):
+                    if driven == NOT_DRIVEN and not add_corners(geometry, poses, velocities, contacts, sa, sb, raw):
+                        outcome = NO_ROOM
+                for k in range(before, contacts.used[0]):
                     contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
                     contacts.friction[k] = dynamics.friction[dynamics.material[a], dynamics.material[b]]
-                    contacts.key[k] = (sa * pieces + sb) * 8 + i
+                    contacts.key[k] = (sa * pieces + sb) * POINTS_OF_PAIR + k - before
     return outcome, worst
-
-
-@kernel
-def recall_forces(contacts: Contacts, last_key: Index, last_force: Array, last_count: int) -> None:
-    """Give every point the force [N] that the point of the same key had; zero if there was none."""
-    at = 0
-    for k in range(contacts.used[0]):
-        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
-        for tried in range(last_count):
-            i = at + tried if at + tried < last_count else at + tried - last_count
-            if last_key[i] == contacts.key[k]:
-                put_row(contacts.impulse, k, row(last_force, i))
-                at = i + 1 if i + 1 < last_count else 0
-                break
-
-
-@kernel
-def remember_forces(contacts: Contacts, h: float, last_key: Index, last_force: Array, last_count: Index) -> None:
-    """Keep impulse / h [N] of every point for the next segment."""
-    last_count[0] = contacts.used[0]
-    for k in range(contacts.used[0]):
-        last_key[k] = contacts.key[k]
-        put_row(last_force, k, scale(row(contacts.impulse, k), 1.0 / h))

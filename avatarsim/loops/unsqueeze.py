@@ -12,10 +12,11 @@ from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.free_rotation import spun
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import add, dot, norm, put_row, row, scale
-from avatarsim.world.dynamics import Dynamics
+from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 PASSES = 10
 """Times contacts are found anew. Normals of deep overlaps turn while bodies come apart."""
@@ -45,12 +46,14 @@ def displace(contacts: Contacts, masses: Masses, linear: Array, angular: Array) 
 
 
 @kernel
-def unsqueeze(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: int, memory: Memory) -> float:
+def unsqueeze(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
+) -> float:
     """Push overlapping simulated bodies out of each other and of the others; returns the smallest gap left [m]."""
     linear, angular = memory.linear_end, memory.angular_end
     worst = 0.0
     for _ in range(PASSES):
-        _, worst = find_contacts(geometry, dynamics, poses, pair_count, memory)
+        _, worst = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
         if not (worst < GOOD):
             break
         weigh(memory.contacts, memory.hold)
@@ -67,4 +70,8 @@ def unsqueeze(geometry: Geometry, dynamics: Dynamics, poses: Poses, pair_count: 
                 put_row(memory.trial.position, b, row(poses.position, b))
                 put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
                 place(geometry, memory.trial, b)
+    for b in range(memory.moving.shape[0]):
+        # rows of who does not move are those of its velocity again
+        put_row(linear, b, row(velocities.linear, b))
+        put_row(angular, b, row(velocities.angular, b))
     return worst

@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
-from avatarsim.impact.contacts import ROOM, Contacts, make_contacts
+from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts
 from avatarsim.impact.masses import Masses
+from avatarsim.loops.islands import Islands, make_islands
+from avatarsim.loops.last_forces import LastForces, make_last_forces
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.manifold import Manifold, make_manifold
 from avatarsim.motion.path import Paths, make_paths
@@ -20,6 +22,9 @@ from avatarsim.world.pair_filter import OPEN, PairFilter
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+BLOCKED_ROOM = 64
+"""Blocked pairs remembered at once."""
 
 PAIRS_ROOM = 65536
 """Most near pairs held; a heap of a thousand bodies has about ten thousand."""
@@ -34,15 +39,18 @@ removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy i
 
 STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
 
-SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS = range(10)
+(
+    SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, PLASTIC, STOPPED,
+    BLOCKED, WORK,
+) = range(15)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
 was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position corrections, sweeps, most
-contacts."""
-
+contacts of an island, most islands, plastic steps, bodies that these stopped, pairs found blocked, and work in units of about
+a tenth of a microsecond."""
 
 COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
-    "positions_corrected", "sweep_and_prune", "contacts",
+    "positions_corrected", "sweep_and_prune", "contacts", "islands", "plastic_steps", "bodies_stopped", "pairs_blocked", "work",
 )
 
 
@@ -61,7 +69,11 @@ class Memory(NamedTuple):
 
     strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
     the centre of mass. trial: poses used while looking for impacts; between frames they are those last seen. owed_linear,
-    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`.
+    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`. began: poses at
+    the start of each body's last segment. joins (nb) 1 for who holds islands together; corrected (nb) time of the last correction
+    of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
+    blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
+    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`.
     """
 
     received: Array
@@ -91,13 +103,23 @@ class Memory(NamedTuple):
     pairs: Index
     a_rows: Array
     b_rows: Array
-    last_key: Index
-    last_force: Array
-    last_count: Index
+    last: LastForces
     counts: Index
     owed_linear: Array
     owed_angular: Array
     owing: Index
+    began: Poses
+    islands: Islands
+    joins: Index
+    corrected: Array
+    when: Array
+    everybody: Index
+    blocked: Index
+    clogged: Index
+    frames: Index
+    edges: Array
+    tail_end: Array
+    tail_speed: Array
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -125,17 +147,22 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
     # without the gyroscopic effect a tumbling body just keeps its angular velocity
     most = int(np.diff(shapes.start).max()) if len(geometry.body) else 1
     room = min(PAIRS_ROOM, max(1, n * (n - 1) // 2))
+    touching = max(ROOM, ROOM_PER_BODY * int(simulated.sum()))
     return Memory(
         received=np.zeros((n, 3)), moving=np.zeros(n, np.int64), asleep=np.zeros(n, np.int64), ball=ball, round=round_,
         held=np.zeros(n, np.int64), strike=Masses(inverse_mass.copy(), inverse_inertia),
         hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
         trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
-        contacts=make_contacts(), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
-        angular_end=np.zeros((n, 3)), before=np.zeros((ROOM, 3)), direction=np.zeros((ROOM, 3)), boxes=np.zeros((n, 6)),
+        contacts=make_contacts(touching), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
+        angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
         wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
-        last_key=np.zeros(ROOM, np.int64), last_force=np.zeros((ROOM, 3)), last_count=np.zeros(1, np.int64),
-        counts=np.zeros(10, np.int64), owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
+        last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),
+        owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
+        began=Poses(*(field.copy() for field in poses)), islands=make_islands(n, room), joins=np.zeros(n, np.int64),
+        corrected=np.zeros(n), when=np.zeros(room), everybody=np.arange(n, dtype=np.int64),
+        blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
+        edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
     )

@@ -4,6 +4,9 @@ Poses of driven bodies change in the lower loop only. A heavy body that throws a
 within this frame; it stops at it, keeps its velocity and goes on in the next one. Momentum stays what eqs 7 to 10 made it.
 """
 
+import numpy as np
+from numpy.typing import NDArray
+
 from avatarsim.impact.contact_solver import sweeps
 from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, push, velocity_at, weigh
 from avatarsim.impact.impact_queue import same_pair
@@ -13,6 +16,8 @@ from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 
+Index = NDArray[np.int64]
+
 ENOUGH = 1e-8
 """Accuracy [m/s] to which bodies wait: within a frame they come nearer by a tenth of a nanometre, far less than the stand-off."""
 
@@ -21,14 +26,14 @@ MOST_ELASTIC = 2.0
 
 
 @kernel
-def wait(velocities: Velocities, memory: Memory, left: float) -> None:
+def wait(velocities: Velocities, memory: Memory, members: Index, left: float) -> None:
     """Take from simulated bodies the velocity with which they would enter driven ones in ``left`` seconds; it is owed to them.
 
     The stand-off of the driven body is there to be used: who would only come nearer goes on.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 1
-    bodies, count, enters = memory.moving.shape[0], contacts.used[0], False
+    count, enters = contacts.used[0], False
     for k in range(count):
         contacts.target[k] = 0.0
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
@@ -37,24 +42,26 @@ def wait(velocities: Velocities, memory: Memory, left: float) -> None:
             enters = enters or dot(axis(contacts, k, 0), velocity_at(contacts, k, v, w)) < contacts.target[k]
     if not enters:
         return
-    for b in range(bodies):
+    for m in range(members.shape[0]):
+        b = members[m]
         put_row(memory.linear_end, b, row(v, b))
         put_row(memory.angular_end, b, row(w, b))
     weigh(contacts, memory.hold)
     sweeps(contacts, memory.hold, 0, count, v, w, ENOUGH, SWEEPS, False, memory.before, memory.direction)
-    for b in range(bodies):
+    for m in range(members.shape[0]):
+        b = members[m]
         put_row(memory.owed_linear, b, sub(row(memory.linear_end, b), row(v, b)))
         put_row(memory.owed_angular, b, sub(row(memory.angular_end, b), row(w, b)))
     memory.owing[0] = 1
 
 
 @kernel
-def go_on(velocities: Velocities, memory: Memory) -> None:
-    """Give back the velocities that are owed."""
+def go_on(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Give back the velocities that are owed to members."""
     if memory.owing[0] == 0:
         return
-    memory.owing[0] = 0
-    for b in range(memory.moving.shape[0]):
+    for m in range(members.shape[0]):
+        b = members[m]
         put_row(velocities.linear, b, add(row(velocities.linear, b), row(memory.owed_linear, b)))
         put_row(velocities.angular, b, add(row(velocities.angular, b), row(memory.owed_angular, b)))
         put_row(memory.owed_linear, b, (0.0, 0.0, 0.0))

@@ -1,15 +1,22 @@
 """Who moves in this frame, and who could meet whom: begins a frame of the upper loop and finds its near pairs."""
 
+import numpy as np
+from numpy.typing import NDArray
+
 from avatarsim.collide.status import NOT_FINITE as SWEEP_NOT_FINITE
 from avatarsim.kernel import kernel
-from avatarsim.loops.touching import SIMULATED
-from avatarsim.loops.upper_memory import DONE, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
+from avatarsim.loops.clocks import go_back
+from avatarsim.loops.islands import due_of, part
+from avatarsim.loops.touching import DRIVEN, SIMULATED
+from avatarsim.loops.upper_memory import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
 from avatarsim.motion.near import near_pairs, stands, wake_beside
 from avatarsim.motion.path import STILL
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
+
+Index = NDArray[np.int64]
 
 
 @kernel
@@ -39,24 +46,48 @@ def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velo
             wake_beside(trial.hulls, poses.hulls, b, memory.wanted, asleep, moving)
             if dynamics.role[b] == SIMULATED:
                 asleep[b], moving[b] = 0, 1
+            put_row(memory.began.position, b, row(poses.position, b))
             put_row(trial.position, b, row(poses.position, b))
             put_columns(trial.rotation, b, columns(poses.rotation, b))
             place(geometry, trial, b)
     awake = 0
     for b in range(bodies):
         awake += moving[b]
+        memory.islands.spent[b] = 0
+        memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
+        memory.corrected[b] = -1.0
+        # contacts with what does not move read these rows too
+        put_row(memory.linear_end, b, row(velocities.linear, b))
+        put_row(memory.angular_end, b, row(velocities.angular, b))
     return awake
 
 
 @kernel
-def sweep_pairs(dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, left: float) -> tuple[int, int]:
-    """Near pairs for the time left: (DONE, OUT_OF_ROOM or NOT_FINITE, number of pairs)."""
+def regroup(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, who: Index, now: float,
+    dt: float,
+) -> int:
+    """Let ``who`` promise where it stays from ``now`` to the end of the frame, and form the islands that follow.
+
+    An island that somebody joins goes back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
+    """
     memory.counts[SWEEPS] += 1
     status, count = near_pairs(
-        poses.hulls, poses.position, memory.span, memory.moving, memory.asleep, velocities.linear, velocities.angular,
-        dynamics.gravity, left, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
+        poses.hulls, poses.position, memory.span, who, memory.moving, memory.asleep, velocities.linear, velocities.angular,
+        dynamics.gravity, dt - now, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
     )
-    room = memory.pairs.shape[0]
     if status == SWEEP_NOT_FINITE:
-        return NOT_FINITE, 0
-    return (DONE if count <= room else OUT_OF_ROOM), min(count, room)
+        return NOT_FINITE
+    room, islands = memory.pairs.shape[0], memory.islands
+    for b in range(memory.moving.shape[0]):
+        if memory.moving[b] == 1 and memory.joins[b] == 0:
+            # woken just now
+            islands.begun[b], islands.due[b] = now, now
+        memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
+    part(islands, memory.pairs, min(count, room), memory.moving, memory.joins)
+    memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
+    if now > 0.0:
+        for b in range(memory.moving.shape[0]):
+            if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
+                go_back(geometry, poses, velocities, memory, b, now)
+    return DONE if count <= room else OUT_OF_ROOM

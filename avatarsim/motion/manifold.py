@@ -38,6 +38,12 @@ EQUAL = 1e-12
 """Relative to the shapes' size: points closer than this are the same point."""
 
 
+LEANING = 1e-2
+"""Rise of a face over its own size up to which it counts as lying on another, and not as standing on its edge."""
+
+EVEN = 1e-9
+"""Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
+
 NOBODY, FACE_OF_A, FACE_OF_B = 0, 1, 2
 """Whose face a contact normal belongs to and turns with."""
 
@@ -89,6 +95,30 @@ def feature(
 
 
 @kernel
+def beyond_edge(
+    vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, size: float, loose: Array,
+    out: Array,
+) -> int:
+    """The face behind an edge that lies on a face, in place of the edge, if it is tilted against that by less than LEANING.
+
+    Where the edges of two faces cross at a small angle, the touching corner beyond the crossing is one of the other face, and no
+    point of the edge. ``out`` holds the edge; returns its new number of corners.
+    """
+    first, second = row(out, 0), row(out, 1)
+    corners = feature(vertices, shapes, s, side, n, u, v, origin, LEANING * shapes.extent[s], loose, out)
+    if corners >= 3:
+        c, p, q = slope(out, corners)
+        even = True
+        for i in range(corners):
+            even = even and abs(out[i, 2] - (c + p * out[i, 0] + q * out[i, 1])) <= EVEN * size
+        if even:
+            return corners
+    put_row(out, 0, first)
+    put_row(out, 1, second)
+    return 2
+
+
+@kernel
 def only_witness(found: Manifold, on_a: Vec3, on_b: Vec3, gap: float) -> int:
     """The closest points alone."""
     put_row(found.on_a, 0, on_a)
@@ -136,6 +166,11 @@ def manifold(
                 return only_witness(found, on_a, along(on_a, -along_n, n), along_n), n
             return only_witness(found, along(on_b, along_n, n), on_b, along_n), n
         return only_witness(found, on_a, on_b, gap), n
+    face_b = corners_b >= 3
+    if face_b and corners_a == 2:
+        corners_a = beyond_edge(vertices, shapes, a, -1.0, n, u, v, origin, size, found.loose, found.face_a)
+    elif corners_a >= 3 and corners_b == 2:
+        corners_b = beyond_edge(vertices, shapes, b, 1.0, n, u, v, origin, size, found.loose, found.face_b)
     subject, window = found.face_a, found.face_b
     corners, sides = corners_a, corners_b
     if corners_b == 2 and corners_a > 2:
@@ -153,7 +188,7 @@ def manifold(
     if kept == 0:
         return only_witness(found, on_a, on_b, gap), n
     better = n
-    if corners_b >= 3:
+    if face_b:
         better = tilted(n, u, v, found.face_b, corners_b)
     elif corners_a >= 3:
         better = tilted(n, u, v, found.face_a, corners_a)

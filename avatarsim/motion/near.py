@@ -43,11 +43,12 @@ def turn_within(w: float, t: float) -> float:
 
 @kernel
 def promise(
-    hulls: Array, position: Array, span: Array, moving: Index, linear: Array, angular: Array, gravity: Array, left: float,
-    boxes_out: Array,
+    hulls: Array, position: Array, span: Array, who: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
+    left: float, boxes_out: Array,
 ) -> None:
-    """Boxes that every body promises to stay in for ``left`` seconds, if nothing hits it."""
-    for b in range(moving.shape[0]):
+    """Boxes that every body in ``who`` promises to stay in for ``left`` seconds, if nothing hits it."""
+    for m in range(who.shape[0]):
+        b = who[m]
         if moving[b] == 1:
             turn = turn_within(norm(row(angular, b)), left)
             grow(hulls, position, span, b, linear, gravity, turn, left, boxes_out)
@@ -78,11 +79,14 @@ def keeps_promise(
 
 @kernel
 def near_pairs(
-    hulls: Array, position: Array, span: Array, moving: Index, asleep: Index, linear: Array, angular: Array, gravity: Array,
-    left: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
+    hulls: Array, position: Array, span: Array, who: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
+    gravity: Array, left: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
-    """Sweep the promised boxes; whoever sleeps near a moving body wakes. Returns (status of the sweep, number of pairs)."""
-    promise(hulls, position, span, moving, linear, angular, gravity, left, boxes)
+    """Sweep the promised boxes, those of ``who`` made anew; whoever sleeps near a moving body wakes.
+
+    Returns (status of the sweep, number of pairs).
+    """
+    promise(hulls, position, span, who, moving, linear, angular, gravity, left, boxes)
     while True:
         status, count = sweep_and_prune(boxes, wanted, sweep, pairs)
         woken = 0

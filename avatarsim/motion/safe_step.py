@@ -34,7 +34,9 @@ def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
     root = v * v - 2.0 * a * gap
     if root < 0.0:
         return h
-    # the form without cancellation for v < 0; for v > 0, a < 0 the sum is positive all the same
+    if v > 0.0:
+        return min(h, (v + sqrt(root)) / -a)
+    # the form without cancellation for v < 0
     bottom = sqrt(root) - v
     if not (bottom > 0.0):
         return h

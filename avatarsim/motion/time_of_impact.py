@@ -14,11 +14,12 @@ from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.kernel import kernel
+from avatarsim.motion.edge_plane import edge_step, edges_apart
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.path import HELD, STILL, Paths, move_along, spinning
 from avatarsim.motion.safe_step import longest_horizon, longest_safe_step, turning
 from avatarsim.motion.turning_plane import follow, follow_ball, follow_centres
-from avatarsim.spatial.vec3 import Vec3, neg, norm, row
+from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
 from avatarsim.world.geometry import Geometry, Poses
 
 Array = NDArray[np.float64]
@@ -162,23 +163,52 @@ def safe_time(
 
 
 @kernel
+def slowest_edge(
+    geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, trial: Poses,
+    edges: Array,
+) -> float:
+    """Velocity [m/s] at which two edges that face each other come apart; -inf if it is not edges that do."""
+    a, b = geometry.body[sa], geometry.body[sb]
+    spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
+    spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
+    if not edges_apart(geometry, trial, paths, sa, sb, n, on_a, on_b, spin_a, twist_a, spin_b, twist_b, edges):
+        return -inf
+    return float(edges[0, 1] / edges[0, 3])
+
+
+@kernel
+def edge_time(
+    geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, target: float,
+    left: float, trial: Poses, edges: Array,
+) -> float:
+    """As `safe_time`, by the plane along two edges that face each other; 0 if it is not edges that do."""
+    a, b = geometry.body[sa], geometry.body[sb]
+    spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
+    spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
+    if not edges_apart(geometry, trial, paths, sa, sb, n, on_a, on_b, spin_a, twist_a, spin_b, twist_b, edges):
+        return 0.0
+    slide = norm(sub(row(paths.linear, a), row(paths.linear, b)))
+    return edge_step(paths, a, b, norm(sub(spin_a, spin_b)), slide, edges, target, left)
+
+
+@kernel
 def time_of_impact(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, sa: int, sb: int,
-    h: float, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
+    begin: float, h: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array, scratch: Scratch,
 ) -> tuple[int, float]:
-    """First event of shapes sa and sb on the paths of their bodies within h seconds, as the upper loop wants it.
+    """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, as the upper loop wants it.
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
         reach: (nb) largest distance of a body's points from its centre of mass, rounding radii left out [m].
-        trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 6) working memory.
+        trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 6), edges: (2, 6) working memory.
 
     Returns:
         (CLEAR, h), or (IMPACT, t) when the gap came down to the stand-off, or (DIPPED, t) when a resting pair reached DIP, or
         (BROKEN, 0), or (SPENT, t) when the budget of rounds is. Up to t the gap is never below its target.
     """
     a, b = geometry.body[sa], geometry.body[sb]
-    t, n = 0.0, (0.0, 0.0, 0.0)
+    t, n = begin, (0.0, 0.0, 0.0)
     stand_off = max(STAND_OFF, FAR_OUT * farthest(start, a, b))
     target, event = stand_off, IMPACT
     for rounds in range(ROUNDS):
@@ -186,7 +216,7 @@ def time_of_impact(
         move_along(geometry, start, linear, angular, paths, series, b, t, trial)
         left = h - t
         margin = margin_of(geometry, paths, reach, a, b, left, stand_off)
-        status, gap, n, _, _ = signed_distance_up_to(trial.vertices, geometry.shapes, sa, sb, n, margin, scratch)
+        status, gap, n, on_a, on_b = signed_distance_up_to(trial.vertices, geometry.shapes, sa, sb, n, margin, scratch)
         if status == NOT_FINITE or not (margin < inf):
             return BROKEN, 0.0
         if gap > margin:
@@ -196,6 +226,8 @@ def time_of_impact(
         count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
         if rounds == 0 and gap < TOUCH:
             slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
+            if slowest <= RESTING:
+                slowest = max(slowest, slowest_edge(geometry, angular, paths, sa, sb, n, on_a, on_b, trial, edges))
             if slowest > LEAVING:
                 target = min(stand_off, gap)
             elif slowest > RESTING:
@@ -203,6 +235,8 @@ def time_of_impact(
         step = safe_time(
             geometry, angular, paths, reach, sa, sb, n, target, left, horizon, trial, a_rows, b_rows, count_a, count_b
         )
+        if step < left and (rounds > 0 or gap < TOUCH):
+            step = max(step, edge_time(geometry, angular, paths, sa, sb, n, on_a, on_b, target, left, trial, edges))
         if t + step >= h:
             return CLEAR, h
         if step < STALLED and rounds > 0:

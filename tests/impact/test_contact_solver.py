@@ -28,7 +28,7 @@ def scene(rng: np.random.Generator, points: int, friction: float):
 def solve(contacts, masses, linear, angular) -> float:
     """All contacts to 1e-12 m/s."""
     memory = np.zeros((ROOM, 3)), np.zeros((ROOM, 3))
-    return solve_contacts(contacts, masses, 0, int(contacts.used[0]), linear, angular, 1e-12, 5000, *memory)
+    return solve_contacts(contacts, masses, 0, int(contacts.used[0]), linear, angular, 1e-12, 25, 5000, *memory)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])

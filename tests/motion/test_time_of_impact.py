@@ -30,8 +30,8 @@ def search(world: World, h: float) -> tuple[int, float]:
     m.paths.linear[:] = np.where((world.dynamics.role == 1)[:, None], world.dynamics.gravity, 0.0)
     m.paths.time[:] = -1.0
     return time_of_impact(
-        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, h,
-        m.trial, m.a_rows, m.b_rows, m.scratch,
+        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0, h,
+        m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
 
 

@@ -1,0 +1,66 @@
+"""What energy an island has, before and after a segment, and what becomes of a gain."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.energy import NO_GAIN, held_energy, take_back
+from avatarsim.impact.masses import to_world
+from avatarsim.kernel import kernel
+from avatarsim.loops.clocks import arrive
+from avatarsim.loops.upper_memory import AUDITED, Memory
+from avatarsim.motion.path import STILL
+from avatarsim.spatial.vec3 import put_row
+from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.geometry import Geometry, Poses
+
+Index = NDArray[np.int64]
+
+
+@kernel
+def energy_of(
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, everybody: bool
+) -> tuple[float, float]:
+    """(kinetic, potential) energy [J] of the members that contact forces hold, or of all that move, who then count as held."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if everybody:
+            memory.held[b] = memory.moving[b]
+        if memory.held[b] == 1:
+            to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
+    return held_energy(
+        memory.hold, memory.inertia, members, memory.held, dynamics.gravity, poses.position, velocities.linear, velocities.angular
+    )
+
+
+@kernel
+def audit(
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, everybody: bool,
+    energy_before: float,
+) -> bool:
+    """Take back what energy the held members gained beyond rounding: constant forces on turning arms are not exact.
+
+    False if they gained more than all their motion is worth.
+    """
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, everybody)
+    if take_back(kinetic + potential - energy_before, kinetic, members, memory.held, velocities.linear, velocities.angular):
+        memory.counts[AUDITED] += 1
+    return kinetic + potential - energy_before <= max(kinetic, NO_GAIN)
+
+
+@kernel
+def stay(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Put an island back to where its segment began, at rest: it moved so little that its own weight, held up, did more work.
+
+    A force constant over a segment brakes what leaves a contact slowly, and so lifts it. If somebody flies, nobody is put back:
+    flight is exact, and who flew has looked at where the others went.
+    """
+    for m in range(members.shape[0]):
+        if memory.moving[members[m]] > memory.held[members[m]]:
+            return
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            arrive(geometry, poses, velocities, memory, b, 0.0)
+            memory.paths.kind[b] = STILL
+            put_row(velocities.linear, b, (0.0, 0.0, 0.0))
+            put_row(velocities.angular, b, (0.0, 0.0, 0.0))

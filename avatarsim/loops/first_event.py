@@ -1,0 +1,54 @@
+"""When the paths of an island first lead to an event."""
+
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
+from avatarsim.motion.path import STILL
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, time_of_impact
+from avatarsim.world.geometry import Geometry
+
+Index = NDArray[np.int64]
+
+SEARCH_WORK = 8
+"""Work of one search for an impact, see `upper_memory.WORK`."""
+
+
+@kernel
+def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: float, h: float) -> float:
+    """Time in begin .. h of the first event of bodies a and b on their paths; inf if there is none, -1 if not finite."""
+    islands, found = memory.islands, inf
+    if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
+        return found
+    for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
+        for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
+            memory.counts[SEARCHES] += 1
+            memory.counts[WORK] += SEARCH_WORK
+            outcome, t = time_of_impact(
+                geometry, memory.began, islands.linear, islands.angular, memory.paths, memory.series, memory.reach, sa, sb, begin,
+                h, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
+            )
+            if outcome == BROKEN:
+                return -1.0
+            if outcome != CLEAR:
+                h = found = t
+    return found
+
+
+@kernel
+def first_event(geometry: Geometry, memory: Memory, pairs: Index, h: float) -> tuple[float, int]:
+    """(time, pair) of the first event of any of these pairs (count, 2), at most h [s], with pair -1 if there is none before h.
+
+    The time is -1 if a pose is not finite.
+    """
+    first = -1
+    for p in range(pairs.shape[0]):
+        t = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h)
+        if t < 0.0:
+            return -1.0, p
+        if t < h:
+            h, first = t, p
+    return h, first

@@ -1,0 +1,204 @@
+"""One island from where it stands to its next event: the inner turn of the upper loop."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.contacts import Contacts
+from avatarsim.impact.events import Events
+from avatarsim.impact.masses import to_world
+from avatarsim.kernel import kernel
+from avatarsim.loops.auditing import audit, energy_of, stay
+from avatarsim.loops.clocks import arrive, depart
+from avatarsim.loops.first_event import first_event
+from avatarsim.loops.plastic import AGAIN, STALL, clog, go_or_stop
+from avatarsim.loops.responding import impacts, segment
+from avatarsim.loops.touching import BROKEN, NO_ROOM, find_contacts
+from avatarsim.loops.unsqueeze import unsqueeze
+from avatarsim.loops.upper_memory import (
+    DONE,
+    NOT_FINITE,
+    OUT_OF_ROOM,
+    OUT_OF_SEGMENTS,
+    PLASTIC,
+    SEGMENTS,
+    SQUEEZED,
+    UNSQUEEZED,
+    WORK,
+    Memory,
+    Switches,
+)
+from avatarsim.loops.waiting import go_on, hand_over, wait
+from avatarsim.loops.waking import regroup
+from avatarsim.loops.zeno_tail import end_tails, until_tail_ends
+from avatarsim.motion.near import keeps_promise
+from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.geometry import Geometry, Poses
+
+Index = NDArray[np.int64]
+
+SEGMENTS_CAP = 100
+"""Segments of one island in a frame. A bouncing ball needs 2, a landing box 5 to 20; each costs a contact solve."""
+
+STALL_COSTS = 5
+"""A segment that stalls costs as many as so many of the budget."""
+
+WORK_CAP = 30000
+"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; a few milliseconds."""
+
+PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 50000, 250, 40
+"""Most plastic steps of a frame, and the work that they may take together; visits per contact point, and work per near pair."""
+
+DEEPEST = -7e-7
+"""Gap [m] below which positions are corrected. Must be well below the dip of resting pairs (see `time_of_impact`): to lift a body
+that hardly moves makes energy of nothing. Must be above -1e-6, which is the most that may be shown."""
+
+
+@kernel
+def weigh_bodies(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> None:
+    """Inertia in world axes of the members that move."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
+            to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
+
+
+@kernel
+def all_keep(poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float) -> bool:
+    """Whether the members stay in their promised boxes for h seconds."""
+    for m in range(members.shape[0]):
+        if not keeps_promise(
+            poses.hulls, poses.position, memory.span, members[m], velocities.linear, velocities.angular, memory.paths, h,
+            memory.boxes,
+        ):
+            return False
+    return True
+
+
+@kernel
+def step(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
+    events: Events, switches: Switches,
+) -> int:
+    """Take island i to its next event, or to the end of the frame once the budget is spent; returns a status or AGAIN."""
+    islands, contacts, status = memory.islands, memory.contacts, DONE
+    size, first = islands.first[i + 1] - islands.first[i], islands.pair_first[i]
+    members = islands.order[islands.first[i] : islands.first[i + 1]]
+    pairs = islands.pairs[first : islands.pair_first[i + 1]]
+    lead = members[0]
+    now = islands.due[lead]
+    left = dt - now
+    memory.counts[SEGMENTS] += 1
+    spend(memory, members, 1)
+    go_on(velocities, memory, members)
+    end_tails(geometry, poses, velocities, memory, events, members, now, switches.record)
+    weigh_bodies(dynamics, poses, memory, members)
+    outcome, worst = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
+    if worst < DEEPEST and memory.corrected[lead] != now:
+        memory.counts[UNSQUEEZED] += 1
+        kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
+        worst = unsqueeze(geometry, dynamics, poses, velocities, pairs, memory)
+        audit(dynamics, poses, velocities, memory, members, True, kinetic + potential)
+        for m in range(size):
+            memory.corrected[members[m]] = now
+        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+        return found if found != DONE else SQUEEZED if worst < DEEPEST else AGAIN
+    if outcome == BROKEN:
+        return NOT_FINITE
+    status = OUT_OF_ROOM if outcome == NO_ROOM else status
+    # who touches nobody flies on at no cost
+    hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, hasty)
+    if contacts.used[0] > 0:
+        spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, switches)
+        status = spent if spent != DONE else status
+        wait(velocities, memory, members, left)
+    longest = until_tail_ends(memory, members, now, left)
+    if hasty:
+        longest = min(longest, dt / pieces_of(contacts, pairs))
+    h = segment(dynamics, velocities, memory, members, longest, hasty)
+    until = h
+    if not all_keep(poses, velocities, memory, members, h):
+        found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+        if found == NOT_FINITE:
+            return found
+        status = found if found != DONE else status
+        i = islands.label[lead]
+        # whoever joins or leaves makes it another island; who touched was near before, so contacts stay otherwise
+        if islands.first[i + 1] - islands.first[i] != size or not still_those(memory, i):
+            return AGAIN if status == DONE else status
+        first = islands.pair_first[i]
+        members = islands.order[islands.first[i] : islands.first[i + 1]]
+        pairs = islands.pairs[first : islands.pair_first[i + 1]]
+        while not all_keep(poses, velocities, memory, members, until):
+            until *= 0.5
+    depart(poses, velocities, memory, members, now)
+    t = until
+    if hasty:
+        memory.counts[PLASTIC] += 1
+        status = OUT_OF_SEGMENTS
+        outcome = go_or_stop(geometry, poses, velocities, memory, members, pairs, first, until)
+        if outcome != DONE:
+            return outcome
+    else:
+        kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, False)
+        t, pair = first_event(geometry, memory, pairs, until) if switches.continuous else (until, -1)
+        if t < 0.0:
+            return NOT_FINITE
+        if t < STALL and pair >= 0:
+            clog(memory, pairs[pair, 0], pairs[pair, 1])
+        for m in range(size):
+            arrive(geometry, poses, velocities, memory, members[m], t)
+    for m in range(size):
+        islands.due[members[m]] = dt if t == left or now + t > dt * (1.0 - 1e-14) else now + t
+    if t < STALL:
+        spend(memory, members, STALL_COSTS)
+    memory.counts[WORK] += contacts.visits[0]
+    contacts.visits[0] = 0
+    last_for(memory, t / h, h)
+    hand_over(dynamics, velocities, memory)
+    if not audit(dynamics, poses, velocities, memory, members, hasty, kinetic + potential):
+        stay(geometry, poses, velocities, memory, members)
+    return status
+
+
+@kernel
+def pieces_of(contacts: Contacts, pairs: Index) -> int:
+    """In how many plastic steps an island goes to the end of a frame: small ones take several, to lose less time."""
+    work = SWEEPS_OF_STEP * contacts.used[0] + WORK_OF_PAIR * pairs.shape[0]
+    return int(max(1, min(PIECES, PLASTIC_WORK // max(1, work))))
+
+
+@kernel
+def spend(memory: Memory, members: Index, segments: int) -> None:
+    """Charge the island with so many segments."""
+    most = 0
+    for m in range(members.shape[0]):
+        most = max(most, memory.islands.spent[members[m]])
+    for m in range(members.shape[0]):
+        memory.islands.spent[members[m]] = most + segments
+        memory.islands.charged[members[m]] = memory.counts[SEGMENTS]
+
+
+@kernel
+def still_those(memory: Memory, i: int) -> bool:
+    """Whether island i consists of bodies whose contacts are those at hand: the ones charged last."""
+    islands = memory.islands
+    for m in range(islands.first[i], islands.first[i + 1]):
+        if islands.charged[islands.order[m]] != memory.counts[SEGMENTS]:
+            return False
+    return True
+
+
+@kernel
+def last_for(memory: Memory, share: float, h: float) -> None:
+    """The forces lasted only for this share of the h seconds that they were solved for, or until a body stopped."""
+    contacts, stops = memory.contacts, memory.islands.stops
+    for k in range(contacts.used[0]):
+        a, b = contacts.body[k, 0], contacts.body[k, 1]
+        part = share
+        for body in (a, b):
+            if memory.moving[body] == 1:
+                part = min(part, stops[body] / h)
+        for i in range(3):
+            contacts.impulse[k, i] *= part

@@ -1,0 +1,163 @@
+"""Islands: bodies that may meet one another before the frame ends, and nobody else. Each keeps its own clock.
+
+The island whose clock is farthest behind goes next, so what happens inside a frame happens in order of time. A segment is carried
+out at once, and the state at its start is kept: if somebody comes near meanwhile, the island goes back on its path to that time.
+"""
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.kernel import kernel
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class Islands(NamedTuple):
+    """Groups of the nb bodies of a world; fixed and sleeping bodies belong to none and hold none together.
+
+    found (1) how many; order (nb) members of island i at first[i] <= m < first[i + 1]; pairs (room, 2) near pairs, those of
+    island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
+    charged (nb) number of the last segment of a body in this frame; spent (nb) what of its budget of segments its island has
+    spent;
+    begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
+    stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
+    linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
+    """
+
+    found: Index
+    order: Index
+    first: Index
+    pairs: Index
+    pair_first: Index
+    label: Index
+    mark: Index
+    charged: Index
+    spent: Index
+    begun: Array
+    due: Array
+    stops: Array
+    linear: Array
+    angular: Array
+    received: Array
+    owed_linear: Array
+    owed_angular: Array
+
+
+def make_islands(bodies: int, room: int) -> Islands:
+    """Allocate for so many bodies and near pairs."""
+    n, vectors = bodies, (bodies, 3)
+    return Islands(
+        np.zeros(1, np.int64), np.zeros(n, np.int64), np.zeros(n + 1, np.int64), np.zeros((room, 2), np.int64),
+        np.zeros(n + 1, np.int64), np.full(n, -1, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64),
+        np.zeros(n),
+        np.zeros(n), np.zeros(n), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors),
+    )
+
+
+@kernel
+def root_of(parent: Index, b: int) -> int:
+    """The body that stands for the group of b, by `parent` links, which get shorter on the way."""
+    while parent[b] != b:
+        parent[b] = parent[parent[b]]
+        b = parent[b]
+    return b
+
+
+@kernel
+def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index) -> None:
+    """Form the islands anew from ``count`` near pairs (count, 2).
+
+    Args:
+        moving: (nb) 1 for bodies that move. joins: (nb) 1 for bodies that hold others together: moving or driven.
+    """
+    parent, label, first, order = islands.mark, islands.label, islands.first, islands.order
+    bodies = parent.shape[0]
+    for b in range(bodies):
+        parent[b] = b
+        label[b] = -1
+    for p in range(count):
+        a, b = near[p, 0], near[p, 1]
+        if joins[a] == 1 and joins[b] == 1 and moving[a] + moving[b] > 0:
+            i, k = root_of(parent, a), root_of(parent, b)
+            # the lower number stands for the group, so islands are numbered as their first bodies are
+            parent[max(i, k)] = min(i, k)
+    found = 0
+    for b in range(bodies):
+        if moving[b] == 1:
+            root = root_of(parent, b)
+            if label[root] < 0:
+                label[root] = found
+                found += 1
+    islands.found[0] = found
+    first[: found + 1] = 0
+    for b in range(bodies):
+        if joins[b] == 1:
+            label[b] = label[root_of(parent, b)]
+            if label[b] >= 0:
+                first[label[b] + 1] += 1
+    for i in range(found):
+        first[i + 1] += first[i]
+    at = islands.pair_first
+    for i in range(found):
+        at[i] = first[i]
+    for b in range(bodies):
+        if label[b] >= 0:
+            order[at[label[b]]] = b
+            at[label[b]] += 1
+    share(islands, near, count, moving)
+
+
+@kernel
+def share(islands: Islands, near: Index, count: int, moving: Index) -> None:
+    """Sort the near pairs in which somebody moves by island, in the order in which they are."""
+    at, label, found = islands.pair_first, islands.label, islands.found[0]
+    at[: found + 1] = 0
+    for p in range(count):
+        a, b = near[p, 0], near[p, 1]
+        if moving[a] + moving[b] > 0:
+            at[label[a if moving[a] == 1 else b] + 1] += 1
+    for i in range(found):
+        at[i + 1] += at[i]
+    # fill from the back, so that each start ends where it was
+    for p in range(count - 1, -1, -1):
+        a, b = near[p, 0], near[p, 1]
+        if moving[a] + moving[b] > 0:
+            i = label[a if moving[a] == 1 else b]
+            at[i + 1] -= 1
+            islands.pairs[at[i + 1], 0], islands.pairs[at[i + 1], 1] = a, b
+    total = 0
+    for p in range(count):
+        total += 1 if moving[near[p, 0]] + moving[near[p, 1]] > 0 else 0
+    for i in range(found):
+        at[i] = at[i + 1]
+    at[found] = total
+
+
+@kernel
+def due_of(islands: Islands, i: int) -> float:
+    """Earliest time at which a member of island i stands."""
+    earliest = inf
+    for m in range(islands.first[i], islands.first[i + 1]):
+        earliest = min(earliest, islands.due[islands.order[m]])
+    return earliest
+
+
+@kernel
+def behind(islands: Islands, dt: float, now: float, start: int) -> int:
+    """The island whose bodies stand at the earliest time before ``dt``, looked for from number ``start`` on; -1 if none is left.
+
+    Nobody stands before ``now`` [s], so the first that stands there is taken.
+    """
+    chosen, earliest, count = -1, dt, islands.found[0]
+    for tried in range(count):
+        i = start + tried if start + tried < count else start + tried - count
+        due = islands.due[islands.order[islands.first[i]]]
+        if due < earliest:
+            chosen, earliest = i, due
+            if due <= now:
+                break
+    return chosen

@@ -1,0 +1,90 @@
+"""Forces of the last segment, to begin the next one with: a table of contact points by key.
+
+What is in the table holds as long as its body has had no other segment since; who is found no longer begins from zero.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.impact.contacts import Contacts
+from avatarsim.kernel import kernel
+from avatarsim.spatial.vec3 import put_row, row, scale
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SLOTS_PER_POINT = 4
+"""Room of the table in units of the points that may be there at once; fewer: more forces are forgotten and solved for again."""
+
+TRIES = 12
+"""Places in which a key may be."""
+
+SPREAD, SHIFT = 40503, 7
+"""Multiplier and shift that spread neighbouring keys over the table; the product of any key stays far below 2^63."""
+
+
+class LastForces(NamedTuple):
+    """key, body, turn (slots): name of the point, a body that it belongs to, and the segment of that; force (slots, 3) [N];
+    latest (nb): last segment of each body; turns (1): segments so far."""
+
+    key: Index
+    body: Index
+    turn: Index
+    force: Array
+    latest: Index
+    turns: Index
+
+
+def make_last_forces(bodies: int, points: int) -> LastForces:
+    """Allocate an empty table for so many bodies and contact points; its size is a power of two."""
+    slots = 1 << (SLOTS_PER_POINT * points - 1).bit_length()
+    return LastForces(
+        np.full(slots, -1, np.int64), np.zeros(slots, np.int64), np.zeros(slots, np.int64), np.zeros((slots, 3)),
+        np.zeros(bodies, np.int64), np.zeros(1, np.int64),
+    )
+
+
+@kernel
+def slot_of(table: LastForces, key: int, tried: int) -> int:
+    """The place number ``tried`` where ``key`` may be."""
+    return int(((key * SPREAD >> SHIFT) + tried) & (table.key.shape[0] - 1))
+
+
+@kernel
+def recall_forces(contacts: Contacts, table: LastForces) -> None:
+    """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none."""
+    for k in range(contacts.used[0]):
+        put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
+        for tried in range(TRIES):
+            s = slot_of(table, contacts.key[k], tried)
+            if table.key[s] == -1:
+                break
+            if table.key[s] == contacts.key[k]:
+                if table.turn[s] == table.latest[table.body[s]]:
+                    put_row(contacts.impulse, k, row(table.force, s))
+                break
+
+
+@kernel
+def remember_forces(contacts: Contacts, h: float, members: Index, table: LastForces) -> None:
+    """Keep impulse / h [N] of every point for the next segment of these bodies."""
+    table.turns[0] += 1
+    turn = table.turns[0]
+    for m in range(members.shape[0]):
+        table.latest[members[m]] = turn
+    for k in range(contacts.used[0]):
+        key, free = contacts.key[k], -1
+        for tried in range(TRIES):
+            s = slot_of(table, key, tried)
+            if table.key[s] == key or table.key[s] == -1:
+                free = s if free < 0 or table.key[s] == key else free
+                break
+            if free < 0 and table.turn[s] != table.latest[table.body[s]]:
+                free = s
+        if free >= 0:
+            a, b = contacts.body[k, 0], contacts.body[k, 1]
+            table.key[free], table.turn[free] = key, turn
+            table.body[free] = a if table.latest[a] == turn else b
+            put_row(table.force, free, scale(row(contacts.impulse, k), 1.0 / h))
