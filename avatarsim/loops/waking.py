@@ -21,45 +21,63 @@ Index = NDArray[np.int64]
 
 @kernel
 def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, sleeping: bool) -> int:
-    """Look for what the caller changed, wake whom it concerns, and return how many bodies will move."""
-    moving, asleep, trial = memory.moving, memory.asleep, memory.trial
+    """Find out who is awake, wake who is beside a driven body that moved, and return how many bodies will move.
+
+    Of a body that is fixed or sleeps nothing but its flags is read: thousands of them may lie about.
+    """
+    moving, asleep = memory.moving, memory.asleep
     memory.counts[:] = 0
-    memory.received[:, :] = 0.0
-    memory.owed_linear[:, :] = 0.0
-    memory.owed_angular[:, :] = 0.0
     memory.owing[0] = 0
-    bodies = moving.shape[0]
+    bodies, awake = moving.shape[0], 0
     for b in range(bodies):
-        sleeps = sleeping and asleep[b] == 1 and stands(velocities.linear, velocities.angular, b)
-        if dynamics.role[b] == SIMULATED and not sleeps:
+        moved, role = moving[b] == 1, dynamics.role[b]
+        if role == SIMULATED and not (sleeping and asleep[b] == 1):
             asleep[b], moving[b] = 0, 1
         else:
             moving[b] = 0
-        memory.paths.kind[b] = STILL
+        # whoever fell asleep in the last frame is made ready once more, at rest now
+        if moved or moving[b] == 1 or role == DRIVEN:
+            make_ready(velocities, memory, b)
     for b in range(bodies):
-        same = dynamics.role[b] == SIMULATED or stands(velocities.linear, velocities.angular, b)
-        for i in range(3):
-            same = same and poses.position[b, i] == trial.position[b, i]
-            for k in range(3):
-                same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
-        if not same:
-            wake_beside(trial.hulls, poses.hulls, b, memory.wanted, asleep, moving)
-            if dynamics.role[b] == SIMULATED:
-                asleep[b], moving[b] = 0, 1
-            put_row(memory.began.position, b, row(poses.position, b))
-            put_row(trial.position, b, row(poses.position, b))
-            put_columns(trial.rotation, b, columns(poses.rotation, b))
-            place(geometry, trial, b)
-    awake = 0
+        if dynamics.role[b] == DRIVEN:
+            notice_driven(geometry, poses, velocities, memory, b)
     for b in range(bodies):
         awake += moving[b]
-        memory.islands.spent[b] = 0
-        memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
-        memory.corrected[b] = -1.0
-        # contacts with what does not move read these rows too
-        put_row(memory.linear_end, b, row(velocities.linear, b))
-        put_row(memory.angular_end, b, row(velocities.angular, b))
     return awake
+
+
+@kernel
+def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
+    """Forget the last frame of body b."""
+    nothing = (0.0, 0.0, 0.0)
+    put_row(memory.received, b, nothing)
+    put_row(memory.owed_linear, b, nothing)
+    put_row(memory.owed_angular, b, nothing)
+    memory.paths.kind[b] = STILL
+    memory.islands.spent[b] = 0
+    memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
+    memory.corrected[b] = -1.0
+    # contacts with what does not move read these rows too
+    put_row(memory.linear_end, b, row(velocities.linear, b))
+    put_row(memory.angular_end, b, row(velocities.angular, b))
+
+
+@kernel
+def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int) -> None:
+    """If driven body b was moved, or moves, wake who sleeps beside it, and take over where it is."""
+    trial = memory.trial
+    same = stands(velocities.linear, velocities.angular, b)
+    for i in range(3):
+        same = same and poses.position[b, i] == trial.position[b, i]
+        for k in range(3):
+            same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
+    if same:
+        return
+    wake_beside(trial.hulls, poses.hulls, b, memory.wanted, memory.asleep, memory.moving)
+    put_row(memory.began.position, b, row(poses.position, b))
+    put_row(trial.position, b, row(poses.position, b))
+    put_columns(trial.rotation, b, columns(poses.rotation, b))
+    place(geometry, trial, b)
 
 
 @kernel

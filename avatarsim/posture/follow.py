@@ -90,7 +90,7 @@ def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memor
 
 @kernel
 def notice_movers(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, memory_out: Memory) -> None:
-    """The same of those only that may have moved (nb): to look at thousands of objects at rest takes longer than the avatar does."""
+    """The same of those only that may have moved (nb): to look at thousands of objects at rest would take most of the frame."""
     changed = False
     for b in range(skel.first):
         if moving[b] == 1:
