@@ -46,7 +46,8 @@ def checked_twin() -> Any:
     one = twin(step.step, {
         "attempt": attempt, "back_off": back_off, "aim": clocked(aim, IK), "adopt": clocked(step.adopt, POSING),
     })
-    frame = twin(follow.follow, {"step": one, "aim": clocked(aim, IK)})
+    walk = twin(follow.walk, {"step": one, "aim": clocked(aim, IK)})
+    frame = twin(follow.follow, {"walk": walk})
     return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
 
 
