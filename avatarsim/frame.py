@@ -13,18 +13,17 @@ from avatarsim.loops.tracked import TrackedLoop
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.stage_clock import StageClock
-from avatarsim.world.arena import Index
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 
-def lower_loop(world: World, method: str, chosen: Chosen, seed: int, moving: Index) -> CheckedLoop | PaperLoop | TrackedLoop:
-    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is. `moving`: see CheckedLoop."""
+def lower_loop(world: World, method: str, chosen: Chosen, seed: int) -> CheckedLoop | PaperLoop | TrackedLoop:
+    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-    return CheckedLoop(world, chosen.posture, chosen.coupling, seed, moving)
+    return CheckedLoop(world, chosen.posture, chosen.coupling, seed)
 
 
 class Frames:
@@ -34,12 +33,14 @@ class Frames:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
         self.begun, self.time = 0.0, 0.0
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
+        if world.scene.avatars:
+            self.target = Target(world)
+            self.lower = lower_loop(world, method, chosen, seed)
         if self.effects.dynamics:
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record)
             moving = self.upper.memory.moving
         if world.scene.avatars:
-            self.target = Target(world)
-            self.lower = lower_loop(world, method, chosen, seed, moving)
+            self.lower.watch(moving)
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""

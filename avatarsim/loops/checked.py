@@ -76,11 +76,8 @@ def seek_opened(world: Index, kept: Index, way: Index) -> None:
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
-    def __init__(
-        self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, moving: Index = NOBODY
-    ) -> None:
-        """moving (nb): kept by the upper loop, who moved in its last frame; without it the loop looks at everybody."""
-        self.world, self._moving, self._noticed = world, moving, NOBODY
+    def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
+        self.world, self._moving, self._noticed = world, NOBODY, NOBODY
         memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
         springs = make_springs(world.skeleton, world.dynamics, world.poses, coupling)
         kept = (world.scene.effects.coupling, springs, settings, memory)
@@ -99,6 +96,10 @@ class CheckedLoop:
         slow = self.memory.flags[SLOW] - self._search_after
         if self.way.state[MODE] != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
             seek_opened(self.world.words, self._kept, self._way)
+
+    def watch(self, moving: Index) -> None:
+        """Look from now on only at whom `moving` (nb) names: the upper loop keeps it, who moved in its last frame."""
+        self._moving = moving
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] go into the springs; a driven body held by what is `moving` (nb) now goes on."""

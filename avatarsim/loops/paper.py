@@ -26,6 +26,9 @@ class PaperLoop:
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
 
+    def watch(self, moving: Index) -> None:
+        """Nothing: this loop looks at everybody in every frame."""
+
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture; links then have the velocity of the way that they were shown to go."""
         world = self.world

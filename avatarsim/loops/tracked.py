@@ -19,6 +19,9 @@ class TrackedLoop:
         degrees = int(world.skeleton.first_dof[-1])
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
 
+    def watch(self, moving: Index) -> None:
+        """Nothing: this loop looks at everybody in every frame."""
+
     def follow(self, target: Target, dt: float) -> None:
         """Take the tracker's posture over."""
         world = self.world

@@ -72,9 +72,10 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str, first: in
     scene = scenario.build()
     motion = (scenario.short_motion or scenario.motion)(scene, 0)
     apart, world = Plain(scene), build(scene)
-    target, upper = Target(world), SimulatedLoop(world, paper=False, record=True)
+    target, lower = Target(world), CheckedLoop(world, CHOSEN.posture, CHOSEN.coupling)
+    upper = SimulatedLoop(world, paper=False, record=True)
     # the plain one looks at everybody in every frame
-    lower = CheckedLoop(world, CHOSEN.posture, CHOSEN.coupling, moving=upper.memory.moving)
+    lower.watch(upper.memory.moving)
     worked = 0
     for k in range(first, last):
         sample = motion(k)
