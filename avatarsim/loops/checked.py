@@ -4,7 +4,7 @@ import numpy as np
 
 from avatarsim.by_reference import refer
 from avatarsim.kernel import kernel
-from avatarsim.loops.coupling import give, make_springs, pull
+from avatarsim.loops.coupling import give, make_springs, no_springs, pull
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.posture.follow import follow
 from avatarsim.posture.trapped import LOOK_EVERY, seek
@@ -79,8 +79,11 @@ class CheckedLoop:
     def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
         self.world, self._moving, self._noticed = world, NOBODY, NOBODY
         memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
-        springs = make_springs(world.skeleton, world.dynamics, world.poses, coupling)
-        kept = (world.scene.effects.coupling, springs, settings, memory)
+        coupled = world.scene.effects.coupling
+        springs = (
+            make_springs(world.skeleton, world.dynamics, world.poses, coupling) if coupled else no_springs(world.poses, coupling)
+        )
+        kept = (coupled, springs, settings, memory)
         self._kept, (_, _, _, self.memory) = packed(kept)
         way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
         self._way, self.way = packed(way)

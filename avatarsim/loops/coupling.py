@@ -173,3 +173,10 @@ def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: Cou
         settings, np.zeros((links, 3)), np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :],
         np.zeros(degrees), np.zeros((degrees, 3)), np.zeros(degrees), one, other, np.zeros(1, dtype=np.int64),
     )
+
+
+def no_springs(poses: Poses, settings: CouplingSettings) -> Springs:
+    """For a scene without coupling: nothing is allocated that nobody calls for."""
+    none, rows = np.zeros(0), np.zeros((0, 3))
+    nowhere = Poses(*(array[:0].copy() for array in poses))
+    return Springs(settings, rows, rows, rows, none, none, rows, none, nowhere, nowhere, np.zeros(1, dtype=np.int64))

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from avatarsim.scene.joint import Ball, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull
+from reference.narrowing import not_left_out
 
 
 def cannot_say(scene: Scene) -> Mapping[str, str]:
@@ -33,8 +34,4 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         found["coupled mass"] = "an avatar's links have one mass: their own"
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
         found["rigid root"] = "links that cannot move make no contact with fixed bodies"
-    if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
-        found["no gyroscopic effect"] = "cannot be switched off"
-    if scene.derived_effects.overlap_removal and not scene.effects.overlap_removal:
-        found["no overlap removal"] = "cannot be switched off apart from contact as a whole"
-    return found
+    return found | not_left_out(scene)

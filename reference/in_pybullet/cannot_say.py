@@ -7,6 +7,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Ellipsoid
 from reference.in_pybullet.factors import Array, coefficients, fit, weights
 from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
+from reference.narrowing import not_left_out
 
 RARE = 1e-3
 """Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
@@ -40,11 +41,7 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         )
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
-    if scene.derived_effects.gyroscopic and not scene.effects.gyroscopic:
-        found["no gyroscopic effect"] = "cannot be switched off for links"
-    if scene.derived_effects.overlap_removal and not scene.effects.overlap_removal:
-        found["no overlap removal"] = "cannot be switched off apart from contact as a whole"
-    return found
+    return found | not_left_out(scene)
 
 
 def _missed(scene: Scene, wanted: Array, matters: Array) -> str:

@@ -1,0 +1,60 @@
+"""Effects that an author leaves out are left out of the other engines too, or it is said that they cannot be."""
+
+from dataclasses import fields, replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from avatarsim.engine import Settings
+from avatarsim.scene.effects import Effects
+from reference.in_mujoco.cannot_say import cannot_say as mujoco_cannot_say
+from reference.in_mujoco.engine import MujocoEngine
+from reference.narrowing import ALWAYS_THERE, NEVER_THERE, SWITCHED, not_left_out
+from scenarios import catalog
+
+SCENES = {
+    "restitution": "ball_drop", "friction": "incline", "limits": "mocap_punch_wall", "self_contact": "mocap_punch_wall",
+    "overlap_removal": "mocap_punch_wall", "coupling": "hand_over_table", "dynamics": "ball_drop", "gyroscopic": "dzhanibekov",
+}
+"""A scene that calls for the effect."""
+
+
+def test_every_effect_that_can_be_left_out_has_its_place() -> None:
+    places = [*SWITCHED, *NEVER_THERE, *ALWAYS_THERE, "kinematics"]
+    assert sorted(places) == sorted(effect.name for effect in fields(Effects))
+
+
+@pytest.mark.parametrize("effect", ALWAYS_THERE)
+def test_what_stays_all_the_same_is_said(effect: str) -> None:
+    scene = catalog.get(SCENES[effect]).build()
+    said = f"no {effect.replace('_', ' ')}"
+    assert said not in mujoco_cannot_say(scene)
+    less = replace(scene, narrow=(effect,))
+    assert said in mujoco_cannot_say(less) and list(not_left_out(less)) == [said]
+    pybullet = pytest.importorskip("reference.in_pybullet.cannot_say", exc_type=ImportError)
+    assert said in pybullet.cannot_say(less) and said not in pybullet.cannot_say(scene)
+
+
+@pytest.mark.parametrize("effect", SWITCHED)
+def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(effect: str) -> None:
+    scene = catalog.get(SCENES[effect]).build()
+    less = replace(scene, narrow=(effect,))
+    assert mujoco_cannot_say(less).keys() <= mujoco_cannot_say(scene).keys()
+    models = []
+    for one in (scene, less):
+        engine = MujocoEngine()
+        engine.load(one, Settings("tuned"), 1.0 / 60.0)
+        model, data = engine._world.model, engine._data
+        mujoco.mj_forward(model, data)
+        models.append({
+            "restitution": np.vstack([model.geom_solref, model.pair_solref]),
+            "friction": model.pair_dim.copy(),
+            "limits": np.concatenate([model.jnt_limited, [model.ntendon]]), "self_contact": model.exclude_signature.copy(),
+        })
+    with_it, without = models[0][effect], models[1][effect]
+    assert with_it.shape != without.shape or not np.array_equal(with_it, without)
+    if effect == "limits":
+        assert not without.any()
+    elif effect == "friction":
+        assert (without == 1).all()
