@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
-from avatarsim.motion.path import Paths
+from avatarsim.motion.path import Paths, acceleration
 from avatarsim.motion.safe_step import earliest_touch, turning
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, row, scale, sub
 from avatarsim.world.geometry import Geometry, Poses
@@ -108,7 +108,7 @@ def edges_apart(
     b1, b2 = point_rates(arm_b, spin_b, twist_b)
     p = sub(on_a, on_b)
     p1 = sub(add(row(paths.v, a), a1), add(row(paths.v, b), b1))
-    p2 = sub(add(row(paths.linear, a), a2), add(row(paths.linear, b), b2))
+    p2 = sub(add(acceleration(paths, a), a2), add(acceleration(paths, b), b2))
     out = rows_out
     out[0, 0] = dot(across, p)
     out[0, 1] = triple(e1, f, p) + triple(e, f1, p) + dot(across, p1)

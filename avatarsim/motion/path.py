@@ -109,6 +109,12 @@ def of_rotation_vector(theta: Vec3, rate: Vec3, gain: Vec3) -> tuple[Vec3, Vec3]
 
 
 @kernel
+def acceleration(paths: Paths, b: int) -> Vec3:
+    """Of body b on its path [m/s^2]; none of a body at rest, be it that it stopped on a path that goes on."""
+    return (0.0, 0.0, 0.0) if paths.kind[b] == STILL else row(paths.linear, b)
+
+
+@kernel
 def spinning(paths: Paths, angular: Array, turn: Array, b: int) -> tuple[Vec3, Vec3]:
     """True angular velocity and acceleration, world axes, of body b where ``move_along`` left it.
 

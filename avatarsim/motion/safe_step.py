@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
-from avatarsim.motion.path import FREE, HELD, STILL, Paths
+from avatarsim.motion.path import FREE, HELD, STILL, Paths, acceleration
 from avatarsim.spatial.vec3 import Vec3, norm, row, sub
 from avatarsim.world.geometry import Geometry
 from avatarsim.world.shapes import POINTS
@@ -116,7 +116,7 @@ def longest_safe_step(
     rows: Array, count: int, paths: Paths, b: int, c: int, ball: bool, plane_of_ball: bool, target: float, h: float
 ) -> float:
     """``safe_step`` over the horizon, at most h, whose bounds leave the longest step; vertices of body b, plane of body c."""
-    slide = norm(sub(row(paths.linear, b), row(paths.linear, c)))
+    slide = norm(sub(acceleration(paths, b), acceleration(paths, c)))
     horizon, step = h, 0.0
     for _ in range(HORIZONS):
         own, plane = turning(paths, b, ball, horizon), turning(paths, c, plane_of_ball, horizon)

@@ -16,7 +16,7 @@ from avatarsim.collide.status import NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.motion.edge_plane import edge_step, edges_apart
 from avatarsim.motion.free_rotation import Series
-from avatarsim.motion.path import HELD, STILL, Paths, move_along, spinning
+from avatarsim.motion.path import HELD, STILL, Paths, acceleration, move_along, spinning
 from avatarsim.motion.safe_step import longest_horizon, longest_safe_step, turning
 from avatarsim.motion.turning_plane import follow, follow_ball, follow_centres
 from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
@@ -187,7 +187,7 @@ def edge_time(
     spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
     if not edges_apart(geometry, trial, paths, sa, sb, n, on_a, on_b, spin_a, twist_a, spin_b, twist_b, edges):
         return 0.0
-    slide = norm(sub(row(paths.linear, a), row(paths.linear, b)))
+    slide = norm(sub(acceleration(paths, a), acceleration(paths, b)))
     return edge_step(paths, a, b, norm(sub(spin_a, spin_b)), slide, edges, target, left)
 
 

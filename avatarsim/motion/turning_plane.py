@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.support import reach as reach_along
 from avatarsim.kernel import kernel
-from avatarsim.motion.path import Paths
+from avatarsim.motion.path import Paths, acceleration
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, row, sub
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.shapes import POINTS
@@ -43,7 +43,7 @@ def follow(
     first, last = shapes.start[s], shapes.start[s + 1]
     base = height(geometry, trial, f, m) + shapes.radius[s]
     centre, home = row(trial.position, b), row(trial.position, c)
-    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(row(paths.linear, b), row(paths.linear, c))
+    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     m1 = cross(spin, m)
     m2 = add(cross(twist, m), cross(spin, m1))
     if shapes.kind[s] != POINTS:
@@ -87,7 +87,7 @@ def follow_ball(
     """As ``follow``, for the ball of ``radius`` about the centre of body b: however it tumbles, it stays in there. One row."""
     c = geometry.body[f]
     d = sub(row(trial.position, b), row(trial.position, c))
-    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(row(paths.linear, b), row(paths.linear, c))
+    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     m1 = cross(spin, m)
     m2 = add(cross(twist, m), cross(spin, m1))
     out[0, 0] = dot(m, d) - height(geometry, trial, f, m) - radius
@@ -100,7 +100,7 @@ def follow_ball(
 def follow_centres(geometry: Geometry, trial: Poses, paths: Paths, radii: float, b: int, c: int, out: Array) -> None:
     """The balls about two bodies, ``radii`` together, along the line of their centres. One row; no plane turns."""
     d = sub(row(trial.position, b), row(trial.position, c))
-    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(row(paths.linear, b), row(paths.linear, c))
+    v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     far = norm(d)
     out[0, 0], out[0, 1], out[0, 2] = far - radii, 0.0, 0.0
     if far > 0.0:

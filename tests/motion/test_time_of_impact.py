@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.motion.path import FREE
+from avatarsim.motion.path import FREE, STILL
 from avatarsim.motion.safe_step import earliest_touch
 from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, time_of_impact
-from avatarsim.scene.shape import Box, Ellipsoid
+from avatarsim.scene.shape import Box, Ellipsoid, Sphere
 from tests.loops.upper_world import World, ball, slab, thing
 
 
@@ -46,6 +46,23 @@ def test_two_spheres_that_graze() -> None:
     assert t == pytest.approx(expected, abs=1e-7)
     missed = World([one, ball("two", (0.0, 0.2001, 0.0))], gravity=(0.0, 0.0, 0.0))
     assert search(missed, 1.0) == (CLEAR, 1.0)
+
+
+@pytest.mark.parametrize("shape", [Sphere(0.1), Box((0.2, 0.2, 0.2))])
+def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sphere | Box) -> None:
+    """Two bodies that fall together keep their distance; once the lower one has stopped, its acceleration is nobody's."""
+    gap = 0.01
+    bodies = [thing("lower", shape, (0.0, 0.0, 0.5)), thing("upper", shape, (0.0, 0.0, 0.7 + gap))]
+    world = World(bodies, gravity=(0.0, 0.0, -10.0))
+    m = world.memory
+    assert search(world, 0.2) == (CLEAR, 0.2)
+    m.paths.kind[0], m.paths.time[:] = STILL, -1.0
+    outcome, t = time_of_impact(
+        world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0,
+        0.2, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
+    )
+    assert outcome == IMPACT
+    assert t == pytest.approx(np.sqrt(2.0 * (gap - STAND_OFF) / 10.0), abs=1e-6)
 
 
 @pytest.mark.parametrize("shape", [Box((0.1, 0.2, 0.3)), Ellipsoid((0.1, 0.2, 0.05))])
