@@ -44,10 +44,11 @@ def csv_text(found: Sequence[Beside], theirs: str) -> str:
     """All rows as CSV, with who is nearer."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["other", *(entry.name for entry in fields(Beside)), "nearer_offset", "nearer_angle"])
+    winners = "nearer_offset", "nearer_angle", "kept_nearer_offset", "kept_nearer_angle"
+    writer.writerow(["other", *(entry.name for entry in fields(Beside)), *winners])
     for row in found:
         cells = [f"{value:.8g}" if isinstance(value, float) else value for value in astuple(row)]
-        writer.writerow([theirs, *cells, *row.winner])
+        writer.writerow([theirs, *cells, *row.winner, *row.kept_winner])
     return text.getvalue()
 
 
@@ -64,10 +65,14 @@ def table(found: Sequence[Beside], theirs: str) -> str:
             f"{r.scenario:24s} {r.counted:5d}/{r.frames:<4d} {1e3 * r.offset:16.3f} {1e3 * r.their_offset:9.3f} {offset:>7s} "
             f"{r.angle:16.3f} {r.their_angle:9.3f} {angle:>7s}"
         )
-    for k, what in enumerate(("offset", "angle")):
-        each = [r.winner[k] for r in found]
-        said = ((side, each.count(side)) for side in ("ours", "theirs", "same", "-"))
-        lines.append(f"{what}, scenes by who is nearer: {', '.join(f'{side} {count}' for side, count in said)}")
+    for among, winners in (
+        ("", [r.winner for r in found]),
+        (f", only frames in which {theirs} keeps the joints' limits too", [r.kept_winner for r in found]),
+    ):
+        for k, what in enumerate(("offset", "angle")):
+            each = [winner[k] for winner in winners]
+            said = ((side, each.count(side)) for side in ("ours", "theirs", "same", "-"))
+            lines.append(f"{what}, scenes by who is nearer{among}: {', '.join(f'{side} {count}' for side, count in said)}")
     return "\n".join(lines)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from reference.judge import Judge
+from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
 from scenarios.measure.side import outside
 from scenarios.measure.tracker_offset import angle_offsets, offsets
 from scenarios.record import Recording
@@ -17,6 +18,8 @@ Array = NDArray[np.float64]
 
 LEFT = 1e-3
 """Overlap [m] up to which a frame of the other engine counts: more than that is not a posture to be compared with."""
+BENT = 1e-6
+"""Excess [rad] up to which a joint is within its limits: rounding of poses is below."""
 SAME = 1e-6
 """Figures [m, degrees] closer than this are the same: both are the user's, to rounding."""
 
@@ -24,7 +27,9 @@ SAME = 1e-6
 @dataclass(frozen=True)
 class Beside:
     """One scene: frames run, those of the other engine with at most LEFT of overlap on the legal side, and over these the root
-    mean square offset [m] of link origins and angle [deg] of joints from the user, ours and theirs. nan where no frame counts."""
+    mean square offset [m] of link origins and angle [deg] of joints from the user, ours and theirs. nan where no frame counts.
+
+    The same over those of these frames, `kept` many, in which the other engine's joints are within their limits too."""
 
     scenario: str
     frames: int
@@ -33,11 +38,21 @@ class Beside:
     their_offset: float
     angle: float
     their_angle: float
+    kept: int
+    kept_offset: float
+    kept_their_offset: float
+    kept_angle: float
+    kept_their_angle: float
 
     @property
     def winner(self) -> tuple[str, str]:
         """Who is nearer in offset, and who in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
         return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
+
+    @property
+    def kept_winner(self) -> tuple[str, str]:
+        """The same over the frames in which the other engine keeps the limits."""
+        return _nearer(self.kept_offset, self.kept_their_offset), _nearer(self.kept_angle, self.kept_their_angle)
 
 
 def _nearer(ours: float, theirs: float) -> str:
@@ -62,10 +77,22 @@ def compared(ours: Recording, theirs: Recording, scenario: Scenario, scene: Scen
     """Both over the same frames: those in which theirs is good. A recording that ended early is compared as far as it goes."""
     frames = min(ours.frames, theirs.frames)
     good = good_frames(theirs, scenario, scene, judge)[:frames]
-    figures = []
-    for recording in (ours, theirs):
-        offset, angle = offsets(recording)[:frames][good], np.degrees(angle_offsets(recording, scene))[:frames][good]
-        figures.append([float(np.sqrt(np.mean(v**2))) if v.size else math.nan for v in (offset, angle)])
+    kept = good & within_limits(theirs, scene)[:frames]
+    figures = [_rms(recording, scene, chosen, frames) for chosen in (good, kept) for recording in (ours, theirs)]
+    (offset, angle), (their_offset, their_angle), (o, a), (their_o, their_a) = figures
     return Beside(
-        scenario.name, frames, int(good.sum()), figures[0][0], figures[1][0], figures[0][1], figures[1][1],
+        scenario.name, frames, int(good.sum()), offset, their_offset, angle, their_angle, int(kept.sum()), o, their_o, a, their_a,
     )
+
+
+def within_limits(recording: Recording, scene: Scene) -> NDArray[np.bool_]:
+    """(F,) frames advanced in which no joint is farther beyond its limits than BENT. nan is not within."""
+    turns, angles = recording.orientations[1:, recording.links], recording.angles[1:]
+    excess = np.maximum(joint_limit_excess(scene, turns, angles), reach_cone_excess(scene, turns))
+    return np.asarray(excess <= BENT)
+
+
+def _rms(recording: Recording, scene: Scene, chosen: NDArray[np.bool_], frames: int) -> tuple[float, float]:
+    """Root mean square offset [m] and angle [deg] over the chosen of the first `frames` frames."""
+    values = offsets(recording)[:frames][chosen], np.degrees(angle_offsets(recording, scene))[:frames][chosen]
+    return tuple(float(np.sqrt(np.mean(v**2))) if v.size else math.nan for v in values)  # type: ignore[return-value]

@@ -5,6 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.joint import Free, Hinge, Hinges
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Capsule, Piece
+from avatarsim.scene.tracker import TrackerSample, rest
 from reference.judge import Judge
 from scenarios.beside.pair import compared
 from scenarios.record import Recording
@@ -55,3 +61,22 @@ def test_ours_is_not_asked_which_frames_count() -> None:
     # ours deep in the wall wins nothing by leaving more overlap: the frames are theirs
     found = compared(shown(0.5), shown(0.4), fist(), SCENE, Judge(SCENE))
     assert found.counted == 30 and found.winner[0] == "ours"
+
+
+def test_frames_in_which_theirs_leaves_the_limits_are_left_out_of_the_kept_ones() -> None:
+    bar = (Piece(Capsule(0.04, 0.3), (0.0, 0.0, -0.15)),)
+    elbow = Link("arm", "root", Hinges((Hinge((1.0, 0.0, 0.0), -0.5, 0.5),)), bar, solid(bar, 1.0), anchor=(0.0, 0.0, -0.5))
+    avatar = Avatar("a", (Link("root", None, Free(), bar, solid(bar, 1.0)), elbow))
+    scene, first = Scene("bend", (), (avatar,)), rest((avatar,))
+
+    def bent(limit: float) -> Recording:
+        samples = [TrackerSample(k / 60.0, first.positions, first.rotations, np.array([min(0.1 * k, limit)])) for k in range(11)]
+        return recorded(scene, samples)
+
+    ours, theirs = bent(0.45), replace(bent(9.0), raw_angles=bent(9.0).raw_angles)
+    ours = replace(ours, raw_positions=theirs.raw_positions, raw_orientations=theirs.raw_orientations)
+    found = compared(ours, theirs, replace(fist(), regions=()), scene, Judge(scene))
+    # bent by 0.1 to 1.0 in ten frames, of which five are within 0.5; ours stops at 0.45
+    assert (found.counted, found.kept, found.winner, found.kept_winner) == (10, 5, ("same", "theirs"), ("same", "theirs"))
+    assert found.kept_angle == pytest.approx(np.degrees(0.05 / np.sqrt(10.0)), abs=1e-9)
+    assert found.kept_their_angle == pytest.approx(0.0, abs=1e-6) and found.kept_offset < found.offset + 1e-12
