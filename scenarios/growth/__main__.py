@@ -7,7 +7,6 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +26,12 @@ BEST = {"mujoco": ("tuned",), "pybullet": ("tuned",)}
 """Presets timed of the engines we compare with: their best for contact. Of all others every one."""
 SLEEPS = "sleeping"
 """The same with their own sleeping switched on, which neither of them does by itself."""
-MOST = {("mujoco", "avatars"): 10, ("pybullet", "avatars"): 10, ("pybullet", "links"): 100}
-"""Largest size asked of an engine: more avatars take these minutes, and PyBullet has no room for the joints of 199 links."""
+MOST = {
+    ("mujoco", "avatars"): 10, ("pybullet", "avatars"): 10, ("pybullet", "links"): 100,
+    ("mujoco", "objects"): 200, ("pybullet", "objects"): 200,
+}
+"""Largest size asked of an engine: more avatars, or objects that do not sleep, take these minutes, and PyBullet has no room for
+the joints of 199 links."""
 
 
 def jobs_of(name: str, size: int, engines: dict[str, tuple[str, ...]]) -> list[Job]:
@@ -39,8 +42,11 @@ def jobs_of(name: str, size: int, engines: dict[str, tuple[str, ...]]) -> list[J
         for preset in presets if size <= MOST.get((engine, grows), size)
     ]
     # what rests may sleep in the others too, if somebody asks for it
-    asleep = [replace(job, preset=SLEEPS, base=job.preset, options={"sleep": True}) for job in jobs if job.engine in BEST]
-    return [*jobs, *(asleep if grows == "objects" else [])]
+    asleep = [
+        Job(name, engine, SLEEPS, full=True, base=presets[0], options={"sleep": True}, catalogue=worlds.__name__)
+        for engine, presets in engines.items() if engine in BEST and grows == "objects"
+    ]
+    return [*jobs, *asleep]
 
 
 def row(grows: str, mode: str, size: int, clocked: Clocked) -> Row:

@@ -67,6 +67,8 @@ def test_who_takes_long_is_not_asked_for_a_hundred_avatars() -> None:
     engines = {"avatarsim": ("default", "paper"), "mujoco": ("tuned",)}
     galleries = [job.run for job in command.jobs_of("objects_20_idle", 20, engines)]
     assert galleries == ["avatarsim/default", "avatarsim/paper", "mujoco/tuned", "mujoco/sleeping"]
+    crowded = [job.run for job in command.jobs_of("objects_2000_idle", 2000, engines)]
+    assert crowded == ["avatarsim/default", "avatarsim/paper", "mujoco/sleeping"]
     assert [job.run for job in command.jobs_of("avatars_100_apart", 100, engines)] == ["avatarsim/default", "avatarsim/paper"]
     assert [job.engine for job in command.jobs_of("links_199_apart", 199, engines)] == ["avatarsim", "avatarsim", "mujoco"]
     assert command.jobs_of("links_199_apart", 199, {"pybullet": ("tuned",)}) == []
