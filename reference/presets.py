@@ -16,9 +16,10 @@ Value = bool | int | float | str | tuple[float, ...] | None
 
 
 class Kind(Enum):
-    """What a scene asks of an engine: bodies that bounce, bodies that are driven, or both in one scene."""
+    """What a scene asks of an engine: bodies that bounce, that slide and rest but never bounce, that are driven, or both."""
 
     BOUNCING = "bouncing"
+    RESTING = "resting"
     DRIVEN = "driven"
     MIXED = "mixed"
 
@@ -35,9 +36,9 @@ Preset = Mapping[str, Chosen]
 
 
 def kind_of(scene: Scene) -> Kind:
-    """Simulated bodies only, driven ones only, or both."""
+    """Simulated bodies only (of pairs that bounce, or of none), driven ones only, or both."""
     if not scene.avatars:
-        return Kind.BOUNCING
+        return Kind.BOUNCING if scene.effects.restitution else Kind.RESTING
     return Kind.MIXED if any(role is Role.SIMULATED for role in scene.roles) else Kind.DRIVEN
 
 

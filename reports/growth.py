@@ -17,6 +17,8 @@ from reports.wording import limit, listed, quantity
 
 ROWS = "growth.csv"
 OURS = "avatarsim/default"
+FRAME = 1e6 / 60.0
+"""Time of a frame at 60 Hz [us]."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,25 @@ def conclusion(growth: Growth) -> str:
     fast = f"Faster than in proportion, ours grows with {listed(tuple(steep))}."
     parts = [fast if steep else "Ours grows at most in proportion."]
     parts += [f"Faster than ours: {listed(tuple(slower))}."] if slower else []
-    return " ".join([*parts, f"Ours, {'; '.join(said)}."])
+    return " ".join([*parts, *limits_of_impulses(growth), f"Ours, {'; '.join(said)}."])
+
+
+def limits_of_impulses(growth: Growth) -> list[str]:
+    """Up to how many contacts impulses, one after the other, keep up with 60 frames a second, for each kind of pile."""
+    said = []
+    for mode in dict.fromkeys(p.mode for p in growth.points if p.grows == "contacts"):
+        ours = growth.line("contacts", mode, OURS)
+        late = [p for p in ours if p.p99 > FRAME]
+        if late:
+            kept = [p.size for p in ours if p.size < late[0].size]
+            before = f"{max(kept)} contacts keep up with 60 frames a second" if kept else "none keep up"
+            said.append(f"{mode}: {before}, {late[0].size} do not (p99 {quantity(late[0].p99, 'us')})")
+        elif ours:
+            said.append(f"{mode}: {ours[-1].size} contacts keep up with 60 frames a second (p99 {quantity(ours[-1].p99, 'us')})")
+    if not said:
+        return []
+    return [f"Contacts solved one impulse after the other, {'; '.join(said)}. Where they do not keep up, many bodies in motion "
+            "depend on one another, and a solver for all of them at once is the right tool."]
 
 
 def panels(growth: Growth) -> list[Panel]:

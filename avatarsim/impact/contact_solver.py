@@ -23,6 +23,11 @@ PATIENCE = 150
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
 
+WANDERING, WANDERS = 1e-6, 10
+"""Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
+points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
+on from sweep to sweep, millions of times, until one of them is empty."""
+
 
 @kernel
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
@@ -91,11 +96,13 @@ def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: 
 def sweeps(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
     grip: bool, before: Array, direction: Array,
-) -> float:
-    """At most ``cap`` accelerated double sweeps, fewer if they lead nowhere; returns the change of the last one [m/s]. Without
-    ``grip`` friction is left out."""
+) -> tuple[float, bool]:
+    """At most ``cap`` accelerated double sweeps, fewer if they lead nowhere. Without ``grip`` friction is left out.
+
+    Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
+    """
     p = contacts.impulse
-    last_square, best, earlier = inf, inf, inf
+    last_square, best, earlier, astray = inf, inf, inf, 0
     worst = inf
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
@@ -105,11 +112,11 @@ def sweeps(
         for k in range(first, last):
             worst = max(worst, relax(contacts, masses, k, grip, linear, angular))
         best = min(best, worst)
-        if not (worst > tolerance):
-            return worst
+        if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
+            return worst, True
         if sweep % PATIENCE == PATIENCE - 1:
             if not (best < 0.5 * earlier):
-                return worst
+                return worst, False
             earlier, best = best, inf
         if last - first > 1:
             for k in range(last - 1, first - 1, -1):
@@ -120,6 +127,7 @@ def sweeps(
             square += dot(moved, moved) * contacts.ease[k, 0]
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
+        astray = astray + 1 if beta == 0.0 else 0
         last_square = square
         for k in range(first, last):
             if contacts.target[k] == -inf:
@@ -128,7 +136,7 @@ def sweeps(
             put_row(direction, k, add(kept, sub(row(p, k), row(before, k))))
             if dot(kept, kept) > 0.0:
                 change(contacts, masses, k, kept, linear, angular)
-    return worst
+    return worst, False
 
 
 @kernel
@@ -150,14 +158,15 @@ def solve_contacts(
     Returns:
         The change of the last double sweep [m/s]; above ``tolerance`` the cap was reached, or more sweeps led nowhere.
     """
-    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
-    if not (worst > tolerance):
+    worst, ended = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
+    if ended:
         return worst
     for k in range(first, last):
         p = row(contacts.impulse, k)
         change(contacts, masses, k, (0.0, -p[1], -p[2]), linear, angular)
     sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
-    return sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, True, before, direction)
+    worst, _ = sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, True, before, direction)
+    return worst
 
 
 @kernel
@@ -169,7 +178,7 @@ def solve_roughly(
 
     Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
     """
-    worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
-    if worst > tolerance:
-        worst = sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
+    worst, ended = sweeps(contacts, masses, first, last, linear, angular, tolerance, tries, True, before, direction)
+    if not ended:
+        worst, _ = sweeps(contacts, masses, first, last, linear, angular, tolerance, cap, False, before, direction)
     return worst

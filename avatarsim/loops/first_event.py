@@ -1,6 +1,6 @@
 """When the paths of an island first lead to an event."""
 
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from avatarsim.kernel import kernel
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
 from avatarsim.motion.path import STILL
-from avatarsim.motion.time_of_impact import BROKEN, CLEAR, time_of_impact
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, TOUCH, time_of_impact
+from avatarsim.spatial.vec3 import norm, row
 from avatarsim.world.geometry import Geometry
 
 Index = NDArray[np.int64]
@@ -18,10 +19,26 @@ SEARCH_WORK = 8
 
 
 @kernel
+def out_of_reach(memory: Memory, a: int, b: int, h: float) -> bool:
+    """Whether the balls around two bodies stay apart for h seconds, however far each goes on its path before it stops."""
+    islands, apart = memory.islands, 0.0
+    for i in range(3):
+        d = memory.began.position[a, i] - memory.began.position[b, i]
+        apart += d * d
+    way = 0.0
+    for body in (a, b):
+        if memory.moving[body] == 1:
+            way += h * (norm(row(islands.linear, body)) + 0.5 * h * norm(row(memory.paths.linear, body)))
+    return bool(sqrt(apart) > memory.span[a] + memory.span[b] + way + TOUCH)
+
+
+@kernel
 def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: float, h: float) -> float:
     """Time in begin .. h of the first event of bodies a and b on their paths; inf if there is none, -1 if not finite."""
     islands, found = memory.islands, inf
     if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
+        return found
+    if out_of_reach(memory, a, b, h):
         return found
     for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
         for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):

@@ -51,8 +51,8 @@ PRECISE, VISITS = 24, 20000
 """Impacts of one instant that are solved for to rounding; visits of contact points by the solver after which all other impacts of
 this instant are taken together."""
 
-HASTY = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1)
-"""Of a plastic step."""
+HASTY, HASTY_VISITS = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1), 20000
+"""Of a plastic step, with fewer sweeps where they would look at more contact points than that."""
 
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Where bodies rest, or are few."""
@@ -120,9 +120,10 @@ def impacts(
 @kernel
 def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
     """How exactly the forces on these bodies are worth solving for."""
+    count = memory.contacts.used[0]
     if hasty:
-        return HASTY
-    if memory.contacts.used[0] > MANY:
+        return Care(HASTY.tolerance, HASTY.first, min(HASTY.sweeps, HASTY_VISITS // (2 * count)), HASTY.attempts)
+    if count > MANY:
         for m in range(members.shape[0]):
             if norm(row(velocities.linear, members[m])) > MOTION:
                 return BRISK

@@ -53,7 +53,7 @@ class MujocoEngine:
         """Build the model, put everything at its first pose, show it."""
         mujoco.set_mju_user_warning(_quiet)
         self._settings, self._scene = settings, scene
-        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene)), settings)
+        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
         self._world = build_world(
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,

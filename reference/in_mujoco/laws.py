@@ -17,6 +17,10 @@ BOUNCY = 0.3
 constant. With geoms alone a box sliding at restitution 0.8 stops 5 % short and creeps at rest; at 0.3 (all of
 Table 1) it does not."""
 
+MOST_RUBBING = 500
+"""Pairs of bodies that do not bounce up to which each is explicit, so that its friction can be softer than its normal: see
+`friction_steps_resting` in presets.py. Above, only their geoms say what holds."""
+
 MOST_CLASSES = 10
 """Classes of bodies up to which the best order of priorities is searched (2^10 sets); beyond it all pairs are
 explicit."""
@@ -30,6 +34,11 @@ class Law:
     friction: float
     restitution: float
     stops: bool
+
+    @property
+    def rubs(self) -> bool:
+        """Whether simulated bodies slide on each other without ever bouncing."""
+        return self.friction > 0.0 and self.restitution == 0.0 and not self.stops
 
 
 @dataclass(frozen=True)
@@ -72,12 +81,14 @@ def contact_laws(scene: Scene, bounce: bool) -> Laws:
     order, own = _cheapest_order(len(known), counts, law)
     rank = {c: k for k, c in enumerate(order)}
     explicit = {}
+    few = sum(count for key, count in counts.items() if law[key].rubs) <= MOST_RUBBING
     for a in range(n):
         for b in range(a + 1, n):
             if wanted[a, b]:
                 key = (min(at[a], at[b]), max(at[a], at[b]))
                 winner = max(key, key=lambda c: rank[c])
-                if law[key] != own[winner] or law[key].restitution > BOUNCY or len(known) > MOST_CLASSES:
+                apart = law[key].restitution > BOUNCY or (few and bounce and law[key].rubs)
+                if law[key] != own[winner] or apart or len(known) > MOST_CLASSES:
                     explicit[a, b] = law[key]
     return Laws(tuple((rank[c], own[c]) for c in at), explicit)
 

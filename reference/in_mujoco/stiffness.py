@@ -61,8 +61,7 @@ class Stiffness:
             model.geom_solref[g] = self._contact(law, step)
         for p, law in enumerate(self._world.pair_law):
             model.pair_solref[p] = self._contact(law, step)
-            # friction is not bouncy: zeros would hand it the contact's own constants
-            model.pair_solreffriction[p] = (2.0 * step, 1.0) if self._word("contact") == "one_step" else (0.0, 0.0)
+            model.pair_solreffriction[p] = self._friction(law, step)
         steps = self._number("limit_steps")
         limit = (steps * step if steps > 0.0 else SOFTEST, 1.0)
         model.jnt_solref[:] = limit
@@ -87,9 +86,15 @@ class Stiffness:
         if self._word("contact") == "soft":
             steps = self._number("contact_steps")
             return (steps * step if steps > 0.0 else self._number("contact_time")), 1.0
-        kappa = self._number("kappa_driven" if law.stops else "kappa")
+        kappa = self._number("kappa_driven" if law.stops else "kappa_resting" if law.rubs else "kappa")
         # a stiffness of exactly 0 would be read as the other format
         return -max(kappa, 1e-12) / step**2, -(1.0 + law.restitution) / step
+
+    def _friction(self, law: Law, step: float) -> tuple[float, float]:
+        """solreffriction of a pair: friction is not bouncy, and zeros would hand it the contact's own constants."""
+        if self._word("contact") == "soft":
+            return 0.0, 0.0
+        return self._number("friction_steps_resting" if law.rubs else "friction_steps") * step, 1.0
 
     def _number(self, name: str) -> float:
         return float(np.asarray(self._chosen[name].value, dtype=np.float64))

@@ -54,7 +54,7 @@ class PybulletEngine:
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Open a server, build the world, put everything at its first pose, show it."""
         self.close()
-        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene)), settings)
+        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         if self._chosen["drive"].value not in DRIVES:
             raise UnknownName("option drive of pybullet", str(self._chosen["drive"].value), DRIVES)
         if not self._number("dt") > 0.0:

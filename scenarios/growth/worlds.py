@@ -1,4 +1,4 @@
-"""Scenes of any size: a comb of many limbs over a floor, a row of people before a wall, a gallery of objects at rest.
+"""Scenes of any size: a comb of many limbs over a floor, people before a wall, a gallery of objects, piles of bricks.
 
 A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`, `objects_2000_idle`.
 """
@@ -20,9 +20,13 @@ from scenarios.avatars.standing import standing
 from scenarios.growth.gallery import FRAMES as GALLERY_FRAMES
 from scenarios.growth.gallery import MODES as GALLERY_MODES
 from scenarios.growth.gallery import gallery, walk
+from scenarios.growth.piles import FRAMES as PILE_FRAMES
+from scenarios.growth.piles import MODES as PILE_MODES
+from scenarios.growth.piles import pile
 from scenarios.keyframes import posed
 from scenarios.scenario import RENDERED, Motion, Scenario
 from scenarios.stage import floor, wall_ahead
+from scenarios.untracked import untracked
 
 LINKS = (16, 31, 61, 100, 199)
 """Links of the comb: a back, and limbs of three links."""
@@ -30,10 +34,12 @@ AVATARS = (1, 3, 10, 30, 100)
 """People in the row, of 15 links each."""
 OBJECTS = (20, 200, 2000)
 """Objects in the gallery."""
-SIZES = {"links": LINKS, "avatars": AVATARS, "objects": OBJECTS}
+CONTACTS = (1, 10, 100, 1000)
+"""Contact points at one instant, at least."""
+SIZES = {"links": LINKS, "avatars": AVATARS, "objects": OBJECTS, "contacts": CONTACTS}
 """What grows, and how far."""
-MODES = {"links": ("apart", "contact"), "avatars": ("apart", "contact"), "objects": GALLERY_MODES}
-"""Nothing touches; or most of the time limbs (arms) are in the floor (the wall). Objects: see `gallery`."""
+MODES = {"links": ("apart", "contact"), "avatars": ("apart", "contact"), "objects": GALLERY_MODES, "contacts": PILE_MODES}
+"""Nothing touches; or most of the time limbs (arms) are in the floor (the wall). Objects: `gallery`; contacts: `piles`."""
 FRAMES = 90
 """One and a half seconds: three times into contact and out again."""
 JOINTED, APART = 3, 0.09
@@ -146,8 +152,9 @@ def get(name: str) -> Scenario:
     if name not in known:
         raise UnknownName("scene of growing size", name, known)
     what, size, mode = name.split("_")
-    scene = {"links": comb_scene, "avatars": row_scene, "objects": gallery}[what]
+    scene = {"links": comb_scene, "avatars": row_scene, "objects": gallery, "contacts": pile}[what]
+    motion = {"links": comb_motion, "avatars": row_motion, "objects": walk, "contacts": untracked()}[what]
+    frames = {"objects": GALLERY_FRAMES, "contacts": PILE_FRAMES}.get(what, FRAMES)
     return Scenario(
-        name, f"{size} {what}, {mode}.", "Frame time.", partial(scene, int(size), mode),
-        {"links": comb_motion, "avatars": row_motion, "objects": walk}[what], GALLERY_FRAMES if what == "objects" else FRAMES,
+        name, f"{size} {what}, {mode}.", "Frame time.", partial(scene, int(size), mode), motion, frames,
     )

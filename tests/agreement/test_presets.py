@@ -1,5 +1,8 @@
 """Tuned beats default where it claims to, options are checked, and every setting can be read back."""
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,10 +11,13 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from reference.in_mujoco.engine import MujocoEngine
+from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
+from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judge import Judge
-from reference.presets import Kind, kind_of
+from reference.presets import Chosen, Kind, kind_of
+from scenarios import catalog
 from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, arm, ball_on_slab, bent, chain, hand_over_table, nobody, pressed, swung
@@ -154,8 +160,20 @@ def test_presets_name_the_same_settings_and_give_reasons(presets: object, kind: 
     assert all(chosen.reason for preset in found.values() for chosen in preset.values())
 
 
+@pytest.mark.parametrize(("presets", "scenes"), [(mujoco_presets, MUJOCO_SCENES), (pybullet_presets, PYBULLET_SCENES)])
+def test_what_is_best_in_one_scene_only_is_a_known_setting_of_a_known_scene(
+    presets: object, scenes: Mapping[str, Mapping[str, Chosen]]
+) -> None:
+    for name, own in scenes.items():
+        kind = kind_of(catalog.get(name).build())
+        usual, here = presets(kind)["tuned"], presets(kind, name)["tuned"]  # type: ignore[operator]
+        assert set(own) <= set(usual) and here == {**usual, **own}
+        assert any(own[setting].value != usual[setting].value for setting in own), f"{name} changes nothing"
+
+
 def test_kinds() -> None:
     hand, drop = hand_over_table(), ball_on_slab()
     assert kind_of(drop) is Kind.BOUNCING
+    assert kind_of(replace(drop, narrow=("restitution",))) is Kind.RESTING
     assert kind_of(hand) is Kind.DRIVEN
     assert kind_of(Scene("both", drop.bodies, hand.avatars)) is Kind.MIXED
