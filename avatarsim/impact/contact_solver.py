@@ -23,7 +23,7 @@ PATIENCE = 150
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
 
-WANDERING, WANDERS = 1e-6, 10
+WANDERING, WANDERS = 2e-6, 10
 """Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
 points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
 on from sweep to sweep, millions of times, until one of them is empty."""

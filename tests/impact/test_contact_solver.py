@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.impact.contact_solver import PATIENCE, solve_contacts, sweeps, unsolved
+from avatarsim.impact.contact_solver import PATIENCE, WANDERS, solve_contacts, sweeps, unsolved
 from avatarsim.impact.contacts import add_contact, axis, make_contacts, velocity_at, weigh
 from avatarsim.impact.masses import Masses
 
@@ -96,7 +96,7 @@ def wandering(cap: int) -> tuple[float, np.ndarray, np.ndarray]:
     weigh(contacts, masses)
     contacts.target[:4] = (0.0, 1e-6, 0.0, 1e-6)
     linear, angular = np.array([[0.0, 0.0, -0.4], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
-    worst = sweeps(contacts, masses, 0, 4, linear, angular, 1e-12, cap, False, np.zeros((4, 3)), np.zeros((4, 3)))
+    worst, _ = sweeps(contacts, masses, 0, 4, linear, angular, 1e-12, cap, False, np.zeros((4, 3)), np.zeros((4, 3)))
     return worst, contacts.impulse[:4, 0].copy(), linear[0]
 
 
@@ -104,6 +104,7 @@ def test_a_load_that_wanders_between_four_corners_costs_no_thousand_sweeps() -> 
     """Sweeping on would move it for ever, while the velocities stay as they are: more sweeps allowed are not spent."""
     worst, impulses, velocity = wandering(2 * PATIENCE)
     np.testing.assert_array_equal(wandering(40 * PATIENCE)[1], impulses)
+    np.testing.assert_array_equal(wandering(10 * WANDERS)[1], impulses)
     assert 1e-12 < worst < 2e-6
     np.testing.assert_allclose(velocity, 0.0, atol=2e-6)
     assert impulses.sum() == pytest.approx(0.4, rel=1e-5)

@@ -83,8 +83,8 @@ def test_the_command_times_every_engine_and_writes(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(command, "timed_pass", timed_pass)
     assert command.main(["--run", str(tmp_path), "--engine", "avatarsim", "--quick"]) == 0
     lines = (tmp_path / "growth.csv").read_text().splitlines()
-    # three kinds, two modes, two methods
-    assert len(lines) == 13 and lines[1] == "links,apart,16,16,avatarsim/default,4,4,2 repeats"
+    # a head; links, avatars and objects in two modes, contacts in three; two methods
+    assert len(lines) == 1 + (3 * 2 + 3) * 2 and lines[1] == "links,apart,16,16,avatarsim/default,4,4,2 repeats"
     monkeypatch.setattr(command, "timed_pass", lambda jobs, full: [Clocked(job, None, "died") for job in jobs])
     assert command.main(["--run", str(tmp_path), "--engine", "avatarsim", "--quick"]) == 3
     assert command.main(["--run", str(tmp_path), "--engine", "abacus"]) == 2
