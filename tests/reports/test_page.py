@@ -56,7 +56,8 @@ def written(folder: Path) -> tuple[str, Tree]:
 def test_the_page_is_whole_and_self_contained(run_dir: Write, results: Json) -> None:
     text, tree = written(run_dir(results))
     assert len(tree.ids) == len(set(tree.ids))
-    assert all(link.startswith(("#", "data:")) for link in tree.links)
+    pages = {f"scenes/{scene}.html" for scene in ("arm_wall", "hand_over_table", "ball_drop")}
+    assert {link for link in tree.links if not link.startswith(("#", "data:"))} == pages
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
     assert not tree.tags & {"script", "iframe", "img", "object"}
     assert "url(" not in text and "@import" not in text
@@ -119,11 +120,12 @@ def test_every_value_nan_or_missing_is_never_held(run_dir: Write, results: Json)
 def test_damaged_results_cost_nothing_that_was_written_before(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     write_report(folder)
-    before = {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "results.json"}
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "results.json"}
     (folder / "results.json").write_text("{")
     with pytest.raises(InvalidFile):
         write_report(folder)
-    assert {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "results.json"} == before and before
+    after = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file() and path.name != "results.json"}
+    assert after == before and len(before) == 6
 
 
 def test_a_folder_of_somebody_else_keeps_its_page(tmp_path: Path) -> None:
