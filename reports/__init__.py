@@ -1,8 +1,14 @@
 """What we say: pages and summaries from the files of one run. Reads files, runs nothing."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from reports.load import Results
+    from reports.page import Extras
+    from reports.verdict import Verdict
 
 PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
 
@@ -14,18 +20,30 @@ def write_report(run_dir: Path) -> None:
     truncated or of another schema; what stands in the folder then stays as it is.
     """
     from reports import broad_phase, closeness, effects, growth, narrow_phase, table_2
-    from reports.junit import junit
     from reports.load import load
-    from reports.page import Extras, page
-    from reports.scene_pages import scene_pages
-    from reports.summary import summary
+    from reports.page import Extras
     from reports.verdict import verdict
 
     results = load(run_dir)
-    judged = verdict(results)
     extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness, effects)))
-    first = {SUMMARY: summary(results, judged, extras.two, extras.close), JUNIT: junit(judged)}
-    _replace(run_dir, (*first.items(), *scene_pages(run_dir, results, judged), (PAGE, page(results, judged, extras))))
+    _replace(run_dir, _texts(run_dir, results, verdict(results), extras))
+
+
+def _texts(run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras") -> Iterator[tuple[str, str]]:
+    """(path, text) of everything that is written."""
+    from reports.junit import junit
+    from reports.page import page
+    from reports.page_paths import path_of
+    from reports.scene_pages import scene_pages
+    from reports.summary import summary
+
+    yield SUMMARY, summary(results, judged, extras.two, extras.close)
+    yield JUNIT, junit(judged)
+    courses = {}
+    for scene, text, charts in scene_pages(run_dir, results, judged):
+        courses[scene] = charts
+        yield path_of(scene), text
+    yield PAGE, page(results, judged, extras, courses)
 
 
 def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:

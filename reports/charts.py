@@ -1,4 +1,4 @@
-"""The three kinds of chart, each drawn as one small panel per scene. A panel is a static picture and a sentence.
+"""The two kinds of static chart, each drawn as one small panel per scene. A panel is a static picture and a sentence.
 
 Altair builds each kind once, as a frame without data; a panel is that frame with its own numbers (building and checking
 a specification costs more than drawing it).
@@ -106,16 +106,15 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
     return found
 
 
-def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence[str]) -> tuple[list[Panel], list[Panel]]:
-    """(percentiles per engine, frame time over frames), one panel per scene in which frames were timed."""
+def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence[str]) -> list[Panel]:
+    """Percentiles of frame times per engine, one panel per scene in which frames were timed."""
     found = time_percentiles(results)
     times = [value for runs in found.values() for three in runs.values() for value in three]
     times += [float(v) for runs in results.series.values() for s in runs.values() for v in s.frame_time]
-    scale, axis, low, high = time_axis(times)
+    scale, axis, low, _ = time_axis(times)
     budgets = {"60 Hz": FRAME_60_HZ, "30 Hz": FRAME_30_HZ}
-    spread, course = spans(strokes, scale, axis, budgets), over_time(strokes, scale, axis, budgets)
+    spread = spans(strokes, scale, axis, budgets)
     spreads: list[Panel] = []
-    courses: list[Panel] = []
     for scene in order:
         runs = found.get(scene, {})
         if runs:
@@ -125,13 +124,7 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             text = f"{scene}. Frame time p50, p95, p99. {said}."
             said = time_sentence(runs) + _raw(results, scene, runs)
             spreads.append(Panel(scene, picture(spec, text, f"s{len(spreads)}"), said))
-        series = {run: s.frame_time for run, s in results.series.get(scene, {}).items() if s.frame_time.size}
-        if series:
-            lines, gaps = _points(series, low, high)
-            spec = course | {"datasets": _datasets(course) | {"lines": lines, "gaps": gaps, "ceiling": []}}
-            text, said = _course_words(scene, series)
-            courses.append(Panel(scene, picture(spec, text, f"c{len(courses)}"), said))
-    return spreads, courses
+    return spreads
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
@@ -145,22 +138,3 @@ def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
 def _span(run: str, three: Percentiles, low: float) -> dict[str, object]:
     names = ("p50", "p95", "p99")
     return {"run": run} | {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}
-
-
-def _course_words(scene: str, series: Mapping[str, Array]) -> tuple[str, str]:
-    """(text alternative, conclusion) of one panel of frame times over frames."""
-    finite = {run: v[np.isfinite(v)] for run, v in series.items() if np.isfinite(v).any()}
-    if not finite:
-        return f"{scene}. No finite frame time.", "No frame time here is a finite number."
-    ratios = {run: float(np.max(v) / np.median(v)) for run, v in finite.items() if np.median(v) > 0.0}
-    said = "; ".join(f"{run}: median {quantity(float(np.median(v)), 'us')}, slowest {quantity(float(np.max(v)), 'us')} "
-                     f"in frame {int(np.nanargmax(series[run]))}" for run, v in finite.items())
-    calm = min(ratios, key=lambda run: ratios[run], default="")
-    wild = max(ratios, key=lambda run: ratios[run], default="")
-    text = f"{scene}. Frame time over frames. {said}."
-    if not ratios:
-        return text, "Every frame time here is zero."
-    if len(ratios) > 1 and ratios[wild] <= 1.1 * ratios[calm]:
-        return text, f"All are equally steady: their slowest frames take about {ratios[wild]:.2g} times their medians."
-    rest = f"; {calm} is the steadiest with {ratios[calm]:.2g} times" if len(ratios) > 1 else ""
-    return text, f"The slowest frame of {wild} takes {ratios[wild]:.2g} times its median{rest}."

@@ -16,6 +16,8 @@ from reports.wording import quantity
 OVERLAP_FLOOR = 1e-9
 """Overlap [m] that is drawn on the floor of its chart, zero included."""
 LOGARITHMIC = ("overlap", "time")
+CourseCharts = Mapping[str, Sequence[Mapping[str, object]]]
+"""By scene the charts that `charts` makes."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,13 @@ def conclusion(key: str, lines: Sequence[Course]) -> str:
         return (f"Above the energy they began with, by a hundredth or more: {', '.join(gains)}; a driven hand may add it."
                 if gains else "Nobody rises above the energy it began with by more than a hundredth.")
     return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}."
+
+
+def over_all(courses: CourseCharts, ours: str) -> str:
+    """What the charts of overlap of all scenes together let a reader conclude about our run."""
+    reached = [chart for charts in courses.values() for chart in charts if chart["key"] == "overlap"]
+    lowest = sum(str(chart["concludes"]).startswith((f"Lowest peak: {ours},", "All reach")) for chart in reached)
+    return f"In {lowest} of {len(reached)} scenes nobody's overlap peaks lower than that of {ours}."
 
 
 def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> list[dict[str, object]]:

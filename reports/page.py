@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports import broad_phase_chart, closeness, effects, growth, table_2_chart
+from reports import broad_phase_chart, closeness, effects, first_contact, growth, paper_figures, table_2_chart
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -20,6 +20,7 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
 from reports.growth import Growth
 from reports.load import EngineNote, Results
@@ -28,7 +29,10 @@ from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, st
 from reports.narrow_phase_chart import inks, panels
 from reports.page_paths import path_of
 from reports.palette import dark_rules, strokes
-from reports.scene_page import environment
+from reports.ranking import ranks, runs_of, tolerances
+from reports.ranking import sentence as ranking_sentence
+from reports.scene_page import environment, strokes_data
+from reports.scripts import data, policy, source
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
 from reports.verdict import Verdict, losing_scenes
@@ -83,16 +87,17 @@ class Extras:
     ablation: Ablation | None = None
 
 
-def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
-    """The whole page as text, with a section for each of the `extras` that the run has."""
-    extras = extras or Extras()
+def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
+    """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
+    scene."""
+    extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
     narrow, broad = extras.narrow, extras.broad
     first = losing_scenes(verdict)
     shown = blocks(results, first)
     runs = [line.run for block in shown for line in block.lines]
     colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
     order = tuple(dict.fromkeys([*(block.scene for block in shown), *results.series]))
-    spreads, courses = time_panels(results, colours, order)
+    ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
@@ -100,7 +105,14 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> st
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
-        spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
+        ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
+        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown)),
+        policy=policy([source("courses.js")] if courses else []), courses_js=source("courses.js"),
+        course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
+        courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
+        first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
+        **paper_figures.section(results, extras.two),
+        spreads=time_panels(results, colours, order), time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),

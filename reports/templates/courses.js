@@ -19,7 +19,7 @@
     return node;
   };
   const numbers = (packed) => new Uint16Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
-  const three = (value) => Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
+  const three = (value) => value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(1) : Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
   const PREFIXES = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]], us: [[1e6, "s"], [1e3, "ms"], [1, "µs"], [1e-3, "ns"]] };
   function quantity(value, unit) {
     if (!Number.isFinite(value)) return "no number";
