@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from scenarios.published import check
 
 Array = NDArray[np.float64]
 
@@ -84,20 +85,23 @@ class Results:
 
 
 def load(run_dir: Path) -> Results:
-    """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, or of another schema."""
+    """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, empty, not strict, or of another schema."""
     path = run_dir / "results.json"
     if run_dir.is_file():
         raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_number)
     except OSError as error:
         raise InvalidFile(str(path), type(error).__name__, "a readable file, written at the end of a run") from error
     except ValueError as error:
-        raise InvalidFile(str(path), str(error), "complete JSON in UTF-8; a killed run leaves half a file") from error
+        raise InvalidFile(str(path), str(error), "complete, strict JSON in UTF-8; a killed run leaves half a file") from error
     if not isinstance(data, dict) or not isinstance(data.get("rows"), list):
         raise InvalidFile(str(path), type(data).__name__, "an object with a list called rows")
     if data.get("schema_version") != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", data.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+    if not data["rows"]:
+        raise InvalidFile(f"rows of {path}", "none", "at least one: a run that ended before its first scene has no report")
+    check(data, path)
     try:
         return Results(
             rows=tuple(_row(raw) for raw in data["rows"]),
@@ -113,6 +117,11 @@ def load(run_dir: Path) -> Results:
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error
+
+
+def _no_number(word: str) -> float:
+    """Strict JSON has no NaN and no Infinity; our own writer writes them as texts, so this file is somebody else's or damaged."""
+    raise ValueError(f"{word} outside of quotes")
 
 
 def _number(raw: object) -> float | None:

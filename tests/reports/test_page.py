@@ -74,7 +74,8 @@ def test_every_picture_has_words(run_dir: Write, results: Json) -> None:
 def test_sections_stand_in_order(run_dir: Write, results: Json) -> None:
     text, _ = written(run_dir(results))
     parts = ("1 of 3 gated bounds", "What we lose first", "Ranking</h2>", "Accuracy against time</h2>",
-             "What each effect costs</h2>", "Stability</h2>", "Over the time of a scene</h2>", "Frame times</h2>", "The paper's figures beside ours</h2>",
+             "What each effect costs</h2>", "Stability</h2>", "Over the time of a scene</h2>", "Frame times</h2>",
+             "The paper's figures beside ours</h2>",
              "Restitution and friction, asked for and obtained</h2>", "All figures of the table</h2>",
              "Residual overlap over time",
              "Settings as run", "Provenance and fairness", "Our avatar is kinematic", "Abacus 9")
@@ -95,12 +96,25 @@ def test_a_file_that_contradicts_itself_is_called_out(run_dir: Write, results: J
     assert "its series reaches 500 mm" in written(run_dir(results | {"series": series}))[0]
 
 
-@pytest.mark.parametrize("cut", ["rows", "series", "engines", "provenance", "all"])
+@pytest.mark.parametrize("cut", ["series", "engines", "provenance", "all"])
 def test_whatever_is_missing_the_page_stands(run_dir: Write, results: Json, cut: str) -> None:
-    empty: Json = {"rows": [], "series": {}, "engines": [], "provenance": {}}
+    empty: Json = {"series": {}, "engines": [], "provenance": {}}
     text, _ = written(run_dir(results | (empty if cut == "all" else {cut: empty[cut]})))
-    if cut in ("rows", "all"):
-        assert "No verdict" in text and "No row was measured" in text and 'class="verdict empty"' in text
+    assert "1 of 3 gated bounds" in text
+
+
+def test_without_a_row_there_is_no_page(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results | {"rows": []})
+    with pytest.raises(InvalidFile, match="rows of"):
+        write_report(folder)
+    assert [path.name for path in folder.iterdir()] == ["results.json"]
+
+
+def test_without_a_gated_row_there_is_no_verdict(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    text, _ = written(run_dir(results | {"rows": [row for row in rows if row["engine"] == "mujoco" and row["value"]]}))
+    assert "No verdict" in text and 'class="verdict empty"' in text
 
 
 def test_one_engine_alone_has_nobody_to_beat(run_dir: Write, results: Json) -> None:
