@@ -1,4 +1,6 @@
-"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: what got better or worse. `baseline [RUN]`: a new baseline.
+"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: what got better or worse.
+
+`baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README's table.
 
 Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used.
 """
@@ -9,12 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
-from reports import PAGE, baseline, write_report
+from reports import PAGE, baseline, headline, write_report
 from reports.diff import diff
 from reports.load import Results, load
 
 LATEST = Path("reports/out/latest")
-COMMITTED = Path(__file__).with_name("baseline.csv")
+COMMITTED, HEADLINE = Path(__file__).with_name("baseline.csv"), Path(__file__).with_name("headline.csv")
+README = Path(__file__).resolve().parent.parent / "README.md"
 
 
 def read(place: Path) -> Results:
@@ -34,6 +37,8 @@ def parser() -> argparse.ArgumentParser:
     keep = commands.add_parser("baseline", help="make a run's accuracy the committed baseline")
     keep.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     keep.add_argument("--to", type=Path, default=COMMITTED, metavar="FILE", help="another file")
+    head = commands.add_parser("headline", help="write the table of the README from a run")
+    head.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     return top
 
 
@@ -48,6 +53,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if chosen.command == "baseline":
             chosen.to.write_text(baseline.text(load(chosen.run)), encoding="utf-8")
             print(chosen.to)
+            return 0
+        if chosen.command == "headline":
+            HEADLINE.write_text(headline.numbers(load(chosen.run)), encoding="utf-8")
+            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.block(headline.load(HEADLINE))),
+                              encoding="utf-8")
+            print(f"{HEADLINE}\n{README}")
             return 0
         changes = diff(read(chosen.base), load(chosen.new))
     except AvatarsimError as error:

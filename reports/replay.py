@@ -22,7 +22,7 @@ AIR = 0.25
 drawn at its edge."""
 
 
-FAR = 0.6
+FAR = 0.85
 """The view follows what is driven where that needs less than this share of the room that the whole motion needs."""
 
 
