@@ -85,6 +85,7 @@ class Extras:
     growth: Growth | None = None
     close: Closeness | None = None
     ablation: Ablation | None = None
+    figure_7: tuple[paper_figures.Trace, ...] = ()
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
@@ -111,7 +112,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
-        **paper_figures.section(results, extras.two),
+        **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=time_panels(results, colours, order), time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),

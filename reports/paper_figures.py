@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import altair as alt
 import numpy as np
 from numpy.typing import NDArray
 
 from reports.charts import Panel
+from reports.files import lines
 from reports.load import Array, Results
 from reports.marks import FONT, HEIGHT, WIDTH
 from reports.palette import GRID, MUTED, TEXT, strokes
@@ -28,6 +30,8 @@ HARDWARE = (
     "The paper's figures are of 2004: a 1.7 GHz Xeon, with drawing and tracker reading in the frame. Ours are of the machine "
     "that provenance names, of the engine alone, on one thread: times are decades of hardware apart, shapes can be compared."
 )
+FILE = "figure_7.csv"
+"""What `scenarios.table_2` leaves in the run's folder."""
 MOST_POINTS = 240
 SEEN = 1e-6
 """Overlap [m] of the raw tracker from which it is in contact."""
@@ -64,10 +68,27 @@ def shares_sentence(found: Sequence[Share]) -> str:
     return f"In {FIGURE_7}, of our own frame in {METHODS[0]}: {', '.join(said)}; nothing else is in it."
 
 
-def figure_7(results: Results) -> list[Panel]:
-    """Frame time over the frames of the hand over the table, a panel per method, the tracker's contact as a grey band."""
-    runs, made = results.series.get(FIGURE_7, {}), list[Panel]()
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """One method's frames in the scene of Figure 7: time [us] (F,), whether the raw hand is inside something (F,)."""
+
+    run: str
+    us: Array
+    contact: Flags
+
+
+def load(run_dir: Path) -> tuple[Trace, ...]:
+    """The file of the long trace; none where the run has none. Raises InvalidFile for a damaged one."""
+    points = lines(run_dir / FILE, lambda row: (row["run"], float(row["us"]), int(row["contact"])))
+    own = {run: [point for point in points if point[0] == run] for run in dict.fromkeys(point[0] for point in points)}
+    return tuple(Trace(run, np.array([p[1] for p in found]), np.array([bool(p[2]) for p in found])) for run, found in own.items())
+
+
+def from_series(results: Results) -> tuple[Trace, ...]:
+    """The same from the run's own timing pass, which is shorter."""
+    runs = results.series.get(FIGURE_7, {})
     raw = next((series.overlap for run, series in runs.items() if run.startswith("tracker/")), np.zeros(0))
+    found = []
     for run in METHODS:
         if run in runs and runs[run].frame_time.size:
             times = runs[run].frame_time
@@ -75,9 +96,17 @@ def figure_7(results: Results) -> list[Panel]:
             # state k + 1 is what the k-th timed frame has led to
             known = raw[1 : times.size + 1]
             touches[: known.size] = ~(known <= SEEN)
-            said = _phases(run, times, touches)
-            drawn = picture(_spec(run, times, touches), f"Frame time over frames. {said}", f"f7{len(made)}")
-            made.append(Panel(run, drawn, said))
+            found.append(Trace(run, times, touches))
+    return tuple(found)
+
+
+def figure_7(traces: Sequence[Trace]) -> list[Panel]:
+    """Frame time over frames, a panel per method, contact as a grey band."""
+    made: list[Panel] = []
+    for trace in traces:
+        said = _phases(trace.run, trace.us, trace.contact)
+        drawn = picture(_spec(trace.run, trace.us, trace.contact), f"Frame time over frames. {said}", f"f7{len(made)}")
+        made.append(Panel(trace.run, drawn, said))
     return made
 
 
@@ -86,7 +115,9 @@ def _phases(run: str, times: Array, touches: Flags) -> str:
     idle, busy = times[~touches], times[touches]
     phases = (("while idle", idle), ("in contact", busy))
     parts = [f"{quantity(float(np.median(own)), 'us')} {name}" for name, own in phases if own.size]
-    return f"{run}: {', '.join(parts)}, slowest {quantity(float(times.max()), 'us')}, over {times.size} timed frames."
+    slowest = f"slowest {quantity(float(np.nanmax(times)), 'us')} in frame {int(np.nanargmax(times)) + 1} of {times.size}"
+    said = f"{run}: {', '.join(parts)}, {slowest}."
+    return said if busy.size else f"{said} No contact in these frames: `make bench` times all of the scene."
 
 
 def _spec(run: str, times: Array, touches: Flags) -> dict[str, object]:
@@ -106,25 +137,25 @@ def _spec(run: str, times: Array, touches: Flags) -> dict[str, object]:
 
 def collision_share(table: Table2) -> list[Panel]:
     """Share of collision queries against contacting pairs, as printed and in both methods, a point per scene."""
-    lines = [line for line in table.lines if not np.isnan(line.pairs) and not np.isnan(line.collision_share)]
-    runs = [run for run in (PRINTED, *METHODS) if any(line.run == run for line in lines)]
+    sound = [line for line in table.lines if not np.isnan(line.pairs) and not np.isnan(line.collision_share)]
+    runs = [run for run in (PRINTED, *METHODS) if any(line.run == run for line in sound)]
     if not runs:
         return []
     inks = {PRINTED: TEXT[0]} | {run: stroke.light for run, stroke in strokes(METHODS).items()}
-    dots = [{"run": line.run, "pairs": line.pairs, "share": line.collision_share} for line in lines if line.run in runs]
+    dots = [{"run": line.run, "pairs": line.pairs, "share": line.collision_share} for line in sound if line.run in runs]
     x = alt.X("pairs:Q", title="pairs per frame", axis=alt.Axis(grid=False, tickCount=5))
     y = alt.Y("share:Q", title="collision queries, % of frame", axis=alt.Axis(tickCount=4))
     colour = alt.Color("run:N", legend=None, scale=alt.Scale(domain=runs, range=[inks[run] for run in runs]))
     shape = alt.Shape("run:N", legend=None, scale=alt.Scale(domain=runs, range=["cross", "circle", "square"][: len(runs)]))
     spec = _styled(alt.layer(alt.Chart({"values": dots}).mark_point(filled=True, size=60, opacity=1).encode(x, y, colour, shape)))
-    said = " ".join(_together(run, [line for line in lines if line.run == run]) for run in runs)
+    said = " ".join(_together(run, [line for line in sound if line.run == run]) for run in runs)
     marks = "Crosses: printed; circles: default; squares: paper. "
     return [Panel("contacting pairs", picture(spec, f"Share of collision queries against pairs. {said}", "cp"), marks + said)]
 
 
-def _together(run: str, lines: Sequence[Line]) -> str:
+def _together(run: str, scenes: Sequence[Line]) -> str:
     """Whether the share rises with the pairs, by the rank correlation of the scenes."""
-    pairs, share = np.array([line.pairs for line in lines]), np.array([line.collision_share for line in lines])
+    pairs, share = np.array([line.pairs for line in scenes]), np.array([line.collision_share for line in scenes])
     if len(pairs) < 3 or np.ptp(pairs) == 0.0 or np.ptp(share) == 0.0:
         return f"{run}: too few scenes to say."
     order = float(np.corrcoef(np.argsort(np.argsort(pairs)), np.argsort(np.argsort(share)))[0, 1])
@@ -141,10 +172,10 @@ def _styled(chart: alt.LayerChart | alt.FacetChart) -> dict[str, object]:
     ).to_dict())
 
 
-def section(results: Results, table: Table2 | None) -> dict[str, object]:
-    """What a page needs for its section."""
+def section(results: Results, table: Table2 | None, traces: Sequence[Trace] = ()) -> dict[str, object]:
+    """What a page needs for its section; `traces` from the file of the run, if it has one."""
     found = shares(results)
     return {
-        "paper_shares": found, "paper_shares_said": shares_sentence(found), "paper_methods": METHODS,
-        "paper_figure_7": figure_7(results), "paper_pairs": collision_share(table) if table else [], "paper_hardware": HARDWARE,
+        "paper_shares": found, "paper_shares_said": shares_sentence(found), "paper_methods": METHODS, "paper_hardware": HARDWARE,
+        "paper_figure_7": figure_7(traces or from_series(results)), "paper_pairs": collision_share(table) if table else [],
     }

@@ -3,9 +3,12 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from reports import table_2
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import paper_figures, table_2
 from reports.load import load
-from reports.paper_figures import FIGURE_7, collision_share, figure_7, shares, shares_sentence
+from reports.paper_figures import FIGURE_7, collision_share, figure_7, from_series, shares, shares_sentence
 from tests.reports.conftest import row
 from tests.reports.test_sections import two
 
@@ -27,9 +30,26 @@ def test_stages_become_the_paper_s_shares(run_dir: Write, results: Json) -> None
 
 
 def test_figure_7_tells_idle_from_contact(run_dir: Write, results: Json) -> None:
-    [panel] = figure_7(load(run_dir(results)))
-    assert panel.scene == "avatarsim/default" and "in contact" in panel.conclusion and "200 timed frames" in panel.conclusion
-    assert 'role="img"' in panel.svg
+    [panel] = figure_7(from_series(load(run_dir(results))))
+    assert panel.scene == "avatarsim/default" and 'role="img"' in panel.svg
+    assert panel.conclusion == "avatarsim/default: 31.0 µs while idle, 31.0 µs in contact, slowest 74.4 µs in frame 6 of 200."
+
+
+def test_figure_7_from_its_own_file(tmp_path: Path) -> None:
+    assert paper_figures.load(tmp_path) == ()
+    points = "".join(f"avatarsim/default,{k},{20 if k > 50 else 10},{int(k > 50)}\n" for k in range(1, 101))
+    (tmp_path / paper_figures.FILE).write_text("run,frame,us,contact\n" + points)
+    [panel] = figure_7(paper_figures.load(tmp_path))
+    assert panel.conclusion == "avatarsim/default: 10.0 µs while idle, 20.0 µs in contact, slowest 20.0 µs in frame 51 of 100."
+    (tmp_path / paper_figures.FILE).write_text("run,frame,us\na,1,2\n")
+    with pytest.raises(InvalidFile, match="figure_7"):
+        paper_figures.load(tmp_path)
+
+
+def test_without_contact_it_says_what_to_run(run_dir: Write, results: Json) -> None:
+    series = {FIGURE_7: {"avatarsim/default": {"overlap_m": [], "frame_time_us": [10.0] * 50}}}
+    [panel] = figure_7(from_series(load(run_dir(results | {"series": series}))))
+    assert panel.conclusion.endswith("No contact in these frames: `make bench` times all of the scene.")
 
 
 def test_pairs_against_collision_queries(tmp_path: Path) -> None:
