@@ -43,11 +43,17 @@ class Panel:
 
 def peaks(values: Array, most: int = MOST_POINTS) -> tuple[Array, Array, Array]:
     """(frame, largest finite value, whether a value in the group is missing) for at most `most` groups, each (groups,)."""
-    groups = np.array_split(np.arange(values.size), min(most, values.size)) if values.size else []
-    frames = np.array([group[0] for group in groups], dtype=np.float64)
-    broken = np.array([not np.isfinite(values[group]).all() for group in groups], dtype=np.float64)
-    largest = np.array([np.max(values[g][np.isfinite(values[g])], initial=-math.inf) for g in groups], dtype=np.float64)
-    return frames, largest, broken
+    if not values.size:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    # the first groups are one longer where it does not come out even
+    groups = min(most, values.size)
+    length, longer = divmod(values.size, groups)
+    sizes = np.full(groups, length)
+    sizes[:longer] += 1
+    starts = np.cumsum(sizes) - sizes
+    sound = np.isfinite(values)
+    largest = np.maximum.reduceat(np.where(sound, values, -math.inf), starts)
+    return starts.astype(np.float64), largest, np.add.reduceat(~sound, starts, dtype=np.float64).clip(max=1.0)
 
 
 def _points(runs: Mapping[str, Array], floor: float, top: float) -> tuple[list[dict[str, object]], list[dict[str, object]]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
 from scenarios.effects_said import lapse_said
-from scenarios.engines import BASELINE, PRESETS, opened
+from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
@@ -55,13 +55,19 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     return {name: found[name] for name in names}
 
 
+def tidy(job: Job) -> bool:
+    """Whether the next run may have this one's process."""
+    return job.engine in TIDY
+
+
 def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcome]:
-    """The accuracy pass over `jobs`, each in a process of its own; with 0 workers here, one after the other."""
+    """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
+    the other."""
     if workers == 0:
         for job in jobs:
             yield accuracy(job, folder)
         return
-    for job, answer in Pool(partial(accuracy, folder=folder), workers).results(jobs):
+    for job, answer in Pool(partial(accuracy, folder=folder), workers, tidy=tidy).results(jobs):
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 
