@@ -23,7 +23,7 @@ from reports.conclusions import (
 from reports.load import Array, Results, Series
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, over_time, overlap_axis, spans, time_axis
 from reports.palette import Stroke
-from reports.picture import picture
+from reports.picture import pictures
 from reports.wording import listed, quantity
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
@@ -72,7 +72,8 @@ def overlap_panels(results: Results, strokes: Mapping[str, Stroke], order: Seque
     scale, axis = overlap_axis()
     frame = over_time(strokes, scale, axis, {"": OVERLAP_BOUND})
     ceilings = {row.scenario: row.ceiling for row in results.rows if row.metric == "residual_overlap_max" and row.ceiling}
-    panels: list[Panel] = []
+    orders: list[tuple[Mapping[str, object], str, str]] = []
+    said: list[tuple[str, str]] = []
     for scene in order:
         runs = _back_to_front({k: s for k, s in results.series.get(scene, {}).items() if s.overlap.size})
         if runs:
@@ -80,8 +81,14 @@ def overlap_panels(results: Results, strokes: Mapping[str, Stroke], order: Seque
             gate = [{"value": ceilings[scene]}] if ceilings.get(scene, 0.0) > OVERLAP_BOUND else []
             spec = frame | {"datasets": _datasets(frame) | {"lines": lines, "gaps": gaps, "ceiling": gate}}
             text = f"{scene}. {overlap_text(results.series[scene])}"
-            panels.append(Panel(scene, picture(spec, text, f"o{len(panels)}"), overlap_sentence(results.series[scene])))
-    return panels
+            orders.append((spec, text, f"o{len(orders)}"))
+            said.append((scene, overlap_sentence(results.series[scene])))
+    return _drawn(orders, said)
+
+
+def _drawn(orders: Sequence[tuple[Mapping[str, object], str, str]], said: Sequence[tuple[str, str]]) -> list[Panel]:
+    """All panels of one kind, drawn side by side; `said` is (scene, conclusion) of each."""
+    return [Panel(scene, svg, text) for (scene, text), svg in zip(said, pictures(orders), strict=True)]
 
 
 def _datasets(frame: Mapping[str, object]) -> dict[str, object]:
@@ -120,7 +127,8 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
     scale, axis, low, _ = time_axis(times)
     budgets = {"60 Hz": FRAME_60_HZ, "30 Hz": FRAME_30_HZ}
     spread = spans(strokes, scale, axis, budgets)
-    spreads: list[Panel] = []
+    orders: list[tuple[Mapping[str, object], str, str]] = []
+    concluded: list[tuple[str, str]] = []
     for scene in order:
         runs = found.get(scene, {})
         if runs:
@@ -129,8 +137,9 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             said = "; ".join(f"{run}: {', '.join(quantity(v, 'us') for v in three)}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
             said = time_sentence(runs) + _raw(results, scene, runs)
-            spreads.append(Panel(scene, picture(spec, text, f"s{len(spreads)}"), said))
-    return spreads
+            orders.append((spec, text, f"s{len(orders)}"))
+            concluded.append((scene, said))
+    return _drawn(orders, concluded)
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:

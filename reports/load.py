@@ -1,7 +1,6 @@
 """Read one run folder: results.json becomes typed rows, series and engine notes. Nothing is computed here."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -160,8 +159,8 @@ def _row(raw: Mapping[str, object]) -> Row:
 
 def _series(raw: Mapping[str, list[object] | None]) -> Series:
     def numbers(key: str) -> Array:
-        listed = (_number(item) for item in raw.get(key) or ())
-        return np.array([math.nan if item is None else item for item in listed], dtype=np.float64)
+        # the schema has been checked: numbers, words for numbers, and nothing, which becomes nan
+        return np.array(raw.get(key) or [], dtype=np.float64)
 
     return Series(overlap=numbers("overlap_m"), frame_time=numbers("frame_time_us"))
 
