@@ -22,6 +22,7 @@ from reports.conclusions import (
 )
 from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
+from reports.figure_7 import Trace
 from reports.growth import Growth
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
@@ -85,7 +86,7 @@ class Extras:
     growth: Growth | None = None
     close: Closeness | None = None
     ablation: Ablation | None = None
-    figure_7: tuple[paper_figures.Trace, ...] = ()
+    figure_7: tuple[Trace, ...] = ()
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:

@@ -24,6 +24,7 @@
   const ink = {
     driven: solid(0x7b9cc4), simulated: solid(0xd9a33c), fixed: thin(0x8b95a5, 0.22), ghost: thin(0x9b59d0, 0.26),
     bad: solid(0xe02020), edge: new THREE.LineBasicMaterial({ color: 0x8b95a5, transparent: true, opacity: 0.55 }),
+    dark: new THREE.LineBasicMaterial({ color: 0x4a3a12, transparent: true, opacity: 0.7 }),
     ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
   };
   const edges = geometries.map(() => null);
@@ -56,6 +57,11 @@
       mesh.userData.role = body.role;
       world.add(mesh);
       meshes[k] = mesh;
+    });
+    // boxes in a stack are told apart by their edges; round bodies have none
+    data.moving.forEach((k) => {
+      const sharp = data.bodies[k].role === "simulated" && edgesOf(data.bodies[k].mesh);
+      if (sharp && sharp.attributes.position.count) meshes[k].add(new THREE.LineSegments(sharp, ink.dark));
     });
     for (const still of data.still) {
       const mesh = meshes[still.body];

@@ -2,6 +2,7 @@
 
 The timing pass of a run stops long before the hand first touches the table, so these frames are timed here, on their own."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,11 +22,13 @@ SEEN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """One method: frame time [us] (F,), and whether the raw hand is inside something fixed then (F,)."""
+    """One method: frame time [us] (F,), whether the raw hand is inside something fixed then (F,), and what share [%] of all
+    frames each stage takes."""
 
     run: str
     us: NDArray[np.float64]
     contact: NDArray[np.bool_]
+    shares: Mapping[str, float]
 
 
 def traces(frames: int | None = None, repeats: int = REPEATS) -> tuple[Trace, ...]:
@@ -39,7 +42,9 @@ def traces(frames: int | None = None, repeats: int = REPEATS) -> tuple[Trace, ..
         runs = [repeat(job, len(touches)) for _ in range(repeats)]
         around = np.array([times for times, _, _ in runs], dtype=np.int64)
         stages = {name: np.array([stage[name] for _, stage, _ in runs], dtype=np.int64) for name in runs[0][1]}
-        found.append(Trace(job.run, Timed(around, stages).best_us, touches))
+        timed = Timed(around, stages)
+        shares = {name: 100.0 * float(spent.sum()) / float(timed.engine_ns.sum()) for name, spent in stages.items()}
+        found.append(Trace(job.run, timed.best_us, touches, shares))
     return tuple(found)
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidFile
-from reports import paper_figures, table_2
-from reports.load import load
-from reports.paper_figures import FIGURE_7, collision_share, figure_7, from_series, shares, shares_sentence
+from reports import figure_7 as file_7
+from reports import table_2
+from reports.figure_7 import FIGURE_7, figure_7, from_series
+from reports.load import Results, load
+from reports.paper_figures import collision_share, shares, shares_sentence
 from tests.reports.conftest import row
 from tests.reports.test_sections import two
 
@@ -36,14 +38,18 @@ def test_figure_7_tells_idle_from_contact(run_dir: Write, results: Json) -> None
 
 
 def test_figure_7_from_its_own_file(tmp_path: Path) -> None:
-    assert paper_figures.load(tmp_path) == ()
+    assert file_7.load(tmp_path) == ()
     points = "".join(f"avatarsim/default,{k},{20 if k > 50 else 10},{int(k > 50)}\n" for k in range(1, 101))
-    (tmp_path / paper_figures.FILE).write_text("run,frame,us,contact\n" + points)
-    [panel] = figure_7(paper_figures.load(tmp_path))
+    (tmp_path / file_7.FILE).write_text("run,frame,us,contact\n" + points)
+    [panel] = figure_7(file_7.load(tmp_path))
     assert panel.conclusion == "avatarsim/default: 10.0 µs while idle, 20.0 µs in contact, slowest 20.0 µs in frame 51 of 100."
-    (tmp_path / paper_figures.FILE).write_text("run,frame,us\na,1,2\n")
+    stages = "".join(f"avatarsim/default,{name},{share}\n" for name, share in (("posture", 60), ("motion", 30), ("coupling", 10)))
+    (tmp_path / file_7.STAGES_FILE).write_text("run,stage,share\n" + stages)
+    empty = Results((), {}, (), {}, 0, {}, ())
+    assert [share.ours for share in shares(empty, file_7.load(tmp_path))] == [(60.0, None), (40.0, None)]
+    (tmp_path / file_7.FILE).write_text("run,frame,us\na,1,2\n")
     with pytest.raises(InvalidFile, match="figure_7"):
-        paper_figures.load(tmp_path)
+        file_7.load(tmp_path)
 
 
 def test_without_contact_it_says_what_to_run(run_dir: Write, results: Json) -> None:

@@ -12,6 +12,7 @@ def test_every_frame_has_a_time() -> None:
     for trace in found:
         assert trace.us.shape == trace.contact.shape == (12,)
         assert (trace.us > 0.0).all() and not trace.contact.any()
+        assert "posture" in trace.shares and 99.0 < sum(trace.shares.values()) < 101.0
 
 
 def test_the_hand_slides_twice_over_the_table() -> None:
