@@ -76,7 +76,7 @@ def test_sections_stand_in_order(run_dir: Write, results: Json) -> None:
     parts = ("1 of 3 gated bounds", "What we lose first", "Ranking</h2>", "Accuracy against time</h2>",
              "What each effect costs</h2>", "Stability</h2>", "Over the time of a scene</h2>", "Frame times</h2>",
              "The paper's figures beside ours</h2>",
-             "Restitution and friction, asked for and obtained</h2>", "All figures of the table</h2>",
+             "Restitution and friction: asked and obtained</h2>", "All figures of the table</h2>",
              "Residual overlap over time",
              "Settings as run", "Provenance and fairness", "Our avatar is kinematic", "Abacus 9")
     places = [text.index(part) for part in parts]
