@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test fuzz check ablate bench nearness report lint lock clean FORCE
+.PHONY: help setup compare test look fuzz check ablate bench nearness report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -34,9 +34,10 @@ compare: $(READY)  ## the everyday scenes in every engine, the report, the verdi
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
 
-check: $(READY)  ## the gate: fails when the engine leaves more overlap than a scenario allows
+check: $(READY)  ## the gate: fails when a bound of a scene does not hold, or accuracy is behind the committed baseline
 	@$(COMPILED)
-	@$(VENV_PYTHON) -m scenarios check
+	@code=0; $(VENV_PYTHON) -m scenarios check || code=$$?; \
+	  if [ $$code -le 1 ]; then $(VENV_PYTHON) -m reports diff reports/baseline.csv || code=1; fi; exit $$code
 
 ablate: $(READY)  ## what each effect of a scene costs and what leaving it out changes, into the last run's report (ALL=1: every scene)
 	@$(COMPILED)
@@ -68,6 +69,9 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
 	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -m nojit
 	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck
+
+look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
+	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py
 
 # Everything runs, whatever fails; the exit status is then 1.
 fuzz: $(READY)  ## a million pairs of shapes against exact answers, then hostile motion and 500 returns (PAIRS=..., FRAMES=..., SEED=...)

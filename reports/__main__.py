@@ -1,6 +1,8 @@
-"""`python -m reports write [RUN]` rebuilds the pages of a run; `python -m reports diff OLD NEW` compares two runs.
+"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: what got better or worse.
 
-Exit codes: write 0; diff 0 when nothing got worse, 1 when something did; both 2 when a file cannot be used.
+`baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README's table.
+
+Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used.
 """
 
 import argparse
@@ -9,29 +11,56 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
-from reports import PAGE, write_report
+from reports import PAGE, baseline, headline, write_report
 from reports.diff import diff
-from reports.load import load
+from reports.load import Results, load
 
 LATEST = Path("reports/out/latest")
+COMMITTED, HEADLINE = Path(__file__).with_name("baseline.csv"), Path(__file__).with_name("headline.csv")
+README = Path(__file__).resolve().parent.parent / "README.md"
+
+
+def read(place: Path) -> Results:
+    """A run's folder, or a baseline file. Raises InvalidFile."""
+    return baseline.load(place) if place.suffix == ".csv" else load(place)
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands and their options."""
+    top = argparse.ArgumentParser(prog="python -m reports", description="Pages and comparisons from files of runs.")
+    commands = top.add_subparsers(dest="command", required=True)
+    write = commands.add_parser("write", help="write index.html, the scenes' pages, summary.md and junit.xml of a run again")
+    write.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    compare = commands.add_parser("diff", help="what got better or worse from BASE to NEW")
+    compare.add_argument("base", type=Path, help="folder of the earlier run, or a baseline file (.csv)")
+    compare.add_argument("new", type=Path, nargs="?", default=LATEST, help=f"folder of the later run (default: {LATEST})")
+    keep = commands.add_parser("baseline", help="make a run's accuracy the committed baseline")
+    keep.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    keep.add_argument("--to", type=Path, default=COMMITTED, metavar="FILE", help="another file")
+    head = commands.add_parser("headline", help="write the table of the README from a run")
+    head.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    return top
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    parser = argparse.ArgumentParser(prog="python -m reports", description="Pages and comparisons from files of runs.")
-    commands = parser.add_subparsers(dest="command", required=True)
-    write = commands.add_parser("write", help="write index.html, summary.md and junit.xml of a run again")
-    write.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
-    compare = commands.add_parser("diff", help="what got better or worse from OLD to NEW")
-    compare.add_argument("old", type=Path, help="folder of the earlier run")
-    compare.add_argument("new", type=Path, help="folder of the later run")
-    chosen = parser.parse_args(arguments)
+    chosen = parser().parse_args(arguments)
     try:
         if chosen.command == "write":
             write_report(chosen.run)
             print(chosen.run / PAGE)
             return 0
-        changes = diff(load(chosen.old), load(chosen.new))
+        if chosen.command == "baseline":
+            chosen.to.write_text(baseline.text(load(chosen.run)), encoding="utf-8")
+            print(chosen.to)
+            return 0
+        if chosen.command == "headline":
+            HEADLINE.write_text(headline.numbers(load(chosen.run)), encoding="utf-8")
+            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.block(headline.load(HEADLINE))),
+                              encoding="utf-8")
+            print(f"{HEADLINE}\n{README}")
+            return 0
+        changes = diff(read(chosen.base), load(chosen.new))
     except AvatarsimError as error:
         print(f"reports: {error}", file=sys.stderr)
         return 2

@@ -1,4 +1,4 @@
-"""The three kinds of chart, each drawn as one small panel per scene. A panel is a static picture and a sentence.
+"""The two kinds of static chart, each drawn as one small panel per scene. A panel is a static picture and a sentence.
 
 Altair builds each kind once, as a frame without data; a panel is that frame with its own numbers (building and checking
 a specification costs more than drawing it).
@@ -23,7 +23,7 @@ from reports.conclusions import (
 from reports.load import Array, Results, Series
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, over_time, overlap_axis, spans, time_axis
 from reports.palette import Stroke
-from reports.picture import picture
+from reports.picture import pictures
 from reports.wording import listed, quantity
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
@@ -43,11 +43,17 @@ class Panel:
 
 def peaks(values: Array, most: int = MOST_POINTS) -> tuple[Array, Array, Array]:
     """(frame, largest finite value, whether a value in the group is missing) for at most `most` groups, each (groups,)."""
-    groups = np.array_split(np.arange(values.size), min(most, values.size)) if values.size else []
-    frames = np.array([group[0] for group in groups], dtype=np.float64)
-    broken = np.array([not np.isfinite(values[group]).all() for group in groups], dtype=np.float64)
-    largest = np.array([np.max(values[g][np.isfinite(values[g])], initial=-math.inf) for g in groups], dtype=np.float64)
-    return frames, largest, broken
+    if not values.size:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    # the first groups are one longer where it does not come out even
+    groups = min(most, values.size)
+    length, longer = divmod(values.size, groups)
+    sizes = np.full(groups, length)
+    sizes[:longer] += 1
+    starts = np.cumsum(sizes) - sizes
+    sound = np.isfinite(values)
+    largest = np.maximum.reduceat(np.where(sound, values, -math.inf), starts)
+    return starts.astype(np.float64), largest, np.add.reduceat(~sound, starts, dtype=np.float64).clip(max=1.0)
 
 
 def _points(runs: Mapping[str, Array], floor: float, top: float) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
@@ -66,7 +72,8 @@ def overlap_panels(results: Results, strokes: Mapping[str, Stroke], order: Seque
     scale, axis = overlap_axis()
     frame = over_time(strokes, scale, axis, {"": OVERLAP_BOUND})
     ceilings = {row.scenario: row.ceiling for row in results.rows if row.metric == "residual_overlap_max" and row.ceiling}
-    panels: list[Panel] = []
+    orders: list[tuple[Mapping[str, object], str, str]] = []
+    said: list[tuple[str, str]] = []
     for scene in order:
         runs = _back_to_front({k: s for k, s in results.series.get(scene, {}).items() if s.overlap.size})
         if runs:
@@ -74,8 +81,14 @@ def overlap_panels(results: Results, strokes: Mapping[str, Stroke], order: Seque
             gate = [{"value": ceilings[scene]}] if ceilings.get(scene, 0.0) > OVERLAP_BOUND else []
             spec = frame | {"datasets": _datasets(frame) | {"lines": lines, "gaps": gaps, "ceiling": gate}}
             text = f"{scene}. {overlap_text(results.series[scene])}"
-            panels.append(Panel(scene, picture(spec, text, f"o{len(panels)}"), overlap_sentence(results.series[scene])))
-    return panels
+            orders.append((spec, text, f"o{len(orders)}"))
+            said.append((scene, overlap_sentence(results.series[scene])))
+    return _drawn(orders, said)
+
+
+def _drawn(orders: Sequence[tuple[Mapping[str, object], str, str]], said: Sequence[tuple[str, str]]) -> list[Panel]:
+    """All panels of one kind, drawn side by side; `said` is (scene, conclusion) of each."""
+    return [Panel(scene, svg, text) for (scene, text), svg in zip(said, pictures(orders), strict=True)]
 
 
 def _datasets(frame: Mapping[str, object]) -> dict[str, object]:
@@ -106,16 +119,16 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
     return found
 
 
-def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence[str]) -> tuple[list[Panel], list[Panel]]:
-    """(percentiles per engine, frame time over frames), one panel per scene in which frames were timed."""
+def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence[str]) -> list[Panel]:
+    """Percentiles of frame times per engine, one panel per scene in which frames were timed."""
     found = time_percentiles(results)
     times = [value for runs in found.values() for three in runs.values() for value in three]
     times += [float(v) for runs in results.series.values() for s in runs.values() for v in s.frame_time]
-    scale, axis, low, high = time_axis(times)
+    scale, axis, low, _ = time_axis(times)
     budgets = {"60 Hz": FRAME_60_HZ, "30 Hz": FRAME_30_HZ}
-    spread, course = spans(strokes, scale, axis, budgets), over_time(strokes, scale, axis, budgets)
-    spreads: list[Panel] = []
-    courses: list[Panel] = []
+    spread = spans(strokes, scale, axis, budgets)
+    orders: list[tuple[Mapping[str, object], str, str]] = []
+    concluded: list[tuple[str, str]] = []
     for scene in order:
         runs = found.get(scene, {})
         if runs:
@@ -124,14 +137,9 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             said = "; ".join(f"{run}: {', '.join(quantity(v, 'us') for v in three)}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
             said = time_sentence(runs) + _raw(results, scene, runs)
-            spreads.append(Panel(scene, picture(spec, text, f"s{len(spreads)}"), said))
-        series = {run: s.frame_time for run, s in results.series.get(scene, {}).items() if s.frame_time.size}
-        if series:
-            lines, gaps = _points(series, low, high)
-            spec = course | {"datasets": _datasets(course) | {"lines": lines, "gaps": gaps, "ceiling": []}}
-            text, said = _course_words(scene, series)
-            courses.append(Panel(scene, picture(spec, text, f"c{len(courses)}"), said))
-    return spreads, courses
+            orders.append((spec, text, f"s{len(orders)}"))
+            concluded.append((scene, said))
+    return _drawn(orders, concluded)
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
@@ -145,22 +153,3 @@ def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
 def _span(run: str, three: Percentiles, low: float) -> dict[str, object]:
     names = ("p50", "p95", "p99")
     return {"run": run} | {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}
-
-
-def _course_words(scene: str, series: Mapping[str, Array]) -> tuple[str, str]:
-    """(text alternative, conclusion) of one panel of frame times over frames."""
-    finite = {run: v[np.isfinite(v)] for run, v in series.items() if np.isfinite(v).any()}
-    if not finite:
-        return f"{scene}. No finite frame time.", "No frame time here is a finite number."
-    ratios = {run: float(np.max(v) / np.median(v)) for run, v in finite.items() if np.median(v) > 0.0}
-    said = "; ".join(f"{run}: median {quantity(float(np.median(v)), 'us')}, slowest {quantity(float(np.max(v)), 'us')} "
-                     f"in frame {int(np.nanargmax(series[run]))}" for run, v in finite.items())
-    calm = min(ratios, key=lambda run: ratios[run], default="")
-    wild = max(ratios, key=lambda run: ratios[run], default="")
-    text = f"{scene}. Frame time over frames. {said}."
-    if not ratios:
-        return text, "Every frame time here is zero."
-    if len(ratios) > 1 and ratios[wild] <= 1.1 * ratios[calm]:
-        return text, f"All are equally steady: their slowest frames take about {ratios[wild]:.2g} times their medians."
-    rest = f"; {calm} is the steadiest with {ratios[calm]:.2g} times" if len(ratios) > 1 else ""
-    return text, f"The slowest frame of {wild} takes {ratios[wild]:.2g} times its median{rest}."

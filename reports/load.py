@@ -1,7 +1,6 @@
 """Read one run folder: results.json becomes typed rows, series and engine notes. Nothing is computed here."""
 
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from scenarios.published import check
 
 Array = NDArray[np.float64]
 
@@ -84,20 +84,23 @@ class Results:
 
 
 def load(run_dir: Path) -> Results:
-    """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, or of another schema."""
+    """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, empty, not strict, or of another schema."""
     path = run_dir / "results.json"
     if run_dir.is_file():
         raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_number)
     except OSError as error:
         raise InvalidFile(str(path), type(error).__name__, "a readable file, written at the end of a run") from error
     except ValueError as error:
-        raise InvalidFile(str(path), str(error), "complete JSON in UTF-8; a killed run leaves half a file") from error
+        raise InvalidFile(str(path), str(error), "complete, strict JSON in UTF-8; a killed run leaves half a file") from error
     if not isinstance(data, dict) or not isinstance(data.get("rows"), list):
         raise InvalidFile(str(path), type(data).__name__, "an object with a list called rows")
     if data.get("schema_version") != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", data.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+    if not data["rows"]:
+        raise InvalidFile(f"rows of {path}", "none", "at least one: a run that ended before its first scene has no report")
+    check(data, path)
     try:
         return Results(
             rows=tuple(_row(raw) for raw in data["rows"]),
@@ -113,6 +116,11 @@ def load(run_dir: Path) -> Results:
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error
+
+
+def _no_number(word: str) -> float:
+    """Strict JSON has no NaN and no Infinity; our own writer writes them as texts, so this file is somebody else's or damaged."""
+    raise ValueError(f"{word} outside of quotes")
 
 
 def _number(raw: object) -> float | None:
@@ -151,8 +159,8 @@ def _row(raw: Mapping[str, object]) -> Row:
 
 def _series(raw: Mapping[str, list[object] | None]) -> Series:
     def numbers(key: str) -> Array:
-        listed = (_number(item) for item in raw.get(key) or ())
-        return np.array([math.nan if item is None else item for item in listed], dtype=np.float64)
+        # the schema has been checked: numbers, words for numbers, and nothing, which becomes nan
+        return np.array(raw.get(key) or [], dtype=np.float64)
 
     return Series(overlap=numbers("overlap_m"), frame_time=numbers("frame_time_us"))
 

@@ -5,9 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-from reports import broad_phase_chart, closeness, effects, growth, table_2_chart
+from reports import broad_phase_chart, closeness, effects, first_contact, growth, paper_figures, table_2_chart
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -22,15 +20,23 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
+from reports.figure_7 import Trace
 from reports.growth import Growth
 from reports.load import EngineNote, Results
+from reports.marked import cell_note
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
+from reports.page_paths import path_of
 from reports.palette import dark_rules, strokes
+from reports.ranking import ranks, runs_of, tolerances
+from reports.ranking import sentence as ranking_sentence
+from reports.scene_page import environment, strokes_data
+from reports.scripts import data, policy, source
 from reports.table_2 import Table2
-from reports.tables import Block, Cell, blocks, more_truths
-from reports.verdict import Verdict, believed, losing_scenes
+from reports.tables import Block, blocks, more_truths
+from reports.verdict import Verdict, losing_scenes
 from reports.wording import count, limit, listed, quantity, ratio
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -80,31 +86,38 @@ class Extras:
     growth: Growth | None = None
     close: Closeness | None = None
     ablation: Ablation | None = None
+    figure_7: tuple[Trace, ...] = ()
 
 
-def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
-    """The whole page as text, with a section for each of the `extras` that the run has."""
-    extras = extras or Extras()
+def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
+    """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
+    scene."""
+    extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
     narrow, broad = extras.narrow, extras.broad
     first = losing_scenes(verdict)
     shown = blocks(results, first)
     runs = [line.run for block in shown for line in block.lines]
     colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
     order = tuple(dict.fromkeys([*(block.scene for block in shown), *results.series]))
-    spreads, courses = time_panels(results, colours, order)
-    template = Environment(
-        loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-    ).get_template("index.html.j2")
+    ranking, splits = ranks(shown), first_contact.splits(results)
+    template = environment().get_template("index.html.j2")
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
-        table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: _cell_note(cell, verdict.gated),
+        table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
-        spreads=spreads, courses=courses, time_summary=time_summary(time_percentiles(results), verdict.gated),
+        ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
+        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown)),
+        policy=policy([source("courses.js")] if courses else []), courses_js=source("courses.js"),
+        course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
+        courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
+        first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
+        **paper_figures.section(results, extras.two, extras.figure_7),
+        spreads=time_panels(results, colours, order), time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
-        more_truths=lambda block: listed(more_truths(results, block)),
+        path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
         narrow=narrow, **(_narrow(narrow) if narrow else {}),
         broad=broad, **(broad_phase_chart.section(broad) if broad else {}),
@@ -147,19 +160,6 @@ def _absent(shown: tuple[Block, ...]) -> tuple[int, ...]:
         index for index in range(len(COLUMNS))
         if all(line.cells[index].value is None for block in shown for line in block.lines)
     )
-
-
-def _cell_note(cell: Cell, ours: str) -> tuple[str, str]:
-    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour."""
-    row = cell.row
-    if row is None or row.value is None:
-        return ("missing", "")
-    status = believed(row, ours)
-    if status == "fail":
-        return ("failed", f"fails, limit {limit(row.limit, row.unit)}")
-    if status == "ceiling":
-        return ("above", f"above {limit(row.bound, row.unit)}")
-    return ("held", "holds") if status == "pass" else ("", "")
 
 
 def cards(notes: tuple[EngineNote, ...]) -> tuple[EngineCard, ...]:

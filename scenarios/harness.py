@@ -1,4 +1,4 @@
-"""One run of the harness: plan the jobs, run both passes, and after every job write down all that is known so far."""
+"""One run of the harness: plan the jobs, run both passes, and every few seconds write down all that is known so far."""
 
 import sys
 import time
@@ -10,7 +10,7 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
 from scenarios.effects_said import lapse_said
-from scenarios.engines import BASELINE, PRESETS, opened
+from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
@@ -20,6 +20,10 @@ from scenarios.results import Results, Row
 from scenarios.run import accuracy, described
 from scenarios.scenario import Scenario
 from scenarios.timing import Clocked, timed_pass
+
+OFTEN = 3.0
+"""Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
+of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
 
 
 @dataclass(frozen=True)
@@ -55,13 +59,19 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     return {name: found[name] for name in names}
 
 
+def tidy(job: Job) -> bool:
+    """Whether the next run may have this one's process."""
+    return job.engine in TIDY
+
+
 def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcome]:
-    """The accuracy pass over `jobs`, each in a process of its own; with 0 workers here, one after the other."""
+    """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
+    the other."""
     if workers == 0:
         for job in jobs:
             yield accuracy(job, folder)
         return
-    for job, answer in Pool(partial(accuracy, folder=folder), workers).results(jobs):
+    for job, answer in Pool(partial(accuracy, folder=folder), workers, tidy=tidy).results(jobs):
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 
@@ -82,7 +92,7 @@ class Run:
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
         self.clocked: dict[str, Clocked] = {}
-        self.note = ""
+        self.note, self.written = "", self.begun
 
     def measure(self, ready: Sequence[Outcome], workers: int) -> None:
         """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
@@ -93,7 +103,8 @@ class Run:
             for outcome in outcomes(runnable, self.folder, workers):
                 self.outcomes[outcome.job.stem] = outcome
                 progress.step(f"{outcome.job.scenario} {outcome.job.run} {outcome.state}")
-                self.write(None)
+                if time.monotonic() - self.written > OFTEN:
+                    self.write(None)
 
     def clock(self, full: bool) -> None:
         """The timing pass over everything that ran through, scene by scene. The raw tracker is left out: it computes nothing."""
@@ -155,6 +166,7 @@ class Run:
             notes=[note for note in (self.note, *self.lapses()) if note],
         )
         results.write(known, self.folder)
+        self.written = time.monotonic()
         return known
 
     def lapses(self) -> list[str]:

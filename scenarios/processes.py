@@ -100,50 +100,84 @@ def ended(child: BaseProcess) -> str:
     return f"its process was killed by signal {-code}" if code is not None and code < 0 else f"its process ended with code {code}"
 
 
-def _work(connection: Connection, function: Callable[[Task], Answer], task: Task) -> None:
+def _work(connection: Connection, function: Callable[[Task], Answer]) -> None:
+    """Life of a child: one task after another for as long as it is told to stay, and none after a fault."""
     quiet()
-    said: tuple[str, object]
-    try:
-        said = "answer", function(task)
-    except Exception as error:
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        said = "raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"
-    try:
-        connection.send(said)
-    except ConnectionError:
-        # the parent has gone, and nobody is left to tell
-        return
-    except Exception as error:
-        with suppress(ConnectionError):
-            connection.send(("raised", f"{type(error).__name__}: {error} (its answer cannot travel)"))
+    stays = True
+    while stays:
+        try:
+            task, stays = connection.recv()
+        except (EOFError, ConnectionError):
+            # the parent needs no more
+            return
+        said: tuple[str, object]
+        try:
+            said = "answer", function(task)
+        except Exception as error:
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            said, stays = ("raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"), False
+        try:
+            connection.send(said)
+        except ConnectionError:
+            # the parent has gone, and nobody is left to tell
+            return
+        except Exception as error:
+            with suppress(ConnectionError):
+                connection.send(("raised", f"{type(error).__name__}: {error} (its answer cannot travel)"))
+            return
+
+
+def alone(task: object) -> bool:
+    """Every task has a process of its own."""
+    return False
+
+
+Child = tuple[BaseProcess, Connection]
 
 
 class Pool(Generic[Task, Answer]):
-    """Runs `function` on tasks, at most `workers` at a time, each in a process of its own."""
+    """Runs `function` on tasks, at most `workers` at a time, each in a process of its own; those of which `tidy` says that they
+    leave nothing behind share a few."""
 
-    def __init__(self, function: Callable[[Task], Answer], workers: int, patience: float = PATIENCE) -> None:
-        self.function, self.workers, self.patience = function, workers, patience
+    def __init__(self, function: Callable[[Task], Answer], workers: int, patience: float = PATIENCE,
+                 tidy: Callable[[Task], bool] = alone) -> None:
+        self.function, self.workers, self.patience, self.tidy = function, workers, patience, tidy
 
     def results(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Answer | Died]]:
         """Each task with its answer, or with how it died, in the order in which they end."""
         waiting = list(tasks)
         running: dict[Connection, tuple[Task, BaseProcess, float]] = {}
+        idle: list[Child] = []
         try:
             while waiting or running:
                 while waiting and len(running) < self.workers:
                     task = waiting.pop(0)
-                    child, connection = begin(_work, self.function, task)
+                    stays = self.tidy(task)
+                    child, connection = idle.pop() if stays and idle else begin(_work, self.function)
+                    with suppress(ConnectionError):
+                        # one that has died meanwhile is heard of below
+                        connection.send((task, stays))
                     running[connection] = (task, child, time.monotonic())
                 ready = [end for end in wait(list(running), timeout=1.0) if isinstance(end, Connection)]
                 late = [end for end, (_, _, since) in running.items() if time.monotonic() - since > self.patience]
                 for connection in ready or late:
                     task, child, _ = running.pop(connection)
-                    yield task, self._answer(connection, child)
+                    answer = self._answer(connection, child)
+                    if self.tidy(task) and not isinstance(answer, Died):
+                        idle.append((child, connection))
+                    else:
+                        connection.close()
+                        child.join()
+                    yield task, answer
         finally:
             for connection, (_, child, _) in running.items():
                 child.terminate()
                 child.join()
                 connection.close()
+            for child, connection in idle:
+                # the end of its connection is the end of its work
+                connection.close()
+                child.join()
 
     def _answer(self, connection: Connection, child: BaseProcess) -> Answer | Died:
         try:
@@ -153,7 +187,4 @@ class Pool(Generic[Task, Answer]):
             kind, answer = connection.recv()
         except (EOFError, ConnectionError):
             return Died(ended(child))
-        finally:
-            connection.close()
-        child.join()
         return answer if kind == "answer" else Died(str(answer))

@@ -4,11 +4,13 @@ import csv
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
-from scenarios.files import write_json, write_text
+from scenarios.files import plain, write_json, write_text
 from scenarios.job import Outcome
+from scenarios.published import check
 
 SCHEMA_VERSION = 1
 """Layout of results.json; reports refuse every other."""
@@ -66,12 +68,16 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
 
 
 def write(results: Results, folder: Path) -> None:
-    """Write results.csv, results.json and, once something was timed, bench.csv; each whole or not at all."""
+    """Write results.csv, results.json and, once something was timed, bench.csv; each whole or not at all.
+
+    The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
+    InvalidFile if they break it.
+    """
     write_text(folder / "results.csv", csv_text(results.rows))
     times = [row for row in results.rows if is_time(row.metric)]
     if times:
         write_text(folder / "bench.csv", csv_text(times))
-    write_json(folder / "results.json", {
+    whole = plain({
         "schema_version": SCHEMA_VERSION,
         "provenance": results.provenance,
         "exit_code": results.exit_code,
@@ -89,6 +95,10 @@ def write(results: Results, folder: Path) -> None:
         "series": results.series,
         "notes": list(results.notes),
     })
+    write_json(folder / "results.json", whole)
+    if results.exit_code is not None and results.rows and find_spec("jsonschema"):
+        # who installed no report has no checker either, and gets no report that could mislead
+        check(whole, folder / "results.json")
 
 
 def is_time(metric: str) -> bool:

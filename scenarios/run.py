@@ -9,7 +9,7 @@ from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses
-from scenarios import record
+from scenarios import drawn, overlapping, record
 from scenarios.engines import opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
@@ -46,6 +46,7 @@ def accuracy(job: Job, folder: Path) -> Outcome:
         "scene_hash": scene_hash(scene), "code": code_hash(), "version": engine.version, "frames": scenario.frames,
         "full": job.full, "dt": scenario.dt, "base": job.base, "options": repr(sorted(job.options.items())),
     }
+    drawn.write(scene, folder, scenario.name)
     if (earlier := kept(path, identity)) is not None:
         return concluded(job, earlier, scenario, scene, path)
     about |= identity
@@ -87,6 +88,7 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
 def concluded(job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path) -> Outcome:
     """Measure a whole recording."""
     found = measured(recording, scenario, scene.whole, None if job.full else INSIDE_JUDGED)
+    overlapping.write(found.overlapping, path.parent.parent, job.stem)
     told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
     told["lapsed"] = dict(scene.lapsed)
     overlap = tuple(found.overlap.tolist())

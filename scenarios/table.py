@@ -113,8 +113,10 @@ def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> str:
     rule = "-" * min(WIDTH, sum(widths) + 2 * last)
     texts = [joined(row) for row in cells]
     body = []
-    for row, text in zip(cells[2:], texts[2:], strict=True):
-        body += [rule, text] if row[0] else [text]
+    # rules keep the engines of a scene together; where there is one only, a scene is a line
+    ruled = len(found) > len({(line.scenario, line.seed) for line in found})
+    for k, (row, text) in enumerate(zip(cells[2:], texts[2:], strict=True)):
+        body += [rule, text] if k == 0 or (ruled and row[0]) else [text]
     legend = (
         "overlap: deepest penetration of a state shown; frames over: share above 0.001 mm; raw: the tracker's own posture;",
         "offset free: from the tracker where the way is free; still: the user moves, the avatar does not;",

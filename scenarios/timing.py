@@ -39,7 +39,7 @@ class Clocked:
     note: str = ""
 
 
-def _repeat(job: Job, frames: int) -> tuple[list[int], dict[str, list[int]], str]:
+def repeat(job: Job, frames: int) -> tuple[list[int], dict[str, list[int]], str]:
     """Nanoseconds of each frame from outside and per stage, and the state hash of the last; a fresh load each time."""
     scenario, scene, motion = job.asked()
     samples = [motion(k) for k in range(min(frames, scenario.frames))]
@@ -64,10 +64,10 @@ def _serve(connection: Connection, job: Job, frames: int) -> None:
     quiet()
     try:
         begun = time.perf_counter()
-        _repeat(job, WARM_FRAMES)
+        repeat(job, WARM_FRAMES)
         connection.send(("warm", time.perf_counter() - begun))
         while connection.recv():
-            connection.send(("repeat", _repeat(job, frames)))
+            connection.send(("repeat", repeat(job, frames)))
     except (EOFError, ConnectionError):
         # the parent has gone
         return

@@ -41,3 +41,32 @@ def beyond_cone(cone: ReachCone, direction: Array) -> float:
         return 0.0
     ends = np.roll(cone.vertices, -1, axis=0)
     return min(_angle_to_edge(a, b, direction) for a, b in zip(cone.vertices, ends, strict=True))
+
+
+def beyond_cone_each(cone: ReachCone, directions: Array) -> Array:
+    """(F,) the same for many directions (F, 3) at once; `beyond_cone` is its plain twin."""
+    sound = np.asarray(np.isfinite(directions).all(axis=1))
+    limbs = np.where(sound[:, None], directions, 0.0)
+    seen, starts = np.array(cone.visible_point), cone.vertices
+    ends = np.roll(starts, -1, axis=0)
+    first, edge, second = (np.cross(a, b) @ limbs.T >= 0.0 for a, b in ((seen, starts), (starts, ends), (ends, seen)))
+    inside = (first & edge & second).any(axis=0)
+    nearest = np.full(len(limbs), np.inf)
+    for start, end in zip(starts, ends, strict=True):
+        nearest = np.minimum(nearest, _angles_to_edge(start, end, limbs))
+    return np.where(sound, np.where(inside, 0.0, nearest), np.nan)
+
+
+def _angles_to_edge(start: Array, end: Array, limbs: Array) -> Array:
+    """(F,) angles [rad] from directions (F, 3) to the nearest point of the great arc from start to end."""
+    to_ends = [np.arctan2(np.linalg.norm(np.cross(p, limbs), axis=1), limbs @ p) for p in (start, end)]
+    apart = np.minimum(*to_ends)
+    normal = np.cross(start, end)
+    length = float(np.linalg.norm(normal))
+    if length > 1e-12:
+        normal /= length
+        within = (limbs @ np.cross(normal, start) >= 0.0) & (limbs @ np.cross(end, normal) >= 0.0)
+        across = limbs @ normal
+        foot = np.abs(np.arctan2(across, np.linalg.norm(limbs - across[:, None] * normal, axis=1)))
+        apart = np.where(within, foot, apart)
+    return np.asarray(apart)

@@ -1,6 +1,6 @@
 """All figures of one recording: asks each family in turn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from scenarios.measure.free import free_frames
 from scenarios.measure.halts import halts
 from scenarios.measure.jumps import jumps
 from scenarios.measure.limits import limit_excess
-from scenarios.measure.overlap import INSIDE_JUDGED, depths, residual_overlap, substep_overlap
+from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
 from scenarios.measure.side import wrong_side
 from scenarios.measure.sliding import stops
 from scenarios.measure.spinning import flips, pivots
@@ -27,6 +27,7 @@ from scenarios.measure.stillness import still_frames
 from scenarios.measure.tracker_offset import tracker_offset
 from scenarios.measure.travel import travel
 from scenarios.measure.value import Missing, Value
+from scenarios.overlapping import Overlapping, gathered
 from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
@@ -35,11 +36,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Figures by metric, remarks by metric, and the overlap of every state shown (F+1,) [m], empty when nobody could judge."""
+    """Figures by metric, remarks by metric, the overlap of every state shown (F+1,) [m] and the pairs that overlap; both empty
+    when nobody could judge."""
 
     values: dict[str, Value]
     notes: dict[str, str]
     overlap: Array
+    overlapping: Overlapping = field(default_factory=lambda: gathered((), ()))
 
 
 def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
@@ -77,8 +80,10 @@ def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside
             return verdict.deepest
         return max((pair[2] for pair in verdict.pairs if driven & set(pair[:2])), default=0.0)
 
-    shown = depths(recording.positions, recording.orientations, depth)
+    verdicts = [judge.overlaps(p, q) for p, q in zip(recording.positions, recording.orientations, strict=True)]
+    shown = np.array([verdict.deepest for verdict in verdicts], dtype=np.float64)
     values |= residual_overlap(shown)
     values["substep_overlap_max"], note = substep_overlap(recording, depth, most_inside)
     values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, link_depth))
-    return Measured(values, {"substep_overlap_max": note} if note else {}, shown)
+    notes = {"substep_overlap_max": note} if note else {}
+    return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

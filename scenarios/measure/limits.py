@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from avatarsim.scene.joint import Ball, Hinges, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
-from scenarios.measure.cone import beyond_cone
+from scenarios.measure.cone import beyond_cone_each
 from scenarios.measure.joints import Place, angle_about, angle_between, beyond, gaps, places, relative, turned
 from scenarios.measure.value import Values
 from scenarios.record import Recording
@@ -69,7 +69,7 @@ def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
             # without swing limits the limb's axis is the direction that is the cone's visible point when the joint is at zero
             rest = rotation.rotate(rotation.conjugate(place.orientation), np.array(cone.visible_point))
             axis = rest if place.joint.limits is None else np.array(place.joint.limits.axis)
-            worst = np.maximum(worst, [beyond_cone(cone, limb) for limb in rotation.rotate(turn, axis)])
+            worst = np.maximum(worst, beyond_cone_each(cone, rotation.rotate(turn, axis)))
     return worst
 
 

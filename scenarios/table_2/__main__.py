@@ -1,7 +1,7 @@
 """`python -m scenarios.table_2 [--run FOLDER]`.
 
-Reads a run that has timed scenes of the paper's Table 2, prints the table beside the paper's, and writes table_2.csv and
-figure_8.csv into the run's folder.
+Reads a run that has timed scenes of the paper's Table 2, prints the table beside the paper's, and writes table_2.csv,
+figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run's folder.
 """
 
 import argparse
@@ -16,15 +16,16 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
 from scenarios.files import OUT, write_text
+from scenarios.table_2.figure_7 import traces
 from scenarios.table_2.printed import SCENES
 from scenarios.table_2.rows import Row, rows, trace
 
-TABLE, TRACE = "table_2.csv", "figure_8.csv"
-"""The files of the table and of the trace."""
+TABLE, TRACE, LONG_TRACE, SHARES = "table_2.csv", "figure_8.csv", "figure_7.csv", "figure_7_shares.csv"
+"""The files of the table and of the traces."""
 
 
 def written(folder: Path, clocks: bool = True) -> list[Row]:
-    """Write both files of a run; nothing where the run has none of the scenes."""
+    """Write the files of a run; nothing where the run has none of the scenes."""
     found = rows(folder, clocks)
     if found:
         write_text(folder / TABLE, _csv([entry.name for entry in fields(Row)], [astuple(row) for row in found]))
@@ -33,6 +34,13 @@ def written(folder: Path, clocks: bool = True) -> list[Row]:
             for k, (us, iterations) in enumerate(zip(numbers["us"], numbers["iterations"], strict=True))
         ]
         write_text(folder / TRACE, _csv(("run", "frame", "us", "iterations"), lines))
+        if clocks:
+            hand = traces()
+            stages = [(trace.run, name, share) for trace in hand for name, share in trace.shares.items()]
+            write_text(folder / SHARES, _csv(("run", "stage", "share"), stages))
+            long = [(trace.run, k + 1, float(us), int(touches)) for trace in hand
+                    for k, (us, touches) in enumerate(zip(trace.us, trace.contact, strict=True))]
+            write_text(folder / LONG_TRACE, _csv(("run", "frame", "us", "contact"), long))
     return found
 
 

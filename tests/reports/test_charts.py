@@ -70,16 +70,15 @@ def test_percentiles_come_from_rows_or_else_from_the_series(run_dir: Write, resu
 
 
 def test_time_panels_conclude_from_the_numbers(run_dir: Write, results: Json) -> None:
-    spreads, courses = time_panels(load(run_dir(results)), strokes(RUNS), ("arm_wall",))
+    spreads = time_panels(load(run_dir(results)), strokes(RUNS), ("arm_wall",))
     assert spreads[0].conclusion == (
         "avatarsim/default has the lowest p95, 49.6 µs; pybullet/default takes 28.4 times as long; all keep 60 Hz at p99."
     )
     noisy = {"scenario": "arm_wall", "metric": "frame_time_raw_p99", "value": 7374.0, "status": "info"}
     rows = results["rows"]
     assert isinstance(rows, list)
-    again, _ = time_panels(load(run_dir(results | {"rows": [*rows, rows[0] | noisy]})), strokes(RUNS), ("arm_wall",))
+    again = time_panels(load(run_dir(results | {"rows": [*rows, rows[0] | noisy]})), strokes(RUNS), ("arm_wall",))
     assert again[0].conclusion.endswith("left in, p99 is: avatarsim/default 7.37 ms.")
-    assert "equally steady" in courses[0].conclusion and "slowest 74.4 µs in frame 5" in courses[0].svg
 
 
 def test_series_without_one_finite_number_are_drawn_as_gaps(run_dir: Write, results: Json) -> None:
@@ -88,4 +87,3 @@ def test_series_without_one_finite_number_are_drawn_as_gaps(run_dir: Write, resu
     panel = overlap_panels(found, strokes(RUNS), ("arm_wall",))[0]
     assert panel.conclusion == "avatarsim/default has frames without a finite number."
     assert "peak NaN, 100 % of frames above" in panel.svg
-    assert time_panels(found, strokes(RUNS), ("arm_wall",))[1][0].conclusion == "No frame time here is a finite number."

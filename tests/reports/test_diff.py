@@ -18,7 +18,7 @@ def compared(run_dir: Write, results: Json, metric: str, value: object, **proven
     assert isinstance(rows, list) and isinstance(told, dict)
     ours = [r["metric"] == metric and r["scenario"] == "arm_wall" and r["engine"] == "avatarsim" for r in rows]
     new = [row | {"value": value} if own else row for row, own in zip(rows, ours, strict=True)]
-    return diff(load(run_dir(results)), load(run_dir(results | {"rows": new, "provenance": told | provenance})))
+    return diff(load(run_dir(results)), load(run_dir(results | {"rows": new, "series": {}, "provenance": told | provenance})))
 
 
 def test_a_run_is_no_worse_than_itself(run_dir: Write, results: Json) -> None:
@@ -47,3 +47,18 @@ def test_a_run_that_vanished_is_named(run_dir: Write, results: Json) -> None:
     less = results | {"rows": [row for row in rows if row["engine"] != "pybullet"]}
     found = diff(load(run_dir(results)), load(run_dir(less)))
     assert "arm_wall  pybullet/default" in found.only_old and found.only_new == ()
+
+
+def test_a_slower_median_that_the_frames_do_not_bear_out_is_noise(run_dir: Write, results: Json) -> None:
+    """The rows say a third slower; whether that counts depends on the frames behind them."""
+    rows, series = results["rows"], results["series"]
+    assert isinstance(rows, list) and isinstance(series, dict)
+    slower = [row | {"value": 42.0} if row["metric"] == "frame_time_p50" and row["scenario"] == "arm_wall" and
+              row["engine"] == "avatarsim" else row for row in rows]
+    old = load(run_dir(results))
+    for factors, worse in (((1.35, 1.35), 1), ((0.5, 2.2), 0)):
+        times = [31.0 * factors[(k // 50) % 2] for k in range(200)]
+        own = series["arm_wall"] | {"avatarsim/default": {"overlap_m": [0.0], "frame_time_us": times}}
+        found = diff(old, load(run_dir(results | {"rows": slower, "series": series | {"arm_wall": own}})))
+        assert len(found.worse) == worse
+        assert not worse or "(×1.35 to ×1.35)" in found.text()

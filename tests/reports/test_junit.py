@@ -1,6 +1,7 @@
 """One test case per bound of the gate; what crashed is an error, what was not measured is skipped."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -37,5 +38,5 @@ def test_control_characters_do_not_break_the_document(run_dir: Write, results: J
 
 
 def test_nothing_measured_gives_an_empty_suite(run_dir: Write, results: Json) -> None:
-    suite = ElementTree.fromstring(junit(verdict(load(run_dir(results | {"rows": []})))))
+    suite = ElementTree.fromstring(junit(verdict(replace(load(run_dir(results)), rows=()))))
     assert suite.attrib["tests"] == "0" and len(suite) == 0

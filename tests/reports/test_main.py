@@ -15,7 +15,7 @@ def test_write_prints_where_the_page_is(run_dir: Write, results: Json, capsys: p
     folder = run_dir(results)
     assert main(["write", str(folder)]) == 0
     assert Path(capsys.readouterr().out.strip()) == folder / "index.html"
-    assert {path.name for path in folder.iterdir()} == {"results.json", "index.html", "summary.md", "junit.xml"}
+    assert {path.name for path in folder.iterdir()} == {"results.json", "index.html", "summary.md", "junit.xml", "scenes"}
 
 
 def test_a_folder_without_results_is_a_usage_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

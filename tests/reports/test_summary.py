@@ -1,6 +1,7 @@
 """summary.md begins with the verdict, then what we lose; its tables hold whatever text a run brings."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from reports.load import load
@@ -37,7 +38,8 @@ def test_every_line_of_a_table_has_as_many_cells(run_dir: Write, results: Json) 
 
 
 def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
-    text = text_of(run_dir(results | {"rows": [], "provenance": {}}))
+    empty = replace(load(run_dir(results)), rows=(), provenance={})
+    text = summary(empty, verdict(empty))
     assert text.startswith("## EMPTY: No verdict") and "No row was measured" in text
 
 

@@ -1,6 +1,7 @@
 """The verdict counts right, believes no pass that its own numbers contradict, and takes no gap for a pass."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -75,7 +76,7 @@ def test_a_run_that_never_ended_is_incomplete(run_dir: Write, results: Json) -> 
 
 
 def test_nothing_measured_is_no_verdict(run_dir: Write, results: Json) -> None:
-    found = verdict(load(run_dir(results | {"rows": [], "exit_code": 5})))
+    found = verdict(replace(load(run_dir(results)), rows=(), exit_code=5))
     assert (found.word, found.exit_code) == ("empty", 5)
     assert verdict(load(run_dir(only(results, "arm_wall", engine="mujoco")))).word == "empty"
 

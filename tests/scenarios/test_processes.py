@@ -52,3 +52,26 @@ def test_who_does_not_answer_has_died_of_something(found: dict[str, str | Died],
 def test_children_run_on_one_thread_and_the_parent_keeps_its_own(found: dict[str, str | Died]) -> None:
     assert found["threads"] == ",".join("1" for _ in THREADS)
     assert [os.environ.get(name) for name in THREADS] != ["1"] * len(THREADS) or os.environ.get("OMP_NUM_THREADS") == "1"
+
+
+def test_tidy_tasks_share_processes_until_one_fails() -> None:
+    from tests.scenarios import test_processes
+
+    words = ["a1", "a2", "raise", "a3", "die", "a4", "b1", "a5"]
+    pool = Pool(test_processes.act, 1, tidy=lambda word: word[0] != "b")
+    found = dict(pool.results(words))
+    pid = {word: str(answer).split()[-1] for word, answer in found.items() if not isinstance(answer, Died)}
+    assert pid["a1"] == pid["a2"] != pid["a3"] and pid["a4"] == pid["a5"] not in (pid["a1"], pid["a3"], pid["b1"])
+    assert isinstance(found["raise"], Died) and "killed by signal 9" in str(found["die"])
+
+
+def test_nobody_is_left_when_the_results_are_left_early() -> None:
+    import multiprocessing
+
+    from tests.scenarios import test_processes
+
+    before = {child.pid for child in multiprocessing.active_children()}
+    several = Pool(test_processes.act, 2, tidy=lambda word: True).results(["one", "two", "three", "four"])
+    next(several)
+    several.close()
+    assert {child.pid for child in multiprocessing.active_children()} <= before

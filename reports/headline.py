@@ -1,0 +1,118 @@
+"""The table of the README: from a run to a small committed file, from that file to the words between two marks. Never by hand."""
+
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from avatarsim.errors import InvalidFile
+from reports.columns import COLUMNS
+from reports.files import lines
+from reports.load import Results
+from reports.tables import Block, blocks
+from reports.wording import MISSING, quantity
+
+BEGINS, ENDS = "<!-- headline: written by `python -m reports headline` -->", "<!-- end of headline -->"
+HEAD = ("scene", "measure", "unit", "run", "value", "best")
+MEASURES = {
+    "overlap": "overlap", "truth": "error to closed form", "limits": "beyond joint limits", "offset": "offset from the user",
+    "p50": "frame time",
+}
+"""Columns of the verdict table that the README shows, and what they are called there."""
+ROUNDING = 1e-9
+"""Smaller figures, in any unit of the table, are rounding of numbers of everyday size, and are written as 0."""
+ABOUT = "about"
+"""Scene of the lines that say where the figures come from."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One number of the headline table, or one fact about the run (scene ABOUT, the fact in `run`)."""
+
+    scene: str
+    measure: str
+    unit: str
+    run: str
+    value: float | None
+    best: bool
+
+
+def numbers(results: Results) -> str:
+    """The committed file for a run: every scene and engine of it."""
+    written = io.StringIO()
+    writer = csv.writer(written, lineterminator="\n")
+    writer.writerow(HEAD)
+    for name, text in _facts(results.provenance):
+        writer.writerow([ABOUT, name, "", text, "", ""])
+    for block in blocks(results):
+        for figure in _figures(block):
+            value = "" if figure.value is None else "0" if abs(figure.value) < ROUNDING else f"{figure.value:.4g}"
+            writer.writerow([figure.scene, figure.measure, figure.unit, figure.run, value, "best" if figure.best else ""])
+    return written.getvalue()
+
+
+def _facts(provenance: Mapping[str, object]) -> list[tuple[str, str]]:
+    versions = provenance.get("versions")
+    known = dict(versions) if isinstance(versions, Mapping) else {}
+    facts = {"cpu": provenance.get("cpu"), "cpus": provenance.get("cpus"), "Python": provenance.get("python"),
+             "MuJoCo": known.get("mujoco"), "PyBullet": known.get("pybullet")}
+    return [(name, str(value)) for name, value in facts.items() if value is not None]
+
+
+def _figures(block: Block) -> list[Figure]:
+    found = []
+    for index, column in enumerate(COLUMNS):
+        if column.key in MEASURES:
+            cells = [(line.run, line.cells[index]) for line in block.lines]
+            if any(cell.value is not None and not run.startswith("tracker/") for run, cell in cells):
+                unit = next((cell.row.unit for _, cell in cells if cell.row), column.unit)
+                found += [Figure(block.scene, MEASURES[column.key], unit, run, cell.value, cell.best) for run, cell in cells]
+    return found
+
+
+def load(path: Path) -> tuple[Figure, ...]:
+    """The committed file. Raises InvalidFile when it is damaged or empty."""
+    def figure(row: Mapping[str, str]) -> Figure:
+        value = float(row["value"]) if row["value"] else None
+        if value is not None and not math.isfinite(value):
+            value = math.nan
+        return Figure(row["scene"], row["measure"], row["unit"], row["run"], value, row["best"] == "best")
+
+    found = lines(path, figure)
+    if not found:
+        raise InvalidFile(str(path), "no row", "a file that `python -m reports headline` wrote")
+    return found
+
+
+def block(figures: Sequence[Figure]) -> str:
+    """The words between the marks, as Markdown: where the figures come from, then the table. Who is best stands in bold."""
+    facts = {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
+    shown = [figure for figure in figures if figure.scene != ABOUT]
+    runs = tuple(dict.fromkeys(figure.run for figure in shown if not figure.run.startswith("tracker/")))
+    said = [f"{facts.get('cpus', 'some')} cores of {facts.get('cpu', 'an unknown processor')}"]
+    said += [f"{name} {facts[name]}" for name in ("Python", "MuJoCo", "PyBullet") if name in facts]
+    table = ["| scene | | " + " | ".join(runs) + " | raw tracker |", "|---|---|" + "---:|" * (len(runs) + 1)]
+    for scene in dict.fromkeys(figure.scene for figure in shown):
+        own = [figure for figure in shown if figure.scene == scene]
+        for place, measure in enumerate(dict.fromkeys(figure.measure for figure in own)):
+            by_run = {figure.run: figure for figure in own if figure.measure == measure}
+            raw = next((_text(figure) for run, figure in by_run.items() if run.startswith("tracker/")), MISSING)
+            cells = [_text(by_run[run]) if run in by_run else MISSING for run in runs]
+            table.append(f"| {scene if place == 0 else ''} | {measure} | {' | '.join(cells)} | {raw} |")
+    return "\n".join([f"Measured on {', '.join(said)}.", "", *table])
+
+
+def _text(figure: Figure) -> str:
+    text = quantity(figure.value, figure.unit)
+    return f"**{text}**" if figure.best else text
+
+
+def replaced(readme: str, words: str) -> str:
+    """The README with `words` between its marks. Raises InvalidFile when it has not exactly one pair of them, in order."""
+    before, begins, rest = readme.partition(BEGINS)
+    _, ends, after = rest.partition(ENDS)
+    if not begins or not ends or BEGINS in rest or ENDS in after:
+        raise InvalidFile("README.md", "no marks for the table, or several", f"{BEGINS} and {ENDS}, once each")
+    return f"{before}{BEGINS}\n{words}\n{ENDS}{after}"

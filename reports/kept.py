@@ -1,0 +1,99 @@
+"""What a run keeps of a scene beside its figures: what the scene looks like, and what every engine showed in it."""
+
+import json
+import zipfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidFile
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SCENE_SCHEMA, RECORDING_SCHEMA = 1, 1
+"""Layouts that this reader knows of `scenes/*.json` and `recordings/*.npz`."""
+WANTED = ("positions", "orientations", "velocities", "angular_velocities", "times", "raw_positions", "raw_orientations")
+"""Members of a recording that are read; the others, poses inside frames, are most of it."""
+WHOLE = "a whole .npz file from this runner"
+COUNTED = ("contacts", "iterations", "pairs")
+"""Counts per frame that a page shows where an engine gives them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A scene's file: see `scenarios.drawn`."""
+
+    bodies: Sequence[Mapping[str, Any]]
+    gravity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What one engine showed in F+1 states: times (F+1,) [s], poses and velocities (F+1, n, ...) as `scenarios.record` has them,
+    raw_* (F+1, L, ...) of the tracker, counts by name (F+1,), overlapping pairs (frame, body, body, depth [m])."""
+
+    run: str
+    times: Array
+    positions: Array
+    orientations: Array
+    velocities: Array
+    angular_velocities: Array
+    raw_positions: Array
+    raw_orientations: Array
+    counts: Mapping[str, Integers] = field(default_factory=dict)
+    pairs: Sequence[tuple[int, int, int, float]] = ()
+
+
+def drawn(run_dir: Path, scene: str) -> Drawn | None:
+    """The scene's file, None where the run has none. Raises InvalidFile for one that is damaged or of another layout."""
+    path = run_dir / "scenes" / f"{scene}.json"
+    if not path.exists():
+        return None
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        version, bodies, gravity = found["schema_version"], list(found["bodies"]), np.array(found["gravity"], dtype=np.float64)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that a run wrote") from error
+    if version != SCENE_SCHEMA:
+        raise InvalidFile(f"schema_version of {path}", version, f"{SCENE_SCHEMA}; run again")
+    return Drawn(bodies, gravity)
+
+
+def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list[Shown]:
+    """The recordings of `runs` (engine/preset) in a scene, those that there are. Raises InvalidFile for a damaged one."""
+    found = []
+    for run in runs:
+        stem = f"{scene}.{run.replace('/', '.', 1)}.{seed}"
+        path = run_dir / "recordings" / f"{stem}.npz"
+        if path.exists():
+            found.append(_shown(path, run, _pairs(run_dir / "overlaps" / f"{stem}.npz")))
+    return found
+
+
+def _shown(path: Path, run: str, pairs: Sequence[tuple[int, int, int, float]]) -> Shown:
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            version = json.loads(str(stored["meta"]))["schema_version"]
+            arrays = {name: stored[name] for name in WANTED}
+            counts = {name: stored[f"counts:{name}"] for name in COUNTED if f"counts:{name}" in stored.files}
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
+    if version != RECORDING_SCHEMA:
+        raise InvalidFile(f"schema_version of {path}", version, f"{RECORDING_SCHEMA}; run again")
+    return Shown(run, counts=counts, pairs=pairs, **arrays)
+
+
+def _pairs(path: Path) -> list[tuple[int, int, int, float]]:
+    if not path.exists():
+        return []
+    try:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            columns = [stored[name].tolist() for name in ("frame", "first", "second", "depth")]
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WHOLE) from error
+    return list(zip(*columns, strict=True))

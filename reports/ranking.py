@@ -1,0 +1,80 @@
+"""The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and who is best."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.columns import COLUMNS, Column
+from reports.tables import Block, Cell
+from reports.wording import count, limit, listed, ratio
+
+SHOWN = ("overlap", "truth", "p95")
+"""Keys of the table's columns that the matrix ranks."""
+NAMES = {"overlap": "overlap", "truth": "error", "p95": "p95"}
+"""What each is called at the side of the matrix."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measure of one scene: its column, the metric behind it, and a cell per run of the matrix, None where a run has none."""
+
+    column: Column
+    name: str
+    metric: str
+    cells: tuple[Cell | None, ...]
+
+
+@dataclass(frozen=True)
+class Rank:
+    """One scene of the matrix with the measures that any engine has there; `trouble` by run, "" where there is none."""
+
+    scene: str
+    title: str
+    rows: tuple[Row, ...]
+    trouble: tuple[str, ...]
+
+
+def runs_of(shown: Sequence[Block]) -> tuple[str, ...]:
+    """All engines and presets in the order of the table, the raw tracker left out: it can win nothing."""
+    return tuple(dict.fromkeys(line.run for block in shown for line in block.lines if not line.tracker))
+
+
+def ranks(shown: Sequence[Block]) -> tuple[Rank, ...]:
+    """The matrix, in the table's order of scenes."""
+    runs = runs_of(shown)
+    return tuple(_rank(block, runs) for block in shown)
+
+
+def _rank(block: Block, runs: Sequence[str]) -> Rank:
+    lines = {line.run: line for line in block.lines}
+    rows = []
+    for index, column in enumerate(COLUMNS):
+        if column.key in SHOWN:
+            cells = tuple(lines[run].cells[index] if run in lines else None for run in runs)
+            metric = next((cell.row.metric for cell in cells if cell and cell.row), "")
+            if any(cell and (cell.value is not None or cell.word) for cell in cells):
+                rows.append(Row(column, NAMES[column.key], metric, cells))
+    return Rank(block.scene, block.title, tuple(rows), tuple(lines[run].trouble if run in lines else "" for run in runs))
+
+
+def tolerances() -> str:
+    """What counts as equal, in each measure of the matrix."""
+    said = []
+    for column in COLUMNS:
+        if column.key in SHOWN:
+            said.append(f"{column.title}: {limit(column.same, column.unit) if column.same else 'none'}")
+    return f"Values that differ by no more than this count as equal: {'; '.join(said)}."
+
+
+def sentence(found: Sequence[Rank], ours: str, runs: Sequence[str]) -> str:
+    """What to conclude: in how many scenes ours is best in each measure, and where it is not."""
+    if ours not in runs or len(runs) < 2:
+        return "There is nobody to be ranked against in this run."
+    place, said = runs.index(ours), []
+    for key in SHOWN:
+        rows = [(rank.scene, cell) for rank in found for row in rank.rows
+                if row.column.key == key and (cell := row.cells[place]) and cell.ratio is not None]
+        if rows:
+            lost = tuple(f"{scene} ({ratio(cell.ratio)})" for scene, cell in rows if not cell.best)
+            where = f", not in {listed(lost, 4)}" if lost else ""
+            said.append(f"{NAMES[key]} in {sum(cell.best for _, cell in rows)} of {count(len(rows), 'scene')}{where}")
+    return f"{ours} is best or level: {'; '.join(said)}." if said else "Nothing here can be ranked."

@@ -1,0 +1,124 @@
+// Lines over the time of a scene, with one cursor through all charts; listens to a replay on the same page, and leads it.
+"use strict";
+(() => {
+  const found = document.getElementById("courses-data");
+  if (!found) return;
+  const data = JSON.parse(found.textContent);
+  const root = document.getElementById("courses-charts");
+  // drawn narrower where there is little room, so that the words keep their size
+  const WIDTH = root.clientWidth > 0 && root.clientWidth < 480 ? 340 : 560, HEIGHT = 132, LEFT = 62, RIGHT = 10, TOP = 8, BOTTOM = 22;
+  const make = (name, about, inside) => {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(about)) node.setAttribute(key, value);
+    if (inside !== undefined) node.textContent = inside;
+    return node;
+  };
+  const html = (name, style, inside) => {
+    const node = document.createElement(name);
+    if (style) node.className = style;
+    if (inside !== undefined) node.textContent = inside;
+    return node;
+  };
+  const numbers = (packed) => new Uint16Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
+  const three = (value) => value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(1) : Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
+  const PREFIXES = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]], us: [[1e6, "s"], [1e3, "ms"], [1, "µs"], [1e-3, "ns"]] };
+  function quantity(value, unit) {
+    if (!Number.isFinite(value)) return "no number";
+    if (value === 0 || !PREFIXES[unit]) return `${three(value)} ${unit}`.trim();
+    const [factor, name] = PREFIXES[unit].find(([size]) => Math.abs(value) >= 0.9995 * size) || PREFIXES[unit].at(-1);
+    return `${three(value / factor)} ${name}`;
+  }
+  let cursors = [], end = 1, now = 0;
+
+  function chart(about) {
+    const box = html("figure", "plot course");
+    box.append(html("h4", "", about.title + (about.unit === "J" ? " [J]" : "")));
+    const low = about.log ? Math.log10(about.low) : about.low, high = about.log ? Math.log10(about.high) : about.high;
+    const across = (time) => LEFT + (WIDTH - LEFT - RIGHT) * Math.min(1, Math.max(0, time / end));
+    const up = (code) => TOP + (HEIGHT - TOP - BOTTOM) * (1 - (code - 1) / 65534);
+    const real = (code) => { const share = low + ((code - 1) / 65534) * (high - low); return about.log ? 10 ** share : share; };
+    const picture = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${about.title} over time. ${about.text}` });
+    const ticks = about.log ? Array.from({ length: Math.round(high - low) + 1 }, (_, k) => low + k) : [low, (low + high) / 2, high];
+    const every = about.log ? Math.ceil(ticks.length / 5) : 1;
+    ticks.forEach((tick, k) => {
+      if (k % every) return;
+      const y = TOP + (HEIGHT - TOP - BOTTOM) * (1 - (tick - low) / (high - low));
+      const value = about.log ? 10 ** tick : tick;
+      const floor = about.key === "overlap" && k === 0 ? "≤ " : "";
+      picture.append(make("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y, stroke: data.grid }));
+      picture.append(make("text", { x: LEFT - 6, y: y + 3.5, "text-anchor": "end", "font-size": 10, fill: data.muted }, floor + quantity(value, about.unit === "J" ? "" : about.unit)));
+    });
+    for (const share of [0, 0.25, 0.5, 0.75, 1]) {
+      picture.append(make("text", { x: across(share * end), y: HEIGHT - 6, "text-anchor": share === 1 ? "end" : "middle", "font-size": 10, fill: data.muted }, `${three(share * end)} s`));
+    }
+    if (about.key === "overlap") {
+      const y = TOP + (HEIGHT - TOP - BOTTOM) * (1 - (-6 - low) / (high - low));
+      picture.append(make("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y, stroke: data.alarm, "stroke-dasharray": "4 3" }));
+    }
+    const lines = about.lines.map((line) => ({ ...line, codes: numbers(line.values) }));
+    lines.sort((a, b) => Number(b.run.startsWith("tracker/")) - Number(a.run.startsWith("tracker/")));
+    for (const line of lines) {
+      let path = "", begun = false;
+      line.codes.forEach((code, k) => {
+        if (!code) { begun = false; return; }
+        path += `${begun ? "L" : "M"}${across(line.first + k * line.step).toFixed(1)} ${up(code).toFixed(1)}`;
+        begun = true;
+      });
+      const stroke = data.strokes[line.run] || { light: data.muted, dash: "" };
+      picture.append(make("path", { d: path || "M0 0", fill: "none", stroke: stroke.light, "stroke-width": 1.6, "stroke-dasharray": stroke.dash, "stroke-linejoin": "round" }));
+    }
+    const cursor = make("line", { x1: LEFT, x2: LEFT, y1: TOP, y2: HEIGHT - BOTTOM, stroke: data.ink, "stroke-width": 1 });
+    picture.append(cursor);
+    const told = html("p", "told");
+    cursors.push((time) => {
+      cursor.setAttribute("x1", across(time));
+      cursor.setAttribute("x2", across(time));
+      told.textContent = lines.map((line) => {
+        const k = Math.floor((time - line.first) / line.step + 1e-6);
+        const code = line.codes[Math.max(0, Math.min(line.codes.length - 1, k))];
+        const value = code ? real(code) : NaN;
+        return `${line.run} ${about.key === "overlap" && code === 1 ? "0" : quantity(value, about.unit)}`;
+      }).join(" · ");
+    });
+    const seek = (event) => {
+      const frame = picture.getBoundingClientRect();
+      const share = ((event.clientX - frame.left) / frame.width * WIDTH - LEFT) / (WIDTH - LEFT - RIGHT);
+      move(Math.max(0, Math.min(1, share)) * end, true);
+    };
+    // beside a replay the pointer leads only while it is held down
+    picture.addEventListener("pointermove", (event) => { if (event.buttons || !document.getElementById("replay-data")) seek(event); });
+    picture.addEventListener("pointerdown", seek);
+    const caption = html("figcaption");
+    caption.append(html("span", "", about.shows + " "), html("b", "", about.concludes));
+    const words = html("details");
+    words.append(html("summary", "", "in words"), html("p", "", about.text));
+    box.append(picture, told, caption, words);
+    return box;
+  }
+
+  function move(time, lead) {
+    now = time;
+    cursors.forEach((cursor) => cursor(time));
+    root.dataset.time = time.toFixed(3);
+    if (lead) document.dispatchEvent(new CustomEvent("seek-time", { detail: time }));
+  }
+  function choose(scene) {
+    const charts = data.scenes[scene];
+    cursors = [];
+    end = Math.max(1e-9, ...charts.flatMap((about) => about.lines.map((line) => line.first + line.step * (atob(line.values).length / 2 - 1))));
+    root.replaceChildren(...charts.map(chart));
+    move(Math.min(now, end), false);
+    root.dataset.drawn = charts.length;
+  }
+  const picker = document.getElementById("courses-scene");
+  if (picker) picker.addEventListener("change", () => { now = 0; choose(picker.value); });
+  root.tabIndex = 0;
+  root.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step || document.getElementById("replay-data")) return;
+    event.preventDefault();
+    move(Math.max(0, Math.min(end, now + step * end / (event.shiftKey ? 16 : 160))), true);
+  });
+  document.addEventListener("shown-time", (event) => move(event.detail, false));
+  choose(picker ? picker.value : Object.keys(data.scenes)[0]);
+})();

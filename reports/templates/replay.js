@@ -1,0 +1,271 @@
+// Plays a scene again: one canvas, one view per engine, one timeline. Draws what was recorded, never between two states.
+"use strict";
+(() => {
+  const found = document.getElementById("replay-data");
+  if (!found || typeof THREE === "undefined") return;
+  const data = JSON.parse(found.textContent);
+  const root = document.getElementById("replay");
+  const stage = root.querySelector(".stage");
+  const say = (name) => root.querySelector(`[data-part="${name}"]`);
+  const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+
+  // what all views share
+  const geometries = data.meshes.map((mesh) => {
+    const made = new THREE.BufferGeometry();
+    made.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes(mesh.corners)), 3));
+    made.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes(mesh.faces)), 1));
+    made.computeVertexNormals();
+    made.computeBoundingBox();
+    return made;
+  });
+  const solid = (colour) => new THREE.MeshLambertMaterial({ color: colour });
+  const thin = (colour, opacity) =>
+    new THREE.MeshLambertMaterial({ color: colour, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide });
+  const ink = {
+    driven: solid(0x7b9cc4), simulated: solid(0xd9a33c), fixed: thin(0x8b95a5, 0.22), ghost: thin(0x9b59d0, 0.26),
+    bad: solid(0xe02020), edge: new THREE.LineBasicMaterial({ color: 0x8b95a5, transparent: true, opacity: 0.55 }),
+    dark: new THREE.LineBasicMaterial({ color: 0x4a3a12, transparent: true, opacity: 0.7 }),
+    ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
+  };
+  const edges = geometries.map(() => null);
+  const edgesOf = (k) => edges[k] || (edges[k] = new THREE.EdgesGeometry(geometries[k], 25));
+  const ringShape = new THREE.TorusGeometry(1, 0.12, 8, 32);
+
+  // poses, unpacked once
+  const poses = (packed, bodies) => ({
+    frames: packed.frames, count: bodies.length, bodies,
+    places: new Uint16Array(bytes(packed.places)), turns: new Int16Array(bytes(packed.turns)),
+  });
+  const span = data.high.map((high, k) => (high - data.low[k]) / 65534);
+  const put = (mesh, from, frame, slot) => {
+    const at = 3 * (Math.min(frame, from.frames - 1) * from.count + slot);
+    const turn = 4 * (Math.min(frame, from.frames - 1) * from.count + slot);
+    mesh.visible = from.places[at] > 0 && from.places[at + 1] > 0 && from.places[at + 2] > 0;
+    mesh.position.set(...[0, 1, 2].map((k) => data.low[k] + (from.places[at + k] - 1) * span[k]));
+    mesh.quaternion.set(from.turns[turn + 1], from.turns[turn + 2], from.turns[turn + 3], from.turns[turn]).normalize();
+  };
+  const ghost = data.ghost && poses(data.ghost, data.links);
+
+  const views = data.runs.map((run, number) => {
+    const world = new THREE.Scene();
+    world.add(new THREE.HemisphereLight(0xffffff, 0x8a8f99, 0.75));
+    const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
+    world.add(lamp, lamp.target);
+    const meshes = new Array(data.bodies.length);
+    data.bodies.forEach((body, k) => {
+      const mesh = new THREE.Mesh(geometries[body.mesh], ink[body.role]);
+      mesh.userData.role = body.role;
+      world.add(mesh);
+      meshes[k] = mesh;
+    });
+    // boxes in a stack are told apart by their edges; round bodies have none
+    data.moving.forEach((k) => {
+      const sharp = data.bodies[k].role === "simulated" && edgesOf(data.bodies[k].mesh);
+      if (sharp && sharp.attributes.position.count) meshes[k].add(new THREE.LineSegments(sharp, ink.dark));
+    });
+    for (const still of data.still) {
+      const mesh = meshes[still.body];
+      mesh.position.set(...still.place);
+      mesh.quaternion.set(still.turn[1], still.turn[2], still.turn[3], still.turn[0]);
+      mesh.add(new THREE.LineSegments(edgesOf(data.bodies[still.body].mesh), ink.edge));
+    }
+    const ghosts = ghost ? data.links.map((k) => new THREE.Mesh(geometries[data.bodies[k].mesh], ink.ghost)) : [];
+    ghosts.forEach((mesh) => { mesh.renderOrder = 2; world.add(mesh); });
+    const rings = [0, 1, 2].map(() => new THREE.Mesh(ringShape, ink.ring));
+    rings.forEach((ring) => { ring.renderOrder = 3; world.add(ring); });
+    const cell = stage.querySelectorAll(".view")[number];
+    return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, said: cell.querySelector(".said") };
+  });
+  const last = Math.max(...views.map((view) => view.moves.frames)) - 1;
+
+  // where two bodies overlap, nearly: the middle of what their boxes share
+  const boxOf = (mesh) => { mesh.updateMatrixWorld(); return mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld); };
+  function mark(view, frame) {
+    view.meshes.forEach((mesh) => { mesh.material = ink[mesh.userData.role]; });
+    const ended = frame >= view.moves.frames;
+    const pairs = ended ? [] : view.run.pairs[frame] || [];
+    view.rings.forEach((ring, k) => {
+      const pair = pairs[k];
+      ring.visible = Boolean(pair);
+      if (!pair) return;
+      const shared = boxOf(view.meshes[pair[0]]).intersect(boxOf(view.meshes[pair[1]]));
+      if (shared.isEmpty()) { ring.visible = false; return; }
+      shared.getCenter(ring.position);
+      ring.scale.setScalar(Math.max(0.035 * eye.distance, 0.4 * Math.min(shared.getSize(new THREE.Vector3()).length(), 0.2 * eye.distance)));
+    });
+    // fixed bodies keep their colour: a whole floor in red would hide where it happens
+    for (const k of pairs.flatMap((pair) => pair.slice(0, 2))) {
+      if (view.meshes[k].userData.role !== "fixed") view.meshes[k].material = ink.bad;
+    }
+    const deepest = pairs[0];
+    const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
+    view.cell.classList.toggle("overlaps", Boolean(deepest));
+    view.said.textContent = ended ? "ended here" : !deepest ? "no overlap"
+      : `${deepest[2] < 0.1 ? deepest[2] * 1000 + " µm" : deepest[2] + " mm"}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
+  }
+
+  // one eye for all views
+  const home = { azimuth: data.azimuth, height: 0.4, distance: 2.7 * data.radius, focus: new THREE.Vector3(...data.focus) };
+  const near = { ...home, distance: 2.6 * data.near };
+  const follow = say("follow");
+  const start = () => (follow.checked ? near : home);
+  const eye = { ...start(), focus: home.focus.clone() };
+  // the middle of what is followed, in our engine's view, so that all views look at the same place
+  const leader = views[data.leader];
+  function followed() {
+    const middle = new THREE.Vector3();
+    let count = 0;
+    data.moving.forEach((k, slot) => {
+      if (!data.followed.includes(k)) return;
+      put(leader.meshes[k], leader.moves, frame, slot);
+      if (leader.meshes[k].visible) { middle.add(leader.meshes[k].position); count += 1; }
+    });
+    return count ? middle.divideScalar(count) : home.focus.clone();
+  }
+  const camera = new THREE.PerspectiveCamera(38, 1, 0.02 * data.radius, 60 * data.radius);
+  camera.up.set(0, 0, 1);
+  function look() {
+    eye.height = Math.max(-1.5, Math.min(1.5, eye.height));
+    const flat = Math.cos(eye.height) * eye.distance;
+    camera.position.set(Math.cos(eye.azimuth) * flat, Math.sin(eye.azimuth) * flat, Math.sin(eye.height) * eye.distance).add(eye.focus);
+    camera.lookAt(eye.focus);
+  }
+
+  let renderer;
+  const canvas = stage.querySelector("canvas");
+  try {
+    renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+  } catch (error) {
+    say("trouble").hidden = false;
+    root.dataset.state = "no-webgl";
+    return;
+  }
+  renderer.setScissorTest(true);
+  const lead = home.focus.clone();
+  let frame = 0, playing = false, speed = 1, clock = 0, poster = true;
+  function draw() {
+    const all = stage.getBoundingClientRect();
+    const wide = Math.round(all.width), high = Math.round(all.height);
+    const size = renderer.getSize(new THREE.Vector2());
+    if (size.x !== wide || size.y !== high) {
+      renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+      renderer.setSize(wide, high, false);
+    }
+    if (follow.checked) { const at = followed(); eye.focus.add(at).sub(lead); lead.copy(at); }
+    look();
+    for (const view of views) {
+      if (view.cell.hidden) continue;
+      const cell = view.cell.getBoundingClientRect();
+      if (cell.bottom < 0 || cell.top > window.innerHeight) continue;
+      data.moving.forEach((k, slot) => put(view.meshes[k], view.moves, frame, slot));
+      view.ghosts.forEach((mesh, slot) => put(mesh, ghost, frame, slot));
+      mark(view, frame);
+      view.rings.forEach((ring) => ring.quaternion.copy(camera.quaternion));
+      view.lamp.position.copy(camera.position);
+      view.lamp.target.position.copy(eye.focus);
+      const left = cell.left - all.left, bottom = all.bottom - cell.bottom;
+      renderer.setViewport(left, bottom, cell.width, cell.height);
+      renderer.setScissor(left, bottom, cell.width, cell.height);
+      camera.aspect = cell.width / cell.height;
+      camera.updateProjectionMatrix();
+      renderer.render(view.world, camera);
+    }
+    root.dataset.frame = frame;
+  }
+
+  let asked = false;
+  const redraw = () => { if (!asked) { asked = true; requestAnimationFrame(() => { asked = false; draw(); }); } };
+  const bar = say("bar"), time = say("time"), button = say("play");
+  function show(wanted) {
+    frame = Math.max(0, Math.min(last, Math.round(wanted)));
+    bar.value = frame;
+    const seconds = (frame * data.dt).toFixed(2);
+    bar.setAttribute("aria-valuetext", `${seconds} seconds`);
+    time.textContent = `${seconds} s`;
+    document.dispatchEvent(new CustomEvent("shown-time", { detail: frame * data.dt }));
+    redraw();
+  }
+  function play(on) {
+    playing = on;
+    if (playing && (frame >= last || poster)) show(0);
+    poster = false;
+    button.textContent = playing ? "Pause" : "Play";
+    root.dataset.state = playing ? "playing" : "paused";
+    clock = performance.now();
+    if (playing) requestAnimationFrame(tick);
+  }
+  let rest = 0;
+  function tick(now) {
+    if (!playing) return;
+    rest += ((now - clock) / 1000) * speed / data.dt;
+    clock = now;
+    const steps = Math.floor(rest);
+    rest -= steps;
+    if (steps) show(frame + steps);
+    if (frame >= last) { play(false); return; }
+    requestAnimationFrame(tick);
+  }
+
+  bar.max = last;
+  bar.addEventListener("input", () => { poster = false; show(Number(bar.value)); });
+  button.addEventListener("click", () => play(!playing));
+  const speeds = say("speed");
+  speeds.addEventListener("change", () => { speed = Number(speeds.value); });
+  if (last * data.dt < 1.6) { speeds.value = "0.25"; speed = 0.25; }
+  const reset = () => { Object.assign(eye, start(), { focus: home.focus.clone() }); lead.copy(home.focus); redraw(); };
+  say("home").addEventListener("click", reset);
+  follow.addEventListener("change", reset);
+  root.querySelectorAll("[data-view]").forEach((box) => box.addEventListener("change", () => {
+    views[Number(box.dataset.view)].cell.hidden = !box.checked;
+    redraw();
+  }));
+  const ghostBox = say("ghost");
+  if (ghostBox) ghostBox.addEventListener("change", () => { ink.ghost.visible = ghostBox.checked; redraw(); });
+  document.addEventListener("seek-time", (event) => show(event.detail / data.dt));
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const tag = event.target.tagName;
+    if (tag === "SELECT" || (tag === "INPUT" && event.target !== bar) || (tag === "BUTTON" && event.key === " ") || tag === "SUMMARY") return;
+    const far = event.shiftKey ? 10 : 1;
+    const acts = {
+      " ": () => play(!playing), ArrowRight: () => show(frame + far), ArrowLeft: () => show(frame - far),
+      Home: () => show(0), End: () => show(last), r: reset, f: () => follow.click(),
+      a: () => { eye.azimuth -= 0.1; redraw(); }, d: () => { eye.azimuth += 0.1; redraw(); },
+      w: () => { eye.height += 0.08; redraw(); }, s: () => { eye.height -= 0.08; redraw(); },
+      "+": () => { eye.distance /= 1.12; redraw(); }, "-": () => { eye.distance *= 1.12; redraw(); },
+    };
+    const act = acts[event.key];
+    if (act) { event.preventDefault(); act(); }
+  });
+
+  // drag turns, with the right button or shift it moves; the wheel brings nearer only where the canvas has been touched
+  let held = null;
+  stage.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; stage.setPointerCapture(event.pointerId); stage.focus({ preventScroll: true }); });
+  stage.addEventListener("pointerup", () => { held = null; });
+  stage.addEventListener("pointercancel", () => { held = null; });
+  stage.addEventListener("pointermove", (event) => {
+    if (!held) return;
+    const [x, y] = [event.clientX - held[0], event.clientY - held[1]];
+    held = [event.clientX, event.clientY];
+    if (event.shiftKey || event.buttons === 2) {
+      const unit = eye.distance / 500;
+      const side = new THREE.Vector3().setFromMatrixColumn(camera.matrix, 0), up = new THREE.Vector3().setFromMatrixColumn(camera.matrix, 1);
+      eye.focus.addScaledVector(side, -x * unit).addScaledVector(up, y * unit);
+    } else { eye.azimuth -= 0.008 * x; eye.height += 0.008 * y; }
+    redraw();
+  });
+  stage.addEventListener("contextmenu", (event) => event.preventDefault());
+  stage.addEventListener("wheel", (event) => {
+    if (document.activeElement !== stage) return;
+    event.preventDefault();
+    eye.distance *= Math.exp(0.0012 * event.deltaY);
+    redraw();
+  }, { passive: false });
+  window.addEventListener("resize", redraw);
+  window.addEventListener("scroll", redraw, { passive: true });
+  root.dataset.state = "paused";
+  // open on the state in which the worst happens to somebody, rather than on one where nothing does
+  const worst = views.flatMap((view) => view.run.pairs.map((pairs, k) => [pairs.length ? pairs[0][2] : 0, k]));
+  const deepest = worst.reduce((most, one) => (one[0] > most[0] ? one : most), [0, 0]);
+  show(deepest[1]);
+})();

@@ -1,0 +1,180 @@
+"""A headless Chromium led over a pipe, in the words of its DevTools protocol; standard library only.
+
+Every request and every word on the console is kept. Nothing is downloaded: a browser has to be installed.
+"""
+
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars",
+    "--use-angle=swiftshader-webgl",
+    "--enable-unsafe-swiftshader", "--remote-debugging-pipe",
+)
+PATIENCE = 60.0
+"""Longest wait [s] for one answer: software WebGL on a busy machine takes seconds to compile its shaders."""
+
+Answer = Mapping[str, Any]
+
+
+def program() -> str:
+    """The browser's program; RuntimeError without one. CHROMIUM names another."""
+    named = os.environ.get("CHROMIUM") or next((path for name in NAMES if (path := shutil.which(name))), None)
+    if named is None:
+        raise RuntimeError(f"no browser found: none of {', '.join(NAMES)} is on PATH, and CHROMIUM names none")
+    return named
+
+
+class Browser:
+    """One browser with one page. `errors`: console errors and exceptions; `requests`: addresses asked for."""
+
+    def __init__(self) -> None:
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        self.loaded = False
+        self._home = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        self._number, self._rest, self._session = 0, b"", ""
+        orders_out, self._orders = os.pipe()
+        self._answers, answers_in = os.pipe()
+        command = [program(), *FLAGS, f"--user-data-dir={self._home.name}", "about:blank"]
+
+        def as_three_and_four() -> None:
+            # the protocol's fixed places; through high numbers, since either end may already be 3 or 4
+            read, write = os.dup2(orders_out, 98), os.dup2(answers_in, 99)
+            os.dup2(read, 3)
+            os.dup2(write, 4)
+
+        self._child = subprocess.Popen(
+            command, preexec_fn=as_three_and_four, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(orders_out)
+        os.close(answers_in)
+        page = next(one for one in self.tell("Target.getTargets")["targetInfos"] if one["type"] == "page")
+        self._session = self.tell("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self.tell(f"{domain}.enable")
+
+    def __enter__(self) -> "Browser":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        with suppress(OSError, RuntimeError):
+            self._send("Browser.close", {})
+        try:
+            self._child.wait(timeout=10.0)
+        except subprocess.TimeoutExpired:
+            self._child.kill()
+            self._child.wait()
+        os.close(self._orders)
+        os.close(self._answers)
+        self._home.cleanup()
+
+    def _send(self, method: str, about: Mapping[str, object]) -> int:
+        self._number += 1
+        said: dict[str, object] = {"id": self._number, "method": method, "params": about}
+        if self._session and not method.startswith(("Target.", "Browser.")):
+            said["sessionId"] = self._session
+        os.write(self._orders, json.dumps(said).encode() + b"\0")
+        return self._number
+
+    def tell(self, method: str, **about: object) -> Answer:
+        """Give one order and wait for its answer. RuntimeError when it is refused or none comes."""
+        number = self._send(method, about)
+        until = time.monotonic() + PATIENCE
+        for message in self._heard(until):
+            if message.get("id") == number:
+                if "error" in message:
+                    raise RuntimeError(f"{method}: {message['error']}")
+                return dict(message["result"])
+        raise RuntimeError(f"{method}: no answer within {PATIENCE:g} s")
+
+    def _heard(self, until: float) -> Iterator[dict[str, Any]]:
+        while (left := until - time.monotonic()) > 0.0:
+            while b"\0" in self._rest:
+                text, self._rest = self._rest.split(b"\0", 1)
+                message = json.loads(text)
+                self._note(message)
+                yield message
+            if select.select([self._answers], [], [], min(left, 1.0))[0]:
+                more = os.read(self._answers, 1 << 20)
+                if not more:
+                    raise RuntimeError("the browser has gone")
+                self._rest += more
+
+    def _note(self, message: Mapping[str, Any]) -> None:
+        about = message.get("params", {})
+        kind = message.get("method", "")
+        if kind == "Runtime.exceptionThrown":
+            thrown = about["exceptionDetails"]
+            self.errors.append(str(thrown.get("exception", {}).get("description") or thrown["text"]))
+        elif kind == "Runtime.consoleAPICalled" and about["type"] in ("error", "warning", "assert"):
+            self.errors.append(" ".join(str(one.get("value", one.get("description", ""))) for one in about["args"]))
+        elif kind == "Log.entryAdded" and about["entry"]["level"] == "error":
+            self.errors.append(f"{about['entry']['text']} {about['entry'].get('url', '')}")
+        elif kind == "Network.requestWillBeSent":
+            self.requests.append(about["request"]["url"])
+        elif kind == "Page.loadEventFired":
+            self.loaded = True
+
+    def open(self, page: Path) -> None:
+        """Load a page from disk and wait until it is there."""
+        self.loaded = False
+        self.errors.clear()
+        self.requests.clear()
+        self.tell("Page.navigate", url=page.resolve().as_uri())
+        until = time.monotonic() + PATIENCE
+        while not self.loaded:
+            if time.monotonic() > until:
+                raise RuntimeError(f"{page} was not loaded within {PATIENCE:g} s")
+            self.tell("Runtime.evaluate", expression="1")
+            time.sleep(0.05)
+
+    def value(self, expression: str) -> Any:
+        """The value of a JavaScript expression in the page. RuntimeError when it throws."""
+        found = self.tell("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
+        if "exceptionDetails" in found:
+            raise RuntimeError(str(found["exceptionDetails"]))
+        return found["result"].get("value")
+
+    def until(self, expression: str, patience: float = PATIENCE) -> None:
+        """Wait until an expression is true. RuntimeError when it never is."""
+        end = time.monotonic() + patience
+        while not self.value(expression):
+            if time.monotonic() > end:
+                raise RuntimeError(f"never true: {expression}")
+            time.sleep(0.1)
+
+    def screen(self, width: int, height: int, dark: bool = False, scale: float = 1.0) -> None:
+        """Size of the window [px] and the user's taste in colours."""
+        self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
+        wish = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.tell("Emulation.setEmulatedMedia", features=[wish])
+
+    def picture(self, place: Path, clip: Mapping[str, float] | None = None) -> None:
+        """A screenshot of the window as PNG, or of `clip` (x, y, width, height, scale) of the page."""
+        about: dict[str, object] = {"format": "png"}
+        if clip:
+            about |= {"clip": dict(clip), "captureBeyondViewport": True}
+        place.write_bytes(base64.b64decode(self.tell("Page.captureScreenshot", **about)["data"]))
+
+
+@contextmanager
+def browser(width: int = 1280, height: int = 900, dark: bool = False, scale: float = 1.0) -> Iterator[Browser]:
+    """A browser with a window of that size, closed at the end."""
+    with Browser() as opened:
+        opened.screen(width, height, dark, scale)
+        yield opened

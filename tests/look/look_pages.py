@@ -1,0 +1,163 @@
+"""The report in a browser: opened from disk it complains of nothing, asks nobody for anything, draws everything and plays.
+
+Not part of `make test`, which needs no browser: `make look` runs it on a small run made by hand and on the last run, and leaves
+screenshots in reports/out/look/ for eyes.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from reports import write_report
+from tests.look.browser import Browser, browser
+from tests.reports.conftest import whole_run
+from tests.reports.recorded import recording, scene
+
+OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
+SCREENSHOTS = OUT / "look"
+SIZES = {"wide": (1280, 900), "narrow": (420, 900)}
+
+COLOURS = """
+new Promise((done) => {
+  window.dispatchEvent(new Event("resize"));
+  // after the replay's own drawing, within the same frame, while the picture still is there
+  requestAnimationFrame(() => {
+    const from = document.querySelector(".stage canvas"), to = document.createElement("canvas");
+    to.width = from.width; to.height = from.height;
+    const pen = to.getContext("2d");
+    pen.drawImage(from, 0, 0);
+    const pixels = new Uint32Array(pen.getImageData(0, 0, to.width, to.height).data.buffer);
+    done(new Set(pixels).size);
+  });
+})
+"""
+"""How many different colours the replay's canvas has."""
+BLANK = """
+[...document.querySelectorAll("figure svg")].filter((svg) => {
+  const box = svg.getBoundingClientRect();
+  return !(box.width > 50 && box.height > 30 && svg.querySelector("path, circle, rect, line")) || !svg.getAttribute("aria-label");
+}).length
+"""
+"""How many charts are not drawn, or say nothing to those who do not see them."""
+HIDDEN = 'document.querySelectorAll("figure").forEach((one) => { one.style.contentVisibility = "visible"; })'
+"""Charts off the screen are not laid out until somebody scrolls there."""
+
+
+def by_hand(folder: Path) -> Path:
+    """A small run with recordings of one scene."""
+    folder.mkdir()
+    (folder / "results.json").write_text(json.dumps(whole_run()))
+    scene(folder, "arm_wall")
+    for run in ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default"):
+        recording(folder, "arm_wall", run, states=200, sinks=run != "avatarsim/default")
+    write_report(folder)
+    return folder
+
+
+@pytest.fixture(scope="module", params=["by hand", "last"])
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a report: made here, and the last run's where there is one with recordings."""
+    last = OUT / "latest"
+    if request.param == "by hand" or not (last / "scenes").exists():
+        return by_hand(tmp_path_factory.mktemp("look") / "run")
+    write_report(last)
+    return last
+
+
+@pytest.fixture(scope="module", params=[(size, colours) for size in SIZES for colours in ("light", "dark")], ids="-".join)
+def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
+    """A browser with a window of each size, in each taste, and a name for its screenshots."""
+    size, colours = request.param
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    with browser(*SIZES[size], dark=colours == "dark") as one:
+        yield one, f"{size}-{colours}"
+
+
+def quiet(one: Browser, page: Path) -> None:
+    """Nothing on the console, and no address asked for but the page's own."""
+    assert one.errors == []
+    own = page.resolve().as_uri()
+    assert [address for address in one.requests if address != own and not address.startswith("data:")] == []
+
+
+def scenes(run: Path) -> list[Path]:
+    """Pages of scenes that can be played, at most three."""
+    found = [page for page in sorted((run / "scenes").glob("*.html")) if 'id="replay-data"' in page.read_text(encoding="utf-8")]
+    assert found
+    return found[:3]
+
+
+def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    page = run / "index.html"
+    one.open(page)
+    one.value(HIDDEN)
+    assert one.value("document.querySelectorAll('figure svg').length") > 4
+    assert one.value(BLANK) == 0
+    assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+    for choice in one.value("[...document.querySelectorAll('#courses-scene option')].map((one) => one.value)"):
+        picked = f"""(() => {{
+            const box = document.getElementById("courses-scene");
+            box.value = {json.dumps(choice)};
+            box.dispatchEvent(new Event("change"));
+            return Number(document.getElementById("courses-charts").dataset.drawn);
+        }})()"""
+        assert one.value(picked) >= 1
+        assert one.value("document.querySelectorAll('#courses-charts svg path').length") >= 1
+    quiet(one, page)
+    one.picture(SCREENSHOTS / f"index-{run.name}-{name}.png")
+
+
+def test_the_index_leads_to_every_scene_and_back(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(run / "index.html")
+    every = "[...document.querySelectorAll('a[href*=\"scenes/\"]')].map((one) => one.getAttribute('href'))"
+    links = one.value(f"[...new Set({every})]")
+    assert links and all((run / link).exists() for link in links)
+    one.open(run / links[0])
+    assert one.value("document.querySelector('.brand a').getAttribute('href')") == "../index.html"
+
+
+def test_a_scene_plays(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    for page in scenes(run):
+        one.open(page)
+        one.until("['paused', 'no-webgl'].includes(document.getElementById('replay').dataset.state)")
+        assert one.value("document.getElementById('replay').dataset.state") == "paused", "the browser offers no WebGL"
+        one.until("document.getElementById('replay').dataset.frame !== undefined")
+        assert one.value(COLOURS) > 20
+        assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+        one.picture(SCREENSHOTS / f"{page.stem}-{run.name}-{name}.png")
+        shown = "Number(document.getElementById('replay').dataset.frame)"
+        one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: 0}))")
+        one.until(f"{shown} === 0")
+        one.value("document.querySelector('[data-part=play]').click()")
+        assert one.value("document.getElementById('replay').dataset.state") == "playing"
+        one.until(f"{shown} >= 3")
+        one.value("document.querySelector('[data-part=play]').click()")
+        assert one.value("document.getElementById('replay').dataset.state") == "paused"
+        assert float(one.value("document.getElementById('courses-charts').dataset.time")) > 0.0
+        quiet(one, page)
+
+
+def test_keys_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(scenes(run)[0])
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+
+    def press(key: str) -> None:
+        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
+
+    press("Home")
+    one.until("document.getElementById('replay').dataset.frame === '0'")
+    press("ArrowRight")
+    one.until("document.getElementById('replay').dataset.frame === '1'")
+    press("End")
+    one.until("document.getElementById('replay').dataset.frame === document.querySelector('[data-part=bar]').max")
+    press("ArrowLeft")
+    press(" ")
+    assert one.value("document.getElementById('replay').dataset.state") == "playing"
+    press(" ")
+    assert one.errors == []

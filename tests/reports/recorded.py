@@ -1,0 +1,48 @@
+"""A small run with recordings, made by hand: a ball falls into a slab, a hand passes through it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+STATES = 20
+BODIES = [
+    {"name": "slab", "role": "fixed", "mass": None,
+     "pieces": [{"kind": "box", "size": [1.0, 1.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
+    {"name": "ball", "role": "simulated", "mass": {"mass": 2.0, "centre": [0.0, 0.0, 0.0], "inertia": (0.1 * np.eye(3)).tolist()},
+     "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
+    {"name": "hand", "role": "driven", "mass": None,
+     "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
+]
+"""A hand, a ball and a slab, in canonical order."""
+
+
+def scene(folder: Path, name: str, **change: object) -> None:
+    """Write the file of the scene, with some of its fields changed."""
+    (folder / "scenes").mkdir(exist_ok=True)
+    whole = {"schema_version": 1, "scene": name, "gravity": [0.0, 0.0, -10.0], "bodies": BODIES} | change
+    (folder / "scenes" / f"{name}.json").write_text(json.dumps(whole))
+
+
+def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bool = False) -> None:
+    """Write a recording: the ball falls freely from 1 m, the hand goes down with the tracker; and the pairs if it `sinks`."""
+    times = np.arange(states) / 60.0
+    positions = np.zeros((states, 3, 3))
+    positions[:, 1, 2] = 1.0 - 5.0 * times**2
+    positions[:, 2, 2] = 0.5 - 0.05 * np.arange(states)
+    velocities = np.zeros((states, 3, 3))
+    velocities[:, 1, 2] = -10.0 * times
+    turns = np.zeros((states, 3, 4))
+    turns[..., 0] = 1.0
+    (folder / "recordings").mkdir(exist_ok=True)
+    stem = f"{name}.{run.replace('/', '.')}.0.npz"
+    meta = np.array(json.dumps({"schema_version": 1}))
+    np.savez(
+        folder / "recordings" / stem, meta=meta, times=times, positions=positions, orientations=turns, velocities=velocities,
+        angular_velocities=np.zeros((states, 3, 3)), raw_positions=positions[:, 2:], raw_orientations=turns[:, 2:],
+        **{"counts:contacts": np.arange(states)},
+    )
+    if sinks:
+        (folder / "overlaps").mkdir(exist_ok=True)
+        np.savez(folder / "overlaps" / stem, frame=np.array([9, 10, 10]), first=np.array([2, 2, 0]), second=np.array([0, 0, 1]),
+                 depth=np.array([0.01, 0.02, 5e-7]))

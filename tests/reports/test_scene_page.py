@@ -1,0 +1,143 @@
+"""A page per scene: whole, with its replay where three.js is, in words where it is not, and from files alone."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import three_js, write_report
+from reports.courses import conclusion, courses, sentence
+from reports.kept import drawn, shown
+from reports.packed import unpacked
+from reports.replay import MOST_BYTES, replay, stride
+from tests.reports.recorded import STATES, recording, scene
+from tests.reports.test_page import Tree
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+NAME, OURS, THEIRS = "arm_wall", "avatarsim/default", "mujoco/default"
+
+
+@pytest.fixture
+def folder(run_dir: Write, results: Json) -> Path:
+    """A run with recordings of one of its scenes; theirs ends early and sinks."""
+    found = run_dir(results)
+    scene(found, NAME)
+    recording(found, NAME, OURS)
+    recording(found, NAME, THEIRS, states=12, sinks=True)
+    return found
+
+
+def page(folder: Path, name: str = NAME) -> tuple[str, Tree]:
+    write_report(folder)
+    text = (folder / "scenes" / f"{name}.html").read_text(encoding="utf-8")
+    tree = Tree()
+    # what stands inside scripts is no markup
+    tree.feed(re.sub(r"(<script[^>]*>).*?(</script>)", r"\1\2", text, flags=re.S))
+    assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
+    return text, tree
+
+
+def held(text: str, name: str) -> Json:
+    found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', text, flags=re.S)
+    assert found
+    data: Json = json.loads(found[1])
+    return data
+
+
+def test_every_scene_has_a_page_and_the_index_leads_there_and_back(folder: Path) -> None:
+    text, tree = page(folder)
+    index = (folder / "index.html").read_text()
+    for name in (NAME, "hand_over_table", "ball_drop"):
+        assert f'href="scenes/{name}.html"' in index and (folder / "scenes" / f"{name}.html").exists()
+    assert f"../index.html#scene-{NAME}" in tree.links and f'id="scene-{NAME}"' in index
+    assert not [link for link in tree.links if "//" in link]
+    assert not list(folder.rglob(".*.part"))
+
+
+def test_the_replay_holds_what_was_recorded(folder: Path) -> None:
+    data = held(page(folder)[0], "replay-data")
+    ours, theirs = data["runs"]
+    assert (ours["run"], ours["frames"], theirs["run"], theirs["frames"]) == (OURS, STATES, THEIRS, 12)
+    assert data["moving"] == [1, 2] and data["links"] == [2] and data["ghost"]["frames"] == STATES
+    heights = unpacked(ours["places"], (data["low"][2], data["high"][2])).reshape(STATES, 2, 3)[:, 0, 2]
+    assert heights == pytest.approx(1.0 - 5.0 * (np.arange(STATES) / 60.0) ** 2, abs=1e-4)
+    # depths below what counts as overlap are no pair
+    assert theirs["pairs"][10] == [[2, 0, 20.0]] and theirs["pairs"][9] == [[2, 0, 10.0]] and not any(ours["pairs"])
+
+
+def test_without_three_js_the_page_says_so_and_keeps_its_charts(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(three_js, "library", lambda: None)
+    text, _ = page(folder)
+    assert "pip install &#39;.[assets]&#39;" in text and 'id="replay-data"' not in text and "courses-data" in text
+
+
+def test_without_recordings_the_page_has_its_figures(folder: Path) -> None:
+    text, _ = page(folder, "ball_drop")
+    assert "Nothing was recorded here" in text and "restitution_error_max" in text
+
+
+def test_only_our_own_scripts_may_run(folder: Path) -> None:
+    text, tree = page(folder)
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
+    assert policy and policy[1].count("sha256-") == text.count("<script>") == 3
+    assert "default-src 'none'" in policy[1].replace("&#39;", "'") and "http" not in policy[1]
+
+
+def test_nan_in_a_recording_is_hidden_not_drawn(folder: Path) -> None:
+    path = folder / "recordings" / f"{NAME}.mujoco.default.0.npz"
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    arrays["positions"][5:, 1] = np.nan
+    np.savez(path, **arrays)
+    data = held(page(folder)[0], "replay-data")
+    places = unpacked(data["runs"][1]["places"], (0.0, 1.0)).reshape(12, 2, 3)
+    assert np.isnan(places[5:, 0]).all() and not np.isnan(places[:5]).any()
+
+
+THEIR_FILE = f"{NAME}.mujoco.default.0.npz"
+
+
+@pytest.mark.parametrize("file", [f"scenes/{NAME}.json", f"recordings/{THEIR_FILE}", f"overlaps/{THEIR_FILE}"])
+def test_a_damaged_file_is_named_and_no_page_is_written(folder: Path, file: str) -> None:
+    (folder / file).write_bytes((folder / file).read_bytes()[:40])
+    with pytest.raises(InvalidFile, match=re.escape(Path(file).name)):
+        write_report(folder)
+    assert not (folder / "index.html").exists() and not list(folder.glob("scenes/*.html")) and not list(folder.rglob(".*.part"))
+
+
+def test_another_layout_is_refused(folder: Path) -> None:
+    scene(folder, NAME, schema_version=2)
+    with pytest.raises(InvalidFile, match="schema_version"):
+        write_report(folder)
+
+
+def test_a_name_that_leads_elsewhere_is_refused(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    found = run_dir(results | {"rows": [rows[0] | {"scenario": "../elsewhere"}]})
+    with pytest.raises(InvalidFile, match="elsewhere"):
+        write_report(found)
+
+
+def test_a_long_scene_leaves_out_states() -> None:
+    assert stride([600] * 6, 15) == 1 and stride([1200], 1) == 2
+    assert 3601 * 6 * 216 * 14 / stride([3601] * 6, 216) <= MOST_BYTES
+
+
+def test_a_falling_ball_keeps_its_energy(folder: Path) -> None:
+    found = drawn(folder, NAME)
+    lines = courses({}, shown(folder, NAME, [OURS, THEIRS]), found)
+    assert found and lines["energy"][0].values == pytest.approx(np.zeros(STATES), abs=1e-12)
+    assert conclusion("energy", lines["energy"]) == "All reach the same largest value, 0 J." or "Nobody rises" in conclusion(
+        "energy", lines["energy"])
+    assert sentence("contacts", lines["contacts"]) == f"{OURS}: median 10, largest 19; {THEIRS}: median 6, largest 11."
+
+
+def test_nothing_recorded_is_nothing_to_play(folder: Path) -> None:
+    found = drawn(folder, NAME)
+    assert found and replay(found, [], OURS) is None
