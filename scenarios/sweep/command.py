@@ -20,6 +20,7 @@ from scenarios.sweep.cell import Cell
 from scenarios.sweep.estimate import Estimate
 from scenarios.sweep.grid import applicable, settings_of
 from scenarios.sweep.rows import Row, csv_text, rows_of, with_fronts
+from scenarios.sweep.side_by_side import side_by_side, told
 from scenarios.sweep.store import Entry, Store
 from scenarios.sweep.table import table
 from scenarios.sweep.telling import errors_of, swept, swept_engines
@@ -61,7 +62,7 @@ class Sweep:
         """Find the errors that are not known."""
         todo = {cell.job.stem: cell for cell in self.cells if cell not in self.errors}
         said = Estimate("errors", len(todo), sys.stderr)
-        for job, entry in measure.told(measure.side_by_side(measure.errors, [cell.job for cell in todo.values()], workers)):
+        for job, entry in told(side_by_side(measure.errors, [cell.job for cell in todo.values()], workers)):
             cell = todo[job.stem]
             self.store.put(ERRORS, cell.key, entry)
             self.errors[cell] = entry
