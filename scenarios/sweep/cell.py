@@ -11,8 +11,8 @@ from scenarios.sweep import finer
 from scenarios.sweep.fingerprint import find, key_of, sources
 from scenarios.sweep.grid import Setting
 
-TIMED = 300
-"""Rendered frames that are timed, five seconds: all scenes come into contact within them."""
+TIMED = 240
+"""Rendered frames that are timed, four seconds: all scenes come into contact within them."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,18 +15,20 @@ from scenarios.gate import INCOMPLETE, STOPPED
 from scenarios.harness import Offer, offers
 from scenarios.own_settings import OwnSettings, read
 from scenarios.scenario import Scenario
-from scenarios.sweep import clock, measure
+from scenarios.sweep import clock, limit, measure
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.estimate import Estimate
 from scenarios.sweep.grid import applicable, settings_of
+from scenarios.sweep.limits_run import converge
+from scenarios.sweep.limits_run import table as limits_table
 from scenarios.sweep.rows import Row, csv_text, rows_of, with_fronts
 from scenarios.sweep.side_by_side import side_by_side, told
 from scenarios.sweep.store import Entry, Store
 from scenarios.sweep.table import table
 from scenarios.sweep.telling import errors_of, swept, swept_engines
 
-FOLDER, ROWS = "sweep", "sweep.csv"
-"""Folder of all sweeps below `--out`, which keeps what was found for ever, and the file of rows."""
+FOLDER, ROWS, LIMITS = "sweep", "sweep.csv", "convergence.csv"
+"""Folder of all sweeps below `--out`, which keeps what was found for ever, and the files of rows."""
 ERRORS, TIMES = "errors", "times"
 """Kinds of entries in the store."""
 
@@ -107,17 +109,22 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
     offered = offers(engines, asked.jobs)
     absent = {name: offer.trouble for name, offer in offered.items() if offer.trouble}
     folder = asked.out.resolve() / FOLDER
-    ran = Sweep(cells_of(scenes, {n: o for n, o in offered.items() if n not in absent}, own, asked), Store(folder / "found"))
-    code = 0
+    there, store = {name: offer for name, offer in offered.items() if name not in absent}, Store(folder / "found")
+    ran = Sweep(cells_of(scenes, there, own, asked), store)
+    code, limits = 0, list[limit.Row]()
     try:
         ran.measure(asked.jobs)
         ran.clock()
+        presets = {name: tuple(p for p in o.presets if p in (asked.preset or o.presets)) for name, o in there.items()}
+        limits = converge([n for n in limit.SCENES if n in scenes], presets, store, asked.jobs, asked.full, asked.frames)
     except KeyboardInterrupt:
         code = STOPPED
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
     rows = ran.rows()
-    written(folder, asked.out.resolve() / "latest", {ROWS: csv_text(rows, Row)})
-    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows))
+    files = {ROWS: csv_text(rows, Row), **({LIMITS: csv_text(limits, limit.Row)} if limits else {})}
+    written(folder, asked.out.resolve() / "latest", files)
+    text = "\n".join(part for part in (table(rows), limits_table(limits)) if part)
+    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else text)
     for name, trouble in absent.items():
         print(f"{name} is left out: {trouble}", file=sys.stderr)
     broken = any(row.state == "crashed" and " " not in row.setting for row in rows)

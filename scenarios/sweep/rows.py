@@ -24,6 +24,7 @@ class Row:
 
     `state`: measured; wrong-side (the error is small because something went through a wall), not-finite, crashed, cannot-say,
     not-measured, refused. `front`: "all" on the front of all engines, "own" on that of its own engine only, else empty.
+    `reached`: the error that counts as none.
     """
 
     scenario: str
@@ -36,6 +37,7 @@ class Row:
     p99: float
     state: str
     front: str
+    reached: float
     note: str
 
 
@@ -52,8 +54,8 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Ent
         error = float(values.get(metric, math.nan))
         why = _state(state, metric, values)
         said = note or missing.get(metric, "") or ("" if clocked is None or clocked["p50"] else clocked["note"])
-        row = Row(cell.scenario, cell.setting.engine, cell.setting.name, metric, unit(metric), error, p50, p99, why, "", said)
-        rows.append(row)
+        engine, name, of = cell.setting.engine, cell.setting.name, unit(metric)
+        rows.append(Row(cell.scenario, engine, name, metric, of, error, p50, p99, why, "", REACHED.get(of, 0.0), said))
     return rows
 
 
@@ -76,7 +78,7 @@ def floored(row: Row) -> float:
     """The error, or what counts as none where it is less; nan where the row was not measured."""
     if row.state != "measured" or math.isnan(row.error):
         return math.nan
-    return max(row.error, REACHED.get(row.unit, 0.0))
+    return max(row.error, row.reached)
 
 
 def with_fronts(rows: Sequence[Row]) -> list[Row]:

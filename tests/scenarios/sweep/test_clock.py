@@ -35,4 +35,4 @@ def test_every_group_has_every_engine() -> None:
 def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> None:
     cut = Setting("avatarsim", "default frame=1/240", "default", cut=4)
     assert Cell("stop_distance", cut).timed_frames == 4 * Cell("stop_distance", Setting("mujoco", "tuned", "tuned")).timed_frames
-    assert Cell("hand_grasp", cut).timed_frames == 1200 and Cell("hand_grasp", cut, frames=5).timed_frames == 20
+    assert Cell("hand_grasp", cut).timed_frames == 960 and Cell("hand_grasp", cut, frames=5).timed_frames == 20

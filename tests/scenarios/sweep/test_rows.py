@@ -46,7 +46,7 @@ def test_errors_that_do_not_apply_have_no_row() -> None:
 
 
 def row(engine: str, setting: str, error: float, p50: float, state: str = "measured") -> Row:
-    return Row("s", engine, setting, "residual_overlap_max", "m", error, p50, 2.0 * p50, state, "", "")
+    return Row("s", engine, setting, "residual_overlap_max", "m", error, p50, 2.0 * p50, state, "", 1e-6, "")
 
 
 def test_fronts_of_all_and_of_each() -> None:
@@ -62,7 +62,7 @@ def test_fronts_of_all_and_of_each() -> None:
 def test_the_file_and_the_table() -> None:
     rows = with_fronts([row("a", "1", 0.0, 10.0), row("b", "1", math.nan, math.nan, "crashed"), row("b", "2", 1.0, math.nan)])
     assert csv_text(rows, Row).splitlines()[1:3] == [
-        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,", "s,b,1,residual_overlap_max,m,,,,crashed,,",
+        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,1e-06,", "s,b,1,residual_overlap_max,m,,,,crashed,,1e-06,",
     ]
     text = table(rows)
     assert "no point: b/1: crashed" in text and "not timed: b/2" in text and "0.0100 ms" in text
