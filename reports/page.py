@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from reports import broad_phase_chart, closeness, effects, growth, table_2_chart
+from reports import broad_phase_chart, closeness, convergence, effects, growth, law_map_chart, sweep_chart, table_2_chart
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -22,12 +22,15 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.convergence import Converging
 from reports.effects import Ablation
 from reports.growth import Growth
+from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.palette import dark_rules, strokes
+from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, Cell, blocks, more_truths
 from reports.verdict import Verdict, believed, losing_scenes
@@ -80,6 +83,9 @@ class Extras:
     growth: Growth | None = None
     close: Closeness | None = None
     ablation: Ablation | None = None
+    sweep: Sweep | None = None
+    converging: Converging | None = None
+    law_map: LawMap | None = None
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
@@ -112,6 +118,9 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> st
         growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
         effects=extras.ablation, **(effects.section(extras.ablation) if extras.ablation else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
+        sweep=extras.sweep, **(sweep_chart.section(extras.sweep) if extras.sweep else {}),
+        converging=extras.converging, **(convergence.section(extras.converging) if extras.converging else {}),
+        law_map=extras.law_map, **(law_map_chart.section(extras.law_map) if extras.law_map else {}),
     )
 
 
