@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test fuzz check ablate bench nearness report lint lock clean FORCE
+.PHONY: help setup compare test fuzz check ablate bench stability nearness report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -51,6 +51,10 @@ bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 
 	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reference.broad_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes and places, in every engine; goes on where it stopped
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m scenarios.stability; code=$$?; $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 # What is found is no error of a command; a command that could not ask is.
 nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free posture (half an hour for all scenes), 100 orders of chains
