@@ -12,7 +12,7 @@ def write_report(run_dir: Path) -> None:
     All three are made before one of them is replaced. Raises InvalidFile when results.json is missing, truncated or of
     another schema; what stands in the folder then stays as it is.
     """
-    from reports import broad_phase, closeness, effects, growth, narrow_phase, table_2
+    from reports import broad_phase, closeness, effects, growth, narrow_phase, stability, table_2
     from reports.junit import junit
     from reports.load import load
     from reports.page import Extras, page
@@ -21,7 +21,8 @@ def write_report(run_dir: Path) -> None:
 
     results = load(run_dir)
     judged = verdict(results)
-    extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness, effects)))
+    rooms = (narrow_phase, broad_phase, table_2, growth, closeness, effects, stability)
+    extras = Extras(*(room.load(run_dir) for room in rooms))
     whole = page(results, judged, extras)
     texts = {SUMMARY: summary(results, judged, extras.two, extras.close), JUNIT: junit(judged), PAGE: whole}
     for name, text in texts.items():

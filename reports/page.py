@@ -7,7 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from reports import broad_phase_chart, closeness, effects, growth, table_2_chart
+from reports import broad_phase_chart, closeness, effects, growth, stability, table_2_chart
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -28,6 +28,7 @@ from reports.load import EngineNote, Results
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.palette import dark_rules, strokes
+from reports.stability import Stability
 from reports.table_2 import Table2
 from reports.tables import Block, Cell, blocks, more_truths
 from reports.verdict import Verdict, believed, losing_scenes
@@ -80,6 +81,7 @@ class Extras:
     growth: Growth | None = None
     close: Closeness | None = None
     ablation: Ablation | None = None
+    steady: Stability | None = None
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> str:
@@ -111,6 +113,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None) -> st
         two=extras.two, **(table_2_chart.section(extras.two) if extras.two else {}),
         growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
         effects=extras.ablation, **(effects.section(extras.ablation) if extras.ablation else {}),
+        stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 
