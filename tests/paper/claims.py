@@ -62,7 +62,7 @@ EQUATIONS = {
             "paper/test_equation_6.py::test_energy_never_grows",
             "paper/test_figure_3.py::test_eq_6_lets_a_hand_trail_and_catch_up_as_a_damped_oscillator_does",
         ),
-        ("hand_over_table", "squeeze", "coach_release"),
+        ("coupling_sweep", "hand_over_table", "squeeze", "coach_release"),
     ),
     "equation 7": Claim(
         "normal velocity of a contact",

@@ -10,6 +10,10 @@ RAW = {
     "coincident_centres": {
         "sphere": (33, 0.2), "capsule": (33, 0.2), "box": (33, 0.2), "ellipsoid": (33, 0.18), "hull": (33, 0.2),
     },
+    **{
+        name: {f"ball_{mass}_{ratio}": (frames, 0.1) for ratio in ("0.25", "4") for mass in ("0.1", "0.4", "1", "10")}
+        for name, frames in (("coupling_sweep", 24), ("coupling_sweep_30", 12), ("coupling_sweep_240", 96))
+    },
     "driven_10cm_wall": {"wall": (111, 0.1)},
     "hand_grasp": {"duck": (98, 0.0259), "mug": (69, 0.0227)},
     "hand_in_bowl": {"bowl": (163, 0.0297)},
