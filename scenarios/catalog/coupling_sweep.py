@@ -1,9 +1,9 @@
 """Eq. 6 over masses and frame times: hands of 0.1 to 10 kg, on the spring of the virtual coupling, strike balls as they pass.
 
 Closed form, elastic and without friction: a hand that is led at V and strikes a ball at rest goes on with (m - M) / (m + M) V,
-the ball with 2 m / (m + M) V; from then on the hand's offset from its user is that of a damped spring with the hand's mass, thrown
-back with 2 M / (m + M) V. Balls of a quarter of their hand's mass are faster than the user and are not met again. Balls four
-times as heavy as their hand are caught up with again and again: the paper's worry about endless loops.
+the ball with 2 m / (m + M) V; from then on the hand's offset from its user is that of a damped spring with the hand's mass,
+thrown back with 2 M / (m + M) V. Balls of a quarter of their hand's mass are faster than the user and are not met again. Balls
+four times as heavy as their hand are caught up with again and again: the paper's worry about endless loops.
 
 In the 60 frames of a quick comparison the raw motion is inside each of the eight balls for 24, up to 0.1 m deep.
 """
