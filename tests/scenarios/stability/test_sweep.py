@@ -7,6 +7,7 @@ import pytest
 
 from scenarios.processes import Died
 from scenarios.stability import __main__ as command
+from scenarios.stability import side_by_side
 from scenarios.stability.finished import NAME, Finished, key_of
 from scenarios.stability.outcome import CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, Outcome, Task
 from scenarios.stability.plan import Trial
@@ -61,7 +62,7 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: p
             raise KeyboardInterrupt
         return done()
 
-    monkeypatch.setattr(command, "outcome", outcome)
+    monkeypatch.setattr(side_by_side, "outcome", outcome)
     words = ["--run", str(tmp_path), "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "1"]
     assert command.main(words) == 130
     assert len((tmp_path / NAME).read_text().splitlines()) == 2
@@ -83,8 +84,8 @@ def test_of_a_process_that_dies_every_trial_is_asked_again(monkeypatch: pytest.M
             return [(g, Died("killed by signal 11" if g[-1] is OTHER else "no answer") if OTHER in g else [done()] * len(g))
                     for g in groups]
 
-    monkeypatch.setattr(command, "Pool", Pool)
-    found = dict(command.in_own_processes([(ONE, OTHER)], 1))
+    monkeypatch.setattr(side_by_side, "Pool", Pool)
+    found = dict(side_by_side.in_own_processes([(ONE, OTHER)], 1))
     assert found[ONE].state == SURVIVED and found[OTHER].state == CRASHED and "signal 11" in found[OTHER].note
-    sizes = [len(group) for group in command.chunks([ONE] * 9 + [Task("painleve", 0.2, "avatarsim", "default", PLAIN)])]
+    sizes = [len(group) for group in side_by_side.chunks([ONE] * 9 + [Task("painleve", 0.2, "avatarsim", "default", PLAIN)])]
     assert sizes == [8, 1, 1]
