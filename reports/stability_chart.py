@@ -1,4 +1,4 @@
-"""A heat map per figure: engines down, kinds of change across, the darker the worse, each cell with its figure."""
+"""A heat map per figure: kinds of change down, engines across, the darker the worse, each cell with its figure."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +11,7 @@ from reports.palette import ALARM, MUTED, TEXT
 from reports.picture import picture
 from reports.wording import quantity
 
-CELL, ROW = 66, 24
+CELL, ROW = 54, 22
 """Width and height of a cell [px]."""
 PALEST, DARKEST = 0.0, 0.6
 """Opacity of the best and of the worst cell; beyond it the figure on top could not be read."""
@@ -49,14 +49,15 @@ def panels(values: Values, runs: Sequence[str], kinds: Sequence[str], units: Map
 
 
 def _spec(dots: list[dict[str, object]], runs: Sequence[str], kinds: Sequence[str]) -> dict[str, object]:
-    x = alt.X("kind:N", sort=list(kinds), title=None, axis=alt.Axis(orient="top", labelAngle=0, ticks=False, domain=False))
-    y = alt.Y("run:N", sort=list(runs), title=None, axis=alt.Axis(ticks=False, domain=False, labelLimit=200, labelColor=TEXT[0]))
+    slant = alt.Axis(orient="top", labelAngle=-28, labelAlign="left", ticks=False, domain=False, labelLimit=200)
+    x = alt.X("run:N", sort=list(runs), title=None, axis=slant)
+    y = alt.Y("kind:N", sort=list(kinds), title=None, axis=alt.Axis(ticks=False, domain=False, labelColor=TEXT[0]))
     base = alt.Chart({"values": dots}).encode(x=x, y=y)
     opacity = alt.Opacity("shade:Q", scale=None, legend=None)
     chart = alt.layer(
         base.mark_rect(color=ALARM[0], cornerRadius=2).encode(opacity=opacity),
-        base.mark_text(color=TEXT[0], fontSize=10).encode(text="word:N"),
-    ).properties(width=CELL * len(kinds), height=ROW * len(runs), background="transparent").configure(
-        font=FONT, padding={"left": 4, "top": 2, "right": 4, "bottom": 2}, view=alt.ViewConfig(stroke=None)
+        base.mark_text(color=TEXT[0], fontSize=9).encode(text="word:N"),
+    ).properties(width=CELL * len(runs), height=ROW * len(kinds), background="transparent").configure(
+        font=FONT, padding={"left": 4, "top": 2, "right": 48, "bottom": 2}, view=alt.ViewConfig(stroke=None)
     ).configure_axis(labelColor=MUTED[0], labelFontSize=10, grid=False)
     return dict(chart.to_dict())
