@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look fuzz check ablate bench sweep map nearness report lint lock clean FORCE
+.PHONY: help setup compare test look fuzz check ablate bench sweep map stability nearness report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -63,6 +63,10 @@ map: $(READY)  ## restitution and friction asked for against obtained, per engin
 	@$(COMPILED)
 	@code=0; $(VENV_PYTHON) -m scenarios.law_map || code=$$?; \
 	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes and places, in every engine; goes on where it stopped
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m scenarios.stability; code=$$?; $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 # What is found is no error of a command; a command that could not ask is.
 nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free posture (half an hour for all scenes), 100 orders of chains

@@ -14,6 +14,7 @@ from reports import (
     growth,
     law_map_chart,
     paper_figures,
+    stability,
     sweep_chart,
     table_2_chart,
 )
@@ -47,6 +48,7 @@ from reports.ranking import ranks, runs_of, tolerances
 from reports.ranking import sentence as ranking_sentence
 from reports.scene_page import environment, strokes_data
 from reports.scripts import data, policy, source
+from reports.stability import Stability
 from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
@@ -104,6 +106,7 @@ class Extras:
     sweep: Sweep | None = None
     converging: Converging | None = None
     law_map: LawMap | None = None
+    steady: Stability | None = None
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
@@ -144,6 +147,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         sweep=extras.sweep, **(sweep_chart.section(extras.sweep) if extras.sweep else {}),
         converging=extras.converging, **(convergence.section(extras.converging) if extras.converging else {}),
         law_map=extras.law_map, **(law_map_chart.section(extras.law_map) if extras.law_map else {}),
+        stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 
