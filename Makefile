@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look fuzz check ablate bench nearness report lint lock clean FORCE
+.PHONY: help setup compare test look fuzz check ablate bench sweep map stability nearness report lint lock clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -52,6 +52,21 @@ bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 
 	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reference.broad_phase || code=$$?; \
 	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+# What was found before is kept: a second run asks only what changed, and one that was stopped goes on.
+sweep: $(READY)  ## accuracy against time over every engine's own settings, into the last run's report (FULL=1: every scene)
+	@$(COMPILED)
+	@code=0; $(VENV_PYTHON) -m scenarios sweep $(if $(FULL),--full) || code=$$?; \
+	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+map: $(READY)  ## restitution and friction asked for against obtained, per engine, step and shape
+	@$(COMPILED)
+	@code=0; $(VENV_PYTHON) -m scenarios.law_map || code=$$?; \
+	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+
+stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes and places, in every engine; goes on where it stopped
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m scenarios.stability; code=$$?; $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 # What is found is no error of a command; a command that could not ask is.
 nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free posture (half an hour for all scenes), 100 orders of chains

@@ -20,14 +20,29 @@ def write_report(run_dir: Path) -> None:
     All are made before one of them is replaced. Raises InvalidFile when results.json or another file of the run is missing,
     truncated or of another schema; what stands in the folder then stays as it is.
     """
-    from reports import broad_phase, closeness, effects, figure_7, growth, narrow_phase, table_2
+    from reports import (
+        broad_phase,
+        closeness,
+        convergence,
+        effects,
+        figure_7,
+        growth,
+        law_map,
+        narrow_phase,
+        stability,
+        sweep,
+        table_2,
+    )
     from reports.load import load
     from reports.page import Extras
     from reports.verdict import verdict
 
     results = load(run_dir)
     extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness, effects)))
-    extras = replace(extras, figure_7=figure_7.load(run_dir))
+    extras = replace(
+        extras, figure_7=figure_7.load(run_dir), sweep=sweep.load(run_dir), converging=convergence.load(run_dir),
+        law_map=law_map.load(run_dir), steady=stability.load(run_dir),
+    )
     _replace(run_dir, _texts(run_dir, results, verdict(results), extras))
 
 

@@ -5,7 +5,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from reports import broad_phase_chart, closeness, effects, first_contact, growth, paper_figures, table_2_chart
+from reports import (
+    broad_phase_chart,
+    closeness,
+    convergence,
+    effects,
+    first_contact,
+    growth,
+    law_map_chart,
+    paper_figures,
+    stability,
+    sweep_chart,
+    table_2_chart,
+)
 from reports.broad_phase import BroadPhase
 from reports.charts import overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
@@ -20,10 +32,12 @@ from reports.conclusions import (
     table_sentence,
     time_summary,
 )
+from reports.convergence import Converging
 from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
 from reports.figure_7 import Trace
 from reports.growth import Growth
+from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
@@ -34,6 +48,8 @@ from reports.ranking import ranks, runs_of, tolerances
 from reports.ranking import sentence as ranking_sentence
 from reports.scene_page import environment, strokes_data
 from reports.scripts import data, policy, source
+from reports.stability import Stability
+from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
 from reports.verdict import Verdict, losing_scenes
@@ -87,6 +103,10 @@ class Extras:
     close: Closeness | None = None
     ablation: Ablation | None = None
     figure_7: tuple[Trace, ...] = ()
+    sweep: Sweep | None = None
+    converging: Converging | None = None
+    law_map: LawMap | None = None
+    steady: Stability | None = None
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
@@ -124,6 +144,10 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         two=extras.two, **(table_2_chart.section(extras.two) if extras.two else {}),
         growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
         effects=extras.ablation, **(effects.section(extras.ablation) if extras.ablation else {}),
+        sweep=extras.sweep, **(sweep_chart.section(extras.sweep) if extras.sweep else {}),
+        converging=extras.converging, **(convergence.section(extras.converging) if extras.converging else {}),
+        law_map=extras.law_map, **(law_map_chart.section(extras.law_map) if extras.law_map else {}),
+        stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 

@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate, sweep."""
 
 import argparse
 import os
@@ -11,10 +11,11 @@ from scenarios import ablation, commands, listing
 from scenarios.files import OUT
 from scenarios.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.resume import stoppable
+from scenarios.sweep import command
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": commands.compare,
-    "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate,
+    "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate, "sweep": command.sweep,
 }
 """What each word of the command line does."""
 
@@ -48,6 +49,7 @@ def parser() -> argparse.ArgumentParser:
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     chosen.add_parser("ablate", help="what each effect of a scene costs, and what leaving it out changes", parents=[shared])
+    chosen.add_parser("sweep", help="accuracy against time over every engine's own settings, resumable", parents=[shared])
     return top
 
 

@@ -136,14 +136,17 @@ class _Seat:
         return Clocked(self.job, timed, self.note or f"{len(self.repeats)} repeats of {around.shape[1]} frames")
 
 
-def timed_pass(jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None) -> list[Clocked]:
+def timed_pass(
+    jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None
+) -> list[Clocked]:
     """Time all `jobs` of one scene. They warm up side by side; then one at a time, turn by turn, REPEATS times round.
 
-    `done` is called after each job's last turn."""
-    frames = MOST_FRAMES if full else SHORT_FRAMES
+    `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES with `full`,
+    else SHORT_FRAMES)."""
+    counts = [MOST_FRAMES if full else SHORT_FRAMES] * len(jobs) if frames is None else frames
     seats: list[_Seat] = []
     try:
-        seats.extend(_Seat(job, frames) for job in jobs)
+        seats.extend(_Seat(job, count) for job, count in zip(jobs, counts, strict=True))
         for seat in seats:
             seat.hear()
         for _ in range(REPEATS):

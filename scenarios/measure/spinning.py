@@ -60,10 +60,12 @@ def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     if not entries:
         return {}
     errors, short = [], []
+    # upright is against gravity, whichever way the world lies
+    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
     for entry in entries:
         own = scene.names.index(entry.body)
         axis = rotation.rotate(recording.orientations[:, own], np.array([0.0, 0.0, 1.0]))
-        lean = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
+        lean = np.arctan2(np.linalg.norm(np.cross(axis, up), axis=1), axis @ up)
         speed = np.linalg.norm(recording.angular_velocities[:, own], axis=1)
         falling = lean <= entry.until
         # once down it is down: what it does afterwards is not this closed form's affair

@@ -7,8 +7,16 @@ RAW = {
     "ball_off_table": {"table": (128, 0.0301), "ball": (126, 0.0379)},
     "chain_order": {"wall": (74, 0.1861), "self": (54, 0.0259)},
     "coach_release": {"slab": (224, 0.0888)},
+    "coincident_centres": {
+        "sphere": (33, 0.2), "capsule": (33, 0.2), "box": (33, 0.2), "ellipsoid": (33, 0.18), "hull": (33, 0.2),
+    },
+    **{
+        name: {f"ball_{mass}_{ratio}": (frames, 0.1) for ratio in ("0.25", "4") for mass in ("0.1", "0.4", "1", "10")}
+        for name, frames in (("coupling_sweep", 24), ("coupling_sweep_30", 12), ("coupling_sweep_240", 96))
+    },
     "driven_10cm_wall": {"wall": (111, 0.1)},
     "hand_grasp": {"duck": (98, 0.0259), "mug": (69, 0.0227)},
+    "hand_in_bowl": {"bowl": (163, 0.0297)},
     "hand_in_corner": {"walls": (192, 0.0771)},
     "hand_in_corner_rigid": {"walls": (192, 0.0621)},
     "limit_torture": {"self": (234, 0.145)},

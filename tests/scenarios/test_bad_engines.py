@@ -36,7 +36,7 @@ def frames(name: str) -> int:
     scenario = scenarios()[name].as_run(False)
     scene = scenario.build()
     if not scene.avatars:
-        return min(round(WITHOUT_AVATAR / scenario.dt), scenario.frames)
+        return min(max(round(WITHOUT_AVATAR / scenario.dt), AFTER_CONTACT), scenario.frames)
     judge, motion = Judge(scene), scenario.motion(scene, 0)
     positions = [body.position for body in scene.bodies]
     orientations = [body.orientation for body in scene.bodies]

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,9 +38,26 @@ def test_the_accuracy_pass_must_have_reached_the_same_bits_at_the_same_frame() -
 
 
 def test_work_is_a_mean_per_frame_and_resyncs_a_sum() -> None:
-    from dataclasses import replace
-
     recording = replace(
         resting(fist_scene(), 4), counts={"pairs": np.array([100, 1, 2, 3, 4]), "resyncs": np.array([0, 1, 0, 2, 0])},
     )
     assert work(recording) == {"pairs_per_frame": 2.5, "resyncs": 3.0}
+
+
+def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
+    """101 frames of 0 to 100 us, out of order: the share of frames is the time; the slower repeat shows in the raw ones alone."""
+    fast = np.random.default_rng(0).permutation(101) * 1000
+    found = frame_times(Timed(np.array([fast, fast + 200_000])))
+    assert (found["frame_time_p50"], found["frame_time_p95"], found["frame_time_p99"]) == (50.0, 95.0, 99.0)
+    # of both repeats together: 0 to 100, then 200 to 300
+    both = np.sort(np.concatenate([np.arange(101.0), np.arange(200.0, 301.0)]))
+    for share in (95, 99):
+        below = np.mean(both <= found[f"frame_time_raw_p{share}"])
+        assert below == pytest.approx(share / 100.0, abs=1.0 / len(both))
+
+
+def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:
+    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("trapped", "walled", "crossings"))}
+    found = work(replace(resting(fist_scene(), 4), counts=numbers))
+    # the first state is no frame
+    assert found == {"trapped": 2.0, "walled": 3.0, "crossings": 4.0}

@@ -1,0 +1,180 @@
+"""Accuracy against time, from what `scenarios sweep` left in the run: points, fronts, and whether the promised ratios hold."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from reports.files import lines, number
+from reports.wording import count, figures, limit, listed
+
+ROWS = "sweep.csv"
+OURS = ("avatarsim", "default")
+OVERLAP = "residual_overlap_max"
+RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
+"""At least so many times faster (second) than any setting of another engine that leaves at most so much overlap (first) [m]."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting in one scene: `error` in `unit`, frame time [us] median and 99th percentile; nan with the reason in `note`.
+    `reached`: the error that counts as none. `front`: all, own or empty."""
+
+    scenario: str
+    engine: str
+    setting: str
+    metric: str
+    unit: str
+    error: float
+    p50: float
+    p99: float
+    state: str
+    front: str
+    reached: float
+    note: str
+
+    @property
+    def run(self) -> str:
+        """Engine and setting as tables name them."""
+        return f"{self.engine}/{self.setting}"
+
+    @property
+    def floored(self) -> float:
+        """The error, or what counts as none where it is less; nan where the point is none."""
+        return max(self.error, self.reached) if self.state == "measured" and not math.isnan(self.error) else math.nan
+
+
+@dataclass(frozen=True)
+class Rivalry:
+    """What the others reach in one scene and error. `better`: settings as fast and as accurate as ours. `ratios`: for each of
+    RATIOS the fastest setting that is accurate enough, and how many times our time it takes; None where there is none."""
+
+    scenario: str
+    metric: str
+    unit: str
+    points: tuple[Point, ...]
+
+    @cached_property
+    def ours(self) -> Point | None:
+        """Our own default, if it was measured and timed."""
+        return next((p for p in self.points if (p.engine, p.setting) == OURS and p.p50 > 0.0 and p.floored == p.floored), None)
+
+    @cached_property
+    def better(self) -> tuple[Point, ...]:
+        """Settings of others that are at least as fast and at least as accurate, fastest first."""
+        ours = self.ours
+        if ours is None:
+            return ()
+        found = [p for p in self.points if p.engine != OURS[0] and p.p50 <= ours.p50 and p.floored <= ours.floored]
+        return tuple(sorted(found, key=lambda p: p.p50))
+
+    @cached_property
+    def ratios(self) -> tuple[tuple[Point, float] | None, ...]:
+        """One entry per row of RATIOS; of overlap only."""
+        ours, found = self.ours, list[tuple[Point, float] | None]()
+        if ours is None or self.metric != OVERLAP:
+            return ()
+        for most, _ in RATIOS:
+            near = [p for p in self.points if p.engine != OURS[0] and p.floored <= most and p.p50 > 0.0]
+            best = min(near, key=lambda p: p.p50, default=None)
+            found.append(None if best is None else (best, best.p50 / ours.p50))
+        return tuple(found)
+
+    @property
+    def lost(self) -> bool:
+        """Whether anything that is promised fails here; a promise without our own figure has failed."""
+        short = any(entry and not entry[1] >= least for entry, (_, least) in zip(self.ratios, RATIOS, strict=False))
+        return self.ours is None or bool(self.better) or short
+
+    @property
+    def said(self) -> str:
+        """The outcome in words, what fails first."""
+        if self.ours is None:
+            return "ours was not measured"
+        parts = [f"as fast and as accurate: {listed(tuple(p.run for p in self.better), 3)}"] if self.better else []
+        for entry, (most, least) in zip(self.ratios, RATIOS, strict=False):
+            if entry is not None and not entry[1] >= least:
+                time = f"takes ×{figures(entry[1])}, not ×{least:g}"
+                parts.append(f"{entry[0].run} leaves at most {limit(most, 'm')} and {time}")
+        return "; ".join(parts) or "holds"
+
+    @cached_property
+    def front(self) -> tuple[Point, ...]:
+        """The Pareto front of all engines, fastest first."""
+        return tuple(sorted((p for p in self.points if p.front == "all"), key=lambda p: p.p50))
+
+    @cached_property
+    def spoilt(self) -> tuple[Point, ...]:
+        """Points that have no accuracy: crashed, diverged, through a wall."""
+        return tuple(p for p in self.points if p.state != "measured")
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """All points of a run."""
+
+    points: tuple[Point, ...]
+
+    @cached_property
+    def rivalries(self) -> tuple[Rivalry, ...]:
+        """Scene by scene and error by error, those that lose first."""
+        groups: dict[tuple[str, str], list[Point]] = {}
+        for point in self.points:
+            groups.setdefault((point.scenario, point.metric), []).append(point)
+        found = [Rivalry(scene, metric, points[0].unit, tuple(points)) for (scene, metric), points in groups.items()]
+        return tuple(sorted(found, key=lambda r: not r.lost))
+
+    @property
+    def engines(self) -> tuple[str, ...]:
+        """In the order of the file."""
+        return tuple(dict.fromkeys(p.engine for p in self.points))
+
+
+def load(run_dir: Path) -> Sweep | None:
+    """The file of a run; None when there is none. Raises InvalidFile for a file that is damaged."""
+    found = lines(run_dir / ROWS, _point)
+    return Sweep(found) if found else None
+
+
+def _point(row: Mapping[str, str]) -> Point:
+    return Point(
+        row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
+        number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
+    )
+
+
+def conclusion(sweep: Sweep) -> str:
+    """Whether the ratios of speed hold, what fails first."""
+    known = [r for r in sweep.rivalries if r.ours is not None]
+    if not known:
+        return "Ours was not measured: nothing can be said."
+    beaten = [r for r in known if r.better]
+    parts = []
+    if beaten:
+        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run})" for r in beaten)
+        parts.append(f"Another engine is both as fast and as accurate as ours in {listed(names)}.")
+    else:
+        parts.append(f"No setting of another engine is both as fast and as accurate as ours in {_scenes(known)}.")
+    overlaps = [r for r in known if r.ratios]
+    for k, (most, least) in enumerate(RATIOS):
+        entries = [(r, entry) for r in overlaps if (entry := r.ratios[k]) is not None]
+        short = [(r, entry) for r, entry in entries if not entry[1] >= least]
+        promised = f"at least {least:g} times faster than any that leaves at most {limit(most, 'm')}"
+        if short:
+            names = tuple(f"{r.scenario} (×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
+            parts.append(f"Ours is not {promised} in {listed(names)}.")
+        elif entries:
+            low = min(entries, key=lambda e: e[1][1])
+            where = f"{low[0].scenario}, {low[1][0].run}"
+            parts.append(f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({where}).")
+        else:
+            parts.append(f"No setting of another engine leaves at most {limit(most, 'm')}.")
+    missing = [r.scenario for r in sweep.rivalries if r.ours is None]
+    parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
+    return " ".join(parts)
+
+
+def _scenes(rivalries: list[Rivalry]) -> str:
+    scenes = dict.fromkeys(r.scenario for r in rivalries)
+    return f"{count(len(scenes), 'scene')} and {count(len(rivalries), 'kind')} of error"

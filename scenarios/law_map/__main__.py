@@ -1,0 +1,100 @@
+"""`python -m scenarios.law_map [--run FOLDER] [--engine NAME ...] [--law NAME ...] [--shape NAME ...] [--quick] [--jobs N]`.
+
+Measures what becomes of restitution and friction, prints a table and writes law_map.csv into the run's folder. What was found
+before is kept below reports/out/sweep and not asked again.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError, UnknownName
+from scenarios.engines import BASELINE, known
+from scenarios.files import OUT, write_text
+from scenarios.gate import STOPPED
+from scenarios.harness import offers
+from scenarios.job import Job
+from scenarios.law_map import worlds
+from scenarios.law_map.asking import job_of, obtained
+from scenarios.law_map.rows import Row, csv_text, table
+from scenarios.processes import Died
+from scenarios.sweep.estimate import Estimate
+from scenarios.sweep.fingerprint import find, key_of, sources
+from scenarios.sweep.side_by_side import side_by_side
+from scenarios.sweep.store import Store
+
+NAME, KIND = "law_map.csv", "law"
+"""The file of rows, and the kind of its entries in the store."""
+GATED = ("avatarsim",)
+"""Engines of which one preset is asked: the methods of ours share one law of contact."""
+
+
+def jobs_of(asked: argparse.Namespace, presets: dict[str, tuple[str, ...]]) -> list[Job]:
+    """Every engine and preset with every law, shape and step that is asked for."""
+    rates = worlds.RATES[:2] if asked.quick else worlds.RATES
+    return [
+        job_of(law, shape, rate, engine, preset) for law in asked.law for shape in asked.shape
+        for engine, offered in presets.items() for preset in (offered[:1] if engine in GATED else offered) for rate in rates
+    ]
+
+
+def measured(jobs: Sequence[Job], store: Store, workers: int) -> list[Row]:
+    """The rows of all jobs, in their order; found ones are kept at once, known ones are not asked again."""
+    method = sources([find("scenarios.law_map.asking")])
+    keys = {job.scenario + job.run: f"{key_of(job)}-{method[:8]}" for job in jobs}
+    known_rows = {name: [Row(**row) for row in found["rows"]] for name, key in keys.items() if (found := store.get(KIND, key))}
+    todo = [job for job in jobs if job.scenario + job.run not in known_rows]
+    said = Estimate("law map", len(todo), sys.stderr)
+    for job, answer in side_by_side(obtained, todo, workers):
+        name = job.scenario + job.run
+        if isinstance(answer, Died):
+            nothing = float("nan")
+            law, rest = job.scenario.split("_", 1)
+            shape, rate = rest.rsplit("_", 1)
+            known_rows[name] = [
+                Row(law, shape, job.engine, job.preset, int(rate), asked, nothing, nothing, nothing, str(answer))
+                for asked in worlds.ASKED[law]
+            ]
+        else:
+            known_rows[name] = answer
+            store.put(KIND, keys[name], {"rows": [asdict(row) for row in answer]})
+        said.step(f"{job.scenario} {job.run}")
+    return [row for job in jobs for row in known_rows[job.scenario + job.run]]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Measure, print, write. 0: done; 2: usage; 3: an engine gave no figures; 130: stopped."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.law_map", description=str(__doc__).splitlines()[2])
+    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    everybody = [name for name in known() if name != BASELINE]
+    parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
+    parser.add_argument("--law", nargs="+", default=worlds.LAWS, choices=worlds.LAWS, metavar="NAME")
+    parser.add_argument("--shape", nargs="+", default=worlds.SHAPES, choices=worlds.SHAPES, metavar="NAME")
+    parser.add_argument("--quick", action="store_true", help="the coarse steps only: shows that it runs")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="runs side by side; 0: here")
+    asked = parser.parse_args(argv)
+    try:
+        for name in asked.engine:
+            if name not in known():
+                raise UnknownName("engine", name, known())
+        offered = offers(asked.engine, 1)
+        presets = {name: offered[name].presets for name in asked.engine if not offered[name].trouble}
+        rows = measured(jobs_of(asked, presets), Store(asked.run / ".." / "sweep" / "found"), asked.jobs)
+        asked.run.mkdir(parents=True, exist_ok=True)
+        write_text(asked.run / NAME, csv_text(rows))
+    except AvatarsimError as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
+        return STOPPED
+    print(table(rows))
+    print(f"\n{asked.run / NAME}")
+    return 3 if len(presets) < len(asked.engine) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,89 @@
+"""`python -m scenarios.stability [--run FOLDER] [--engine NAME ...] [--filter CASE] [--draws N] [--jobs N]`.
+
+Tries every hard case under every change, in every engine, side by side; prints a table and writes stability.csv into the run's
+folder. What is finished is kept there and not done again: the same command goes on where it was stopped.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from scenarios.engines import BASELINE, known
+from scenarios.files import OUT, write_text
+from scenarios.harness import offers
+from scenarios.progress import Progress
+from scenarios.resume import stoppable
+from scenarios.stability.finished import NAME as KEPT
+from scenarios.stability.finished import Finished, key_of, stamp
+from scenarios.stability.outcome import UNASKED, Outcome, Task
+from scenarios.stability.plan import CASES, TOGETHER, trials
+from scenarios.stability.rows import csv_text, rows, table
+from scenarios.stability.side_by_side import PATIENCE, answers
+
+NAME = "stability.csv"
+"""The file of rows."""
+
+
+def tasks_of(presets: dict[str, tuple[str, ...]], pattern: str, draws: int) -> list[Task]:
+    """Every trial of every case whose name fits, by every engine and preset; the plain trials first."""
+    cases = {case: seconds for case, seconds in CASES.items() if fnmatchcase(case, pattern)}
+    if not cases:
+        raise UnknownName("case", pattern, CASES)
+    return [
+        Task(case, seconds, engine, preset, trial) for trial in trials(draws) for case, seconds in cases.items()
+        for engine, offered in presets.items() for preset in offered
+    ]
+
+
+def swept(tasks: Sequence[Task], folder: Path, jobs: int) -> dict[Task, Outcome]:
+    """Every task with its outcome, those that were finished earlier among them."""
+    kept, stamped = Finished(folder / KEPT), stamp()
+    missing = kept.missing(tasks, stamped)
+    with Progress("stability", len(missing), sys.stderr) as progress:
+        for task, done in answers(missing, jobs):
+            kept.add(task, stamped, done)
+            progress.step(f"{task.case} {task.run} {task.trial.kind} {task.trial.level} {done.state}")
+    return {task: kept.known[key_of(task, stamped)] for task in tasks}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 130: stopped."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.stability", description=str(__doc__).splitlines()[2])
+    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the files")
+    everybody = [name for name in known() if name != BASELINE]
+    parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
+    parser.add_argument("--filter", default="*", metavar="PATTERN", help="cases (default: all)")
+    parser.add_argument("--draws", type=int, default=TOGETHER, metavar="N", help=f"changes of all at once ({TOGETHER})")
+    parser.add_argument("--jobs", type=int, default=-1, metavar="N", help="trials side by side (default: one per processor)")
+    asked = parser.parse_args(argv)
+    try:
+        if asked.draws < 0 or asked.jobs == 0:
+            raise InvalidInput("--draws, --jobs", (asked.draws, asked.jobs), "0 and up; 1 and up, or -1")
+        for name in asked.engine:
+            if name not in known():
+                raise UnknownName("engine", name, known())
+        presets = {name: offer.presets for name, offer in offers(asked.engine, 1).items() if not offer.trouble}
+        with stoppable():
+            done = swept(tasks_of(presets, asked.filter, asked.draws), asked.run, asked.jobs)
+    except AvatarsimError as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    except TimeoutError:
+        print(f"no answer within {PATIENCE:g} s: an endless loop; what was finished is kept", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
+        return 130
+    found = rows(done)
+    write_text(asked.run / NAME, csv_text(found))
+    print(table(found))
+    print(f"\n{asked.run / NAME}")
+    silent = set(asked.engine) - set(presets)
+    return 3 if silent or any(row.state in UNASKED[1:] for row in found) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

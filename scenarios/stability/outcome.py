@@ -1,0 +1,163 @@
+"""What came of one trial: did the engine get through, how deep, how much energy from nothing, and where did everything end."""
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps
+from avatarsim.scene.tracker import checked
+from reference.judge import Judge
+from scenarios import catalog
+from scenarios.engines import opened
+from scenarios.job import Job
+from scenarios.measure.energy import energy
+from scenarios.measure.finite import not_finite
+from scenarios.measure.overlap import depths
+from scenarios.measure.side import wrong_side
+from scenarios.record import Recording
+from scenarios.run import described, gathered
+from scenarios.scenario import Scenario
+from scenarios.stability.plan import Trial
+from scenarios.stability.variation import Varied, varied
+
+Array = NDArray[np.float64]
+
+JUDGED = 30
+"""Most states of a trial that are judged, spread evenly, the last one among them."""
+LATE = 60.0
+"""Longest a trial may take [s] before it is given up as late; looked at between frames."""
+SURVIVED, LOST, NOT_A_NUMBER, CRASHED, TOO_LATE, REFUSED, SILENT, ABSENT = (
+    "survived", "lost", "not a number", "crashed", "late", "refused", "cannot say", "not measured",
+)
+"""How a trial ends. Lost: something ended up outside the region that the scene declares for it."""
+UNASKED = (SILENT, ABSENT)
+"""Ends that say nothing about how stable an engine is."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One trial of one case by one engine and preset."""
+
+    case: str
+    seconds: float
+    engine: str
+    preset: str
+    trial: Trial
+
+    @property
+    def run(self) -> str:
+        """Engine and preset as tables name them."""
+        return f"{self.engine}/{self.preset}"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a task ended. `frames` shown; `overlap` [m] deepest of the states judged and `energy` [J] largest gain of a frame that
+    nothing explains, both brought back to a world of size 1; `bad` states that are no numbers; `end` the last places of all that
+    moves, there as well, empty where there are none; `seconds` it took."""
+
+    state: str
+    frames: int = 0
+    overlap: float = math.nan
+    energy: float = math.nan
+    bad: int = 0
+    end: tuple[tuple[float, ...], ...] = ()
+    seconds: float = 0.0
+    note: str = ""
+
+    def as_json(self) -> dict[str, object]:
+        """As a line of the file of what is finished."""
+        return asdict(self)
+
+    @staticmethod
+    def from_json(entry: Mapping[str, object]) -> "Outcome":
+        """From such a line; raises TypeError or ValueError for one that is damaged."""
+        end = entry["end"]
+        if not isinstance(end, list):
+            raise TypeError("places of an outcome")
+        read = {**entry, "end": tuple(tuple(float(x) for x in row) for row in end)}
+        for name in ("overlap", "energy", "seconds"):
+            read[name] = float(str(entry[name]))
+        return Outcome(**read)  # type: ignore[arg-type]
+
+
+@dataclass
+class _Shown:
+    """What an engine has shown so far."""
+
+    frames: list[FrameRecord] = field(default_factory=list)
+    late: bool = False
+
+
+def outcome(task: Task) -> Outcome:
+    """Run `task` in this process; whatever an engine does wrong is its outcome, and never ends the sweep."""
+    begun = time.monotonic()
+    scenario, shown = catalog.get(task.case), _Shown()
+    try:
+        case = varied(scenario, task.seconds, task.trial.change)
+    except InvalidInput as error:
+        return Outcome(SILENT, note=f"there is no such scene: {described(error)}")
+    try:
+        engine = opened(task.engine)
+        silence = engine.cannot_say(case.scene)
+        if "scene" in silence:
+            return Outcome(SILENT, note=silence["scene"])
+        try:
+            _run(engine, task, case, shown, begun)
+        finally:
+            engine.close()
+    except MissingPackage as error:
+        return Outcome(ABSENT, note=str(error))
+    except StartOverlaps as error:
+        return Outcome(REFUSED, note=described(error), seconds=time.monotonic() - begun)
+    except Exception as error:
+        # an engine is someone else's code: whatever it raises is its result
+        return Outcome(CRASHED, len(shown.frames), note=described(error), seconds=time.monotonic() - begun)
+    found = _judged(task, scenario, case, shown)
+    return Outcome(**{**found, "seconds": time.monotonic() - begun})  # type: ignore[arg-type]
+
+
+def _run(engine: Engine, task: Task, case: Varied, shown: _Shown, begun: float) -> None:
+    """Show all frames, or those that come within LATE."""
+    shown.frames.append(engine.load(case.scene, Settings(task.preset, seed=task.trial.change.seed), case.dt))
+    for sample in case.samples:
+        if time.monotonic() - begun > LATE:
+            shown.late = True
+            return
+        shown.frames.append(engine.advance(checked(sample, case.scene.avatars), case.dt))
+
+
+def _judged(task: Task, scenario: Scenario, case: Varied, shown: _Shown) -> dict[str, object]:
+    """State and figures of a run that came to an end, or was given up."""
+    there = [case.scene.first_sample, *case.samples][: len(shown.frames)]
+    about = Job(task.case, task.engine, task.preset)
+    recording = task.trial.change.elsewhere.back(gathered(about, scenario, case.scene, there, shown.frames, {}))
+    bad = int(_value(not_finite(recording)["not_finite_frames"]))
+    found: dict[str, object] = {"frames": len(shown.frames) - 1, "bad": bad}
+    if bad:
+        return {**found, "state": NOT_A_NUMBER, "note": f"{bad} of {len(shown.frames)} states"}
+    found["overlap"] = float(np.max(_depths(case, recording)))
+    found["energy"] = _value(energy(recording, case.here).get("energy_added_max", math.nan))
+    moving = [k for k, role in enumerate(case.here.roles) if role.name != "FIXED"]
+    found["end"] = tuple(tuple(place) for place in recording.positions[-1, moving].tolist())
+    astray = _value(wrong_side(recording, scenario, case.here).get("wrong_side_frames", 0.0))
+    state = TOO_LATE if shown.late else LOST if astray else SURVIVED
+    return {**found, "state": state, "note": f"outside its region in {astray:.0f} frames" if astray else ""}
+
+
+def _depths(case: Varied, recording: Recording) -> Array:
+    chosen = np.unique(np.linspace(0, recording.frames, min(JUDGED, recording.frames + 1)).round().astype(int))
+    judge = Judge(case.here)
+    return depths(
+        recording.positions[chosen], recording.orientations[chosen], lambda p, q: judge.overlaps(p, q).deepest,
+    )
+
+
+def _value(value: object) -> float:
+    """A figure, or nan for one that is missing."""
+    return float(value) if isinstance(value, int | float) else math.nan

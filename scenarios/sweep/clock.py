@@ -1,0 +1,49 @@
+"""Times of the cells of one scene: serially, engines taking turns, a dozen processes at a time, kept group by group."""
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from scenarios.sweep.cell import Cell
+from scenarios.sweep.store import Entry
+from scenarios.timing import Clocked, timed_pass
+
+AT_ONE_TABLE = 9
+"""Processes that wait for their turn together. More: more memory, and more is lost when a run is killed; fewer: engines that are
+compared were timed further apart."""
+
+
+def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
+    """Groups in which every engine is represented as evenly as possible."""
+    order = {engine: 0 for engine in dict.fromkeys(cell.setting.engine for cell in cells)}
+    count = {engine: sum(cell.setting.engine == engine for cell in cells) for engine in order}
+    placed = []
+    for cell in cells:
+        engine = cell.setting.engine
+        placed.append((order[engine] / count[engine], cell))
+        order[engine] += 1
+    dealt = [cell for _, cell in sorted(placed, key=lambda entry: entry[0])]
+    return [dealt[k : k + AT_ONE_TABLE] for k in range(0, len(dealt), AT_ONE_TABLE)]
+
+
+def times(cells: Sequence[Cell], done: Callable[[Cell, Entry], None]) -> None:
+    """Time all `cells` of one scene; `done` gets the entry of each as soon as its group has ended."""
+    for group in tables(cells):
+        clocked = timed_pass([cell.job for cell in group], True, frames=[cell.timed_frames for cell in group])
+        for cell, found in zip(group, clocked, strict=True):
+            done(cell, time_entry(found, cell.setting.cut))
+
+
+def time_entry(found: Clocked, cut: int) -> Entry:
+    """Median and 99th percentile of a rendered frame [us], engine only, each frame the least of its repeats; None and why."""
+    if found.timed is None:
+        return {"run": found.job.run, "p50": None, "p99": None, "note": found.note}
+    p50, p99 = np.percentile(rendered(found.timed.best_us, cut), (50, 99))
+    return {"run": found.job.run, "p50": float(p50), "p99": float(p99), "note": found.note}
+
+
+def rendered(parts_us: Iterable[float], cut: int) -> list[float]:
+    """Times of rendered frames from those of their `cut` parts."""
+    parts = np.asarray(list(parts_us), dtype=np.float64)
+    whole = len(parts) // cut * cut
+    return [float(time) for time in parts[:whole].reshape(-1, cut).sum(axis=1)]

@@ -1,0 +1,25 @@
+"""The errors of one cell: what is kept of them, and why a figure is none."""
+
+import tempfile
+from pathlib import Path
+
+from scenarios.job import Job, Outcome
+from scenarios.measure.value import Missing
+from scenarios.run import accuracy
+from scenarios.sweep.store import Entry
+
+
+def errors(job: Job) -> Entry:
+    """Run and measure one job; the recording, which can be large, is not kept."""
+    with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
+        return entry_of(accuracy(job, Path(folder)))
+
+
+def entry_of(outcome: Outcome) -> Entry:
+    """What is kept of an outcome: its state, why, and all figures; `missing` says why a figure is none."""
+    values = {name: value for name, value in outcome.values.items() if not isinstance(value, Missing)}
+    missing = {name: value.reason for name, value in outcome.values.items() if isinstance(value, Missing)}
+    return {
+        "run": outcome.job.run, "scenario": outcome.job.scenario, "state": outcome.state, "note": outcome.note,
+        "frames": outcome.frames, "values": values, "missing": missing,
+    }

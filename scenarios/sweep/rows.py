@@ -1,0 +1,107 @@
+"""One row per scene, setting and error, as sweep.csv holds them, with the Pareto front of each scene and error."""
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple, dataclass, fields, replace
+
+from scenarios.metrics import unit
+from scenarios.sweep.cell import Cell
+from scenarios.sweep.pareto import front
+from scenarios.sweep.store import Entry
+
+WRONG_SIDE, NOT_FINITE = "wrong_side_frames", "not_finite_frames"
+
+REACHED: Mapping[str, float] = {"m": 1e-6, "deg": 1e-6, "": 1e-6, "m/s": 1e-6, "rad/s": 1e-5, "%": 1e-2, "s": 1e-6, "frames": 0.0}
+"""By unit, the error that counts as none: the bounds of the catalogue. Smaller figures differ by rounding or by the judge's own
+error, and who has 1e-9 m is not more accurate than who has 1e-8 m."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """`error` of one setting in one scene and the median and 99th percentile of its frame [us]; nan where there is none.
+
+    `state`: measured; wrong-side (the error is small because something went through a wall), not-finite, crashed, cannot-say,
+    not-measured, refused. `front`: "all" on the front of all engines, "own" on that of its own engine only, else empty.
+    `reached`: the error that counts as none.
+    """
+
+    scenario: str
+    engine: str
+    setting: str
+    metric: str
+    unit: str
+    error: float
+    p50: float
+    p99: float
+    state: str
+    front: str
+    reached: float
+    note: str
+
+
+def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Entry | None) -> list[Row]:
+    """The rows of one cell: a row per error that applies, or one with the reason where nothing was measured."""
+    p50, p99 = (_number(clocked, name) for name in ("p50", "p99"))
+    state, note = ("not-measured", "not run yet") if found is None else (found["state"], found["note"])
+    values = {} if found is None else found["values"]
+    missing = {} if found is None else found["missing"]
+    rows = []
+    for metric in errors:
+        if state == "measured" and metric not in values and metric not in missing:
+            continue
+        error = float(values.get(metric, math.nan))
+        why = _state(state, metric, values)
+        said = note or missing.get(metric, "") or ("" if clocked is None or clocked["p50"] else clocked["note"])
+        engine, name, of = cell.setting.engine, cell.setting.name, unit(metric)
+        rows.append(Row(cell.scenario, engine, name, metric, of, error, p50, p99, why, "", REACHED.get(of, 0.0), said))
+    return rows
+
+
+def _state(state: str, metric: str, values: Mapping[str, float]) -> str:
+    if state != "measured":
+        return state
+    if not float(values.get(NOT_FINITE, 0.0)) == 0.0:
+        return "not-finite"
+    if metric != WRONG_SIDE and not float(values.get(WRONG_SIDE, 0.0)) == 0.0:
+        return "wrong-side"
+    return "measured" if metric in values else "not-measured"
+
+
+def _number(entry: Entry | None, name: str) -> float:
+    value = None if entry is None else entry.get(name)
+    return math.nan if value is None else float(value)
+
+
+def floored(row: Row) -> float:
+    """The error, or what counts as none where it is less; nan where the row was not measured."""
+    if row.state != "measured" or math.isnan(row.error):
+        return math.nan
+    return max(row.error, row.reached)
+
+
+def with_fronts(rows: Sequence[Row]) -> list[Row]:
+    """The same rows, each marked if it is on the front of all engines or of its own."""
+    marks = [""] * len(rows)
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for k, row in enumerate(rows):
+        groups.setdefault((row.scenario, row.metric), []).append(k)
+        groups.setdefault((row.scenario, row.metric, row.engine), []).append(k)
+    # own fronts first: the front of all overwrites them
+    for group, places in sorted(groups.items(), key=lambda entry: -len(entry[0])):
+        on = front([(rows[k].p50, floored(rows[k])) for k in places])
+        for k in (k for k, yes in zip(places, on, strict=True) if yes):
+            marks[k] = "own" if len(group) == 3 else "all"
+    return [replace(row, front=mark) for row, mark in zip(rows, marks, strict=True)]
+
+
+def csv_text(rows: Iterable[object], kind: type) -> str:
+    """Dataclass rows of one `kind` as CSV; nan is an empty cell."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([entry.name for entry in fields(kind)])
+    for row in rows:
+        cells = astuple(row)  # type: ignore[call-overload]
+        writer.writerow([("" if math.isnan(v) else f"{v:.6g}") if isinstance(v, float) else v for v in cells])
+    return text.getvalue()

@@ -1,0 +1,38 @@
+"""What was found, by key: one small file each, whole or absent, so that a run that is killed loses nothing it had finished."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from avatarsim.errors import InvalidInput
+from scenarios.files import write_json
+
+Entry = Mapping[str, Any]
+
+
+class Store:
+    """Entries in `folder`, which is made. Raises InvalidInput where none can be made."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InvalidInput("folder of results", str(folder), "a folder that can be made") from error
+
+    def path(self, kind: str, key: str) -> Path:
+        """The file of one entry."""
+        return self.folder / f"{key}.{kind}.json"
+
+    def get(self, kind: str, key: str) -> Entry | None:
+        """The entry, None where there is none or where what lies there is not one: it is then found again."""
+        try:
+            found = json.loads(self.path(kind, key).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        return found if isinstance(found, dict) and found.get("key") == key and found.get("kind") == kind else None
+
+    def put(self, kind: str, key: str, entry: Entry) -> None:
+        """Keep an entry."""
+        write_json(self.path(kind, key), {"key": key, "kind": kind, **entry})

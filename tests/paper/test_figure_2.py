@@ -1,0 +1,31 @@
+"""Figure 2: an avatar moves into a wall; the extended arm and a leg are pushed back."""
+
+import numpy as np
+
+from reference.judge import Judge
+from scenarios.catalog.avatar_into_wall import FACE
+from tests.paper.scene_run import of_shown, of_user, scene_run
+
+FRAMES = 90
+
+
+def test_arm_and_leg_are_pushed_back_and_the_rest_goes_on() -> None:
+    scene, records = scene_run("avatar_into_wall", FRAMES)
+    names = [name.split("/")[1] for name in scene.names[len(scene.bodies) :]]
+    off = np.linalg.norm(of_user("avatar_into_wall", FRAMES) - of_shown("avatar_into_wall", FRAMES), axis=-1)
+    at = {name: off[:, k] for k, name in enumerate(names)}
+    pressed = slice(36, 60)
+    assert at["right_wrist"][pressed].min() > 0.2 and at["left_ankle"][pressed].min() > 0.3
+    # the trunk stays with its user: it is limbs that give way
+    assert at["root"][pressed].max() < 0.1 * at["left_ankle"][pressed].max()
+    # before and after the wall is in the way, everything is where the user is
+    assert off[:18].max() < 1e-3 and off[-6:].max() < 1e-3
+
+
+def test_the_user_is_far_in_the_wall_and_what_is_shown_is_not() -> None:
+    scene, records = scene_run("avatar_into_wall", FRAMES)
+    judge = Judge(scene)
+    assert of_user("avatar_into_wall", FRAMES)[:, :, 0].max() > FACE + 0.15
+    assert of_shown("avatar_into_wall", FRAMES)[:, :, 0].max() < FACE
+    for record in records[::6]:
+        assert not judge.overlaps(record.shown.positions, record.shown.orientations).deepest > 1e-6

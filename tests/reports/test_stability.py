@@ -1,0 +1,90 @@
+"""The section on stability: who is lost is counted, who is better than ours comes first, and the page stays whole."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import stability, write_report
+from reports.stability_chart import DARKEST, panels, shade
+from tests.reports.test_page import Tree
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+HEAD = "case,run,kind,level,start,seed,user,dt,scale,far,state,frames,overlap,energy,bad,moved,seconds,note\n"
+
+
+def row(run: str, kind: str, state: str = "survived", overlap: str = "1e-7", moved: str = "0.001", start: str = "0") -> str:
+    return f"painleve,{run},{kind},x,{start},0,0,0.0166667,1,0,{state},36,{overlap},0,0,{moved},0.2,\n"
+
+
+ROWS = HEAD + "".join([
+    row("avatarsim/default", "plain", moved="0"), row("avatarsim/default", "start", moved="2e-5", start="1e-9"),
+    row("avatarsim/default", "start", moved="4e-5", start="1e-7"),
+    row("avatarsim/default", "size", "not a number", "", ""), row("avatarsim/default", "size", overlap="5e-7"),
+    row("mujoco/tuned", "plain", overlap="0.003", moved="0"), row("mujoco/tuned", "start", overlap="0.003", moved="1e-8"),
+    row("mujoco/tuned", "size", overlap="0.003"), row("mujoco/tuned", "size", "cannot say", "", ""),
+])
+
+
+def found(folder: Path) -> stability.Stability:
+    (folder / stability.ROWS).write_text(ROWS)
+    loaded = stability.load(folder)
+    assert loaded is not None
+    return loaded
+
+
+def test_who_is_lost_counts_and_who_was_not_asked_does_not(tmp_path: Path) -> None:
+    lines = {(line.kind, line.figure.name): line for line in stability.table(found(tmp_path))}
+    assert lines["size", "trials lost"].values == {"avatarsim/default": 50.0, "mujoco/tuned": 0.0}
+    assert lines["size", "not a number"].lost and not lines["size", "deepest overlap"].lost
+    assert lines["start", "end moved, median"].values["avatarsim/default"] == pytest.approx(3e-5)
+    assert ("plain", "end moved, most") not in lines
+
+
+def test_rows_that_are_lost_come_first(tmp_path: Path) -> None:
+    lines = stability.table(found(tmp_path))
+    lost = [line.lost for line in lines]
+    assert lost == sorted(lost, reverse=True)
+    assert {(line.kind, line.figure.name) for line in lines if line.lost} == {
+        ("start", "end moved, median"), ("start", "end moved, most"), ("size", "trials lost"), ("size", "not a number"),
+    }
+
+
+def test_the_conclusion_begins_with_what_is_lost(tmp_path: Path) -> None:
+    said = stability.conclusion(found(tmp_path))
+    assert said.startswith("Somebody is better than ours in 4 of ")
+    assert "avatarsim/default gets through 4 of 5 trials, 1 end in no number." in said
+    assert "from 1.00 nm to 20.0 µm, 100 nm to 40.0 µm." in said
+
+
+def test_a_cell_is_darker_the_worse_it_is() -> None:
+    assert shade(0.0, 1.0, "m") == 0.0 == shade(math.nan, 1.0, "m") and shade(1.0, 1.0, "m") == DARKEST
+    assert shade(1e-9, 1.0, "m") == pytest.approx(0.0) and 0.0 < shade(1e-3, 1.0, "m") < DARKEST
+    assert shade(50.0, 80.0, "%") == pytest.approx(0.5 * DARKEST)
+    values = {("overlap", "size", "a/b"): 1e-3, ("overlap", "start", "a/b"): 0.0}
+    [panel] = panels(values, ("a/b",), ("size", "start"), {"overlap": "m", "energy": "J"})
+    assert "1.00 mm" in panel.svg and panel.conclusion == "Worst: 1.00 mm, a/b, size."
+
+
+def test_without_a_file_there_is_no_section_and_a_damaged_one_says_so(tmp_path: Path) -> None:
+    assert stability.load(tmp_path) is None
+    (tmp_path / stability.ROWS).write_text("case,run\nx,y\n")
+    with pytest.raises(InvalidFile, match=stability.ROWS):
+        stability.load(tmp_path)
+
+
+def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    write_report(folder)
+    assert 'id="stability"' not in (folder / "index.html").read_text()
+    found(folder)
+    write_report(folder)
+    text = (folder / "index.html").read_text()
+    tree = Tree()
+    tree.feed(text)
+    assert tree.open == [] and len(tree.ids) == len(set(tree.ids)) and "stability" in tree.ids
+    assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)

@@ -1,0 +1,158 @@
+"""The sections of the sweep, of convergence and of the map: from files alone, what is lost first."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports import convergence, law_map, law_map_chart, sweep, sweep_chart, write_report
+from tests.reports.test_page import Tree
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+HEAD = "scenario,engine,setting,metric,unit,error,p50,p99,state,front,reached,note\n"
+
+
+def line(scene: str, run: str, error: float | str, p50: float | str, state: str = "measured", front: str = "",
+         metric: str = "residual_overlap_max") -> str:
+    engine, setting = run.split("/", 1)
+    return f"{scene},{engine},{setting},{metric},m,{error},{p50},{p50},{state},{front},1e-06,\n"
+
+
+WON = (
+    line("wall", "avatarsim/default", 0, 10, front="all") + line("wall", "mujoco/tuned dt=1/60", 2e-3, 8, front="all")
+    + line("wall", "mujoco/tuned", 5e-4, 35, front="own") + line("wall", "pybullet/tuned", 9e-6, 150, front="own")
+    + line("wall", "pybullet/default", "", "", "crashed")
+)
+SHORT = line("stack", "avatarsim/default", 0, 10, front="all") + line("stack", "pybullet/tuned", 9e-6, 50, front="own")
+BEATEN = (
+    line("drop", "avatarsim/default", 2e-6, 10, metric="apex_error_max")
+    + line("drop", "mujoco/tuned", 1e-6, 9, front="all", metric="apex_error_max")
+)
+THROUGH = line("thin", "avatarsim/default", 0, 10, front="all") + line("thin", "mujoco/tuned", 0, 5, "wrong-side")
+CONVERGENCE = "scenario,engine,preset,rate,off,off_max,overlap,beyond,from_ours,note\n" + "".join(
+    f"wall,{engine},{preset},{rate},{off},{off},{overlap},0,{apart},\n"
+    for engine, preset, scale, overlap, apart in (("avatarsim", "default", 0.1, 0, 0), ("mujoco", "tuned", 1.0, 1e-3, 0.01))
+    for rate, off in ((60, scale * 1e-2), (240, scale * 2.5e-3), (960, scale * 6.25e-4), (7680, 0))
+) + "wall,pybullet,default,60,,,,,,it died\nwall,pybullet,default,7680,,,,,,it died\n"
+MAP = "law,shape,engine,preset,rate,asked,got,low,high,note\n" + "".join(
+    f"restitution,sphere,{engine},{preset},{rate},{asked},{asked + off},{asked - abs(off)},{asked + abs(off)},\n"
+    for engine, preset, off in (("avatarsim", "default", 1e-8), ("mujoco", "tuned", 0.04)) for rate in (60, 240)
+    for asked in (0.5, 1.0)
+) + "restitution,capsule,mujoco,default,60,0.5,,,,4 of 4 bodies gave no figure\n"
+
+
+def loaded(folder: Path, text: str) -> sweep.Sweep:
+    (folder / sweep.ROWS).write_text(HEAD + text)
+    found = sweep.load(folder)
+    assert found is not None
+    return found
+
+
+def test_nothing_without_files(tmp_path: Path) -> None:
+    assert sweep.load(tmp_path) is None and convergence.load(tmp_path) is None and law_map.load(tmp_path) is None
+
+
+@pytest.mark.parametrize("room", [sweep, convergence, law_map])
+def test_a_damaged_file_is_said_to_be_damaged(tmp_path: Path, room: object) -> None:
+    name: str = room.ROWS  # type: ignore[attr-defined]
+    (tmp_path / name).write_text("scenario,engine\nwall,x\n")
+    with pytest.raises(InvalidFile, match=name):
+        room.load(tmp_path)  # type: ignore[attr-defined]
+
+
+def test_ratios_that_hold_are_said_with_where_they_are_closest(tmp_path: Path) -> None:
+    found = loaded(tmp_path, WON)
+    rivalry = found.rivalries[0]
+    assert not rivalry.lost and rivalry.said == "holds" and rivalry.better == ()
+    ten, three = rivalry.ratios
+    assert ten is not None and three is not None and ten[1] == pytest.approx(15.0) and three[1] == pytest.approx(3.5)
+    said = sweep.conclusion(found)
+    assert "No setting of another engine is both as fast and as accurate as ours in 1 scene" in said
+    assert "×15.0 where it is closest (wall, pybullet/tuned)" in said and "×3.50" in said
+
+
+def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
+    found = loaded(tmp_path, WON + SHORT + BEATEN)
+    assert [r.scenario for r in found.rivalries] == ["stack", "drop", "wall"]
+    stack, drop, _ = found.rivalries
+    assert "takes ×5.00, not ×10" in stack.said and drop.said == "as fast and as accurate: mujoco/tuned" and drop.ratios == ()
+    said = sweep.conclusion(found)
+    assert said.startswith("Another engine is both as fast and as accurate as ours in drop (apex_error_max: mujoco/tuned).")
+    assert "Ours is not at least 10 times faster than any that leaves at most 10 µm in stack (×5.00, pybullet/tuned)" in said
+
+
+def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
+    found = loaded(tmp_path, THROUGH)
+    assert not found.rivalries[0].lost and found.rivalries[0].spoilt[0].run == "mujoco/tuned"
+    assert "leaves at most 10 µm" in sweep.conclusion(found)
+
+
+def test_without_our_own_figure_nothing_holds(tmp_path: Path) -> None:
+    found = loaded(tmp_path, line("wall", "mujoco/tuned", 0, 5) + line("wall", "avatarsim/default", "", 5, "crashed"))
+    assert found.rivalries[0].lost and sweep.conclusion(found) == "Ours was not measured: nothing can be said."
+    both = loaded(tmp_path, WON + line("stack", "mujoco/tuned", 0, 5))
+    assert sweep.conclusion(both).endswith("Ours was not measured in stack.")
+
+
+def test_a_panel_per_scene_and_error(tmp_path: Path) -> None:
+    panels = sweep_chart.panels(loaded(tmp_path, WON + SHORT + BEATEN))
+    assert [panel.scene for panel in panels] == ["stack: residual overlap", "drop: apex error", "wall: residual overlap"]
+    assert all(panel.svg.startswith("<svg role=") and "stroke-dasharray" in panel.svg for panel in panels)
+    assert "Crosses: pybullet/default (crashed)." in panels[2].conclusion and "Ours: 0 in 10.0 µs" in panels[2].conclusion
+    assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == []
+
+
+def test_who_is_consistent_and_who_is_right(tmp_path: Path) -> None:
+    (tmp_path / convergence.ROWS).write_text(CONVERGENCE)
+    found = convergence.load(tmp_path)
+    assert found is not None and found.rates == (60, 240, 960)
+    by_run = {course.run: course for course in found.courses}
+    ours, theirs, dead = (by_run[run] for run in ("avatarsim/default", "mujoco/tuned", "pybullet/default"))
+    assert ours.said == "consistent, right" and theirs.said == "consistent, not right" and dead.said == "no finest run: it died"
+    assert ours.order == pytest.approx(1.0) and math.isnan(dead.order) and convergence.order_words(dead) == "—"
+    said = convergence.conclusion(found)
+    assert "Ours approaches its own finest run in 1 of 1 scene." in said and "do not help: mujoco/tuned in wall" in said
+
+
+def test_the_map_says_where_ours_misses(tmp_path: Path) -> None:
+    (tmp_path / law_map.ROWS).write_text(MAP)
+    found = law_map.load(tmp_path)
+    assert found is not None and found.asked("restitution") == (0.5, 1.0) and found.shapes == ("sphere", "capsule")
+    said = law_map.conclusion(found)
+    assert said.startswith("Ours gives what is asked to 1.0·10⁻⁸") and "mujoco/tuned by up to 0.04" in said
+    assert "Bodies without a figure (never hit, or through the floor): mujoco/default (capsule, 1/60 s)." in said
+    panels = law_map_chart.panels(found)
+    assert [panel.scene for panel in panels] == ["restitution, sphere", "restitution, capsule"]
+    assert panels[0].conclusion.startswith("Largest difference: avatarsim/default") and "lost bodies" in panels[1].conclusion
+    (tmp_path / law_map.ROWS).write_text(MAP.replace("0.50000001", "0.6").replace("0.49999999", "0.4"))
+    spoilt = law_map.load(tmp_path)
+    assert spoilt is not None
+    assert law_map.conclusion(spoilt).startswith("Ours misses what is asked by more than 1e-06 in restitution 0.5 of sphere")
+
+
+def test_shades_grow_with_the_error() -> None:
+    cells = [law_map.Cell("l", "s", "r", 60, 0.5, 0.5, 0.5, 0.5 + off, "") for off in (0.0, 0.005, 0.02, 0.05, 0.2, math.nan)]
+    shades = [law_map_chart.shade(cell) for cell in cells]
+    assert shades[0] == 0.0 and shades == sorted(shades) and shades[-1] == shades[-2]
+    assert law_map_chart.cell_text(cells[1]) == "0.5000 (0.500 to 0.505)" and law_map_chart.cell_text(cells[0]) == "0.5000"
+
+
+def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    write_report(folder)
+    bare = (folder / "index.html").read_text(encoding="utf-8")
+    assert 'id="sweep"' not in bare and 'id="law-map"' not in bare
+    (folder / sweep.ROWS).write_text(HEAD + WON + SHORT)
+    (folder / convergence.ROWS).write_text(CONVERGENCE)
+    (folder / law_map.ROWS).write_text(MAP)
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    tree = Tree()
+    tree.feed(page)
+    for name in ("sweep", "convergence", "law-map"):
+        assert f'id="{name}"' in page
+    assert 'href="#sweep"' in page and "takes ×5.00, not ×10" in page

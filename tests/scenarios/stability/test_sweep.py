@@ -1,0 +1,91 @@
+"""The sweep: what is finished is kept, a torn line is asked again, the table says what was lost."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from scenarios.processes import Died
+from scenarios.stability import __main__ as command
+from scenarios.stability import side_by_side
+from scenarios.stability.finished import NAME, Finished, key_of
+from scenarios.stability.outcome import CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, Outcome, Task
+from scenarios.stability.plan import Trial
+from scenarios.stability.rows import apart, csv_text, rows, table
+from scenarios.stability.variation import Variation
+
+PLAIN, START = Trial("plain", "as it is", Variation()), Trial("start", "1e-09 m", Variation(start=1e-9))
+ONE, OTHER = (Task("stack_ten", 0.2, "avatarsim", "default", trial) for trial in (PLAIN, START))
+
+
+def done(state: str = SURVIVED, x: float = 0.0, **figures: object) -> Outcome:
+    return Outcome(**{"state": state, "frames": 12, "overlap": 1e-7, "energy": 0.0, "end": ((x, 0.0, 0.0),), **figures})
+
+
+def test_what_is_finished_is_kept_and_a_torn_line_asked_again(tmp_path: Path) -> None:
+    path = tmp_path / NAME
+    kept = Finished(path)
+    kept.add(ONE, "stamp", done())
+    kept.add(OTHER, "stamp", done(overlap=math.nan))
+    again = Finished(path)
+    assert again.missing([ONE, OTHER], "stamp") == [] and math.isnan(again.known[key_of(OTHER, "stamp")].overlap)
+    assert again.missing([ONE, OTHER], "other sources") == [ONE, OTHER]
+    path.write_text(path.read_text()[:-20])
+    torn = Finished(path)
+    assert torn.missing([ONE, OTHER], "stamp") == [OTHER]
+    torn.add(OTHER, "stamp", done())
+    assert Finished(path).missing([ONE, OTHER], "stamp") == []
+
+
+def test_rows_say_how_far_an_end_is_from_the_plain_one() -> None:
+    found = rows({ONE: done(), OTHER: done(x=0.25)})
+    assert [row.moved for row in found] == [0.0, 0.25] and found[1].start == 1e-9
+    assert math.isnan(apart(done(), None)) and math.isnan(apart(Outcome(CRASHED), done()))
+    line = csv_text(found).splitlines()[1]
+    assert line.startswith("stack_ten,avatarsim/default,plain,as it is,0,0,0,0.0166667,1,0,survived,12,1e-07")
+
+
+def test_the_table_counts_what_was_lost_and_leaves_out_who_was_not_asked() -> None:
+    bad = Task("painleve", 0.2, "avatarsim", "default", START)
+    quiet = Task("tumbling_box", 0.2, "avatarsim", "default", START)
+    found = rows({ONE: done(), OTHER: done(x=0.25), bad: Outcome(NOT_A_NUMBER, 3, bad=2), quiet: Outcome(SILENT)})
+    [line] = [line for line in table(found).splitlines() if " start " in line]
+    assert line.split() == ["avatarsim/default", "start", "1/2", "1", "1e-07", "0", "0.25", "0.25"]
+
+
+def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Task] = []
+
+    def outcome(task: Task) -> Outcome:
+        asked.append(task)
+        if len(asked) == 3:
+            raise KeyboardInterrupt
+        return done()
+
+    monkeypatch.setattr(side_by_side, "outcome", outcome)
+    words = ["--run", str(tmp_path), "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "1"]
+    assert command.main(words) == 130
+    assert len((tmp_path / NAME).read_text().splitlines()) == 2
+    assert command.main(words) == 0
+    lines = (tmp_path / command.NAME).read_text().splitlines()
+    # the third was asked twice, and nobody else
+    assert len(asked) == len(set(asked)) + 1 == len(lines)
+    assert command.main(words) == 0 and len(asked) == len(lines)
+    assert command.main([*words[:-1], "0"]) == 2 and command.main([*words, "--filter", "nothing"]) == 2
+    assert command.main([*words, "--engine", "abacus"]) == 2
+
+
+def test_of_a_process_that_dies_every_trial_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Pool:
+        def __init__(self, *_: object) -> None:
+            """Whatever runs here."""
+
+        def results(self, groups: list[tuple[Task, ...]]) -> list[tuple[tuple[Task, ...], object]]:
+            return [(g, Died("killed by signal 11" if g[-1] is OTHER else "no answer") if OTHER in g else [done()] * len(g))
+                    for g in groups]
+
+    monkeypatch.setattr(side_by_side, "Pool", Pool)
+    found = dict(side_by_side.in_own_processes([(ONE, OTHER)], 1))
+    assert found[ONE].state == SURVIVED and found[OTHER].state == CRASHED and "signal 11" in found[OTHER].note
+    sizes = [len(group) for group in side_by_side.chunks([ONE] * 9 + [Task("painleve", 0.2, "avatarsim", "default", PLAIN)])]
+    assert sizes == [8, 1, 1]

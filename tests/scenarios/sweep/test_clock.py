@@ -1,0 +1,38 @@
+"""Times of rendered frames from those of their parts, and groups in which all engines take part."""
+
+import numpy as np
+import pytest
+
+from scenarios.job import Job
+from scenarios.measure.timing import Timed
+from scenarios.sweep.cell import Cell
+from scenarios.sweep.clock import AT_ONE_TABLE, rendered, tables, time_entry
+from scenarios.sweep.grid import BY_ENGINE, Setting
+from scenarios.timing import Clocked
+
+
+def test_parts_are_added_up() -> None:
+    assert rendered([1.0, 2.0, 3.0, 4.0, 9.0], 2) == [3.0, 7.0] and rendered([1.0, 2.0], 1) == [1.0, 2.0]
+
+
+def test_an_entry_has_percentiles_or_a_reason() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    timed = Timed(np.array([[4000, 2000, 8000, 1000], [3000, 5000, 6000, 1000]], dtype=np.int64))
+    found = time_entry(Clocked(job, timed, "2 repeats"), 2)
+    # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
+    assert found["p50"] == pytest.approx(6.0) and found["p99"] == pytest.approx(6.98)
+    assert time_entry(Clocked(job, None, "it died"), 1) == {"run": job.run, "p50": None, "p99": None, "note": "it died"}
+
+
+def test_every_group_has_every_engine() -> None:
+    cells = [Cell("stop_distance", setting) for settings in BY_ENGINE.values() for setting in settings]
+    groups = tables(cells)
+    assert sorted(cell.setting.run for group in groups for cell in group) == sorted(cell.setting.run for cell in cells)
+    assert all(len(group) <= AT_ONE_TABLE for group in groups)
+    assert all({cell.setting.engine for cell in group} == set(BY_ENGINE) for group in groups[:-1])
+
+
+def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> None:
+    cut = Setting("avatarsim", "default frame=1/240", "default", cut=4)
+    assert Cell("stop_distance", cut).timed_frames == 4 * Cell("stop_distance", Setting("mujoco", "tuned", "tuned")).timed_frames
+    assert Cell("hand_grasp", cut).timed_frames == 960 and Cell("hand_grasp", cut, frames=5).timed_frames == 20

@@ -1,0 +1,16 @@
+"""What is kept of an outcome."""
+
+from scenarios.job import Job, Outcome
+from scenarios.measure.value import Missing
+from scenarios.sweep.measure import entry_of, errors
+
+
+def test_entries_of_outcomes() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3, values={"a": 1.0, "b": Missing("no occasion", "scene")}))
+    assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
+
+
+def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
+    found = errors(Job("stop_distance", "abacus", "default", frames=1))
+    assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}

@@ -1,0 +1,44 @@
+"""Every task gets its answer, side by side or not; who dies is told, and nobody else is lost."""
+
+import os
+import signal
+
+import pytest
+
+from scenarios.job import Job, Outcome
+from scenarios.processes import Died
+from scenarios.sweep.measure import entry_of
+from scenarios.sweep.side_by_side import side_by_side, told
+
+
+def answer(task: int) -> int:
+    if task == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if task == 5:
+        raise ValueError("five")
+    return 10 * task
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_each_task_has_its_answer(workers: int) -> None:
+    found = dict(side_by_side(answer, [1, 2, 3, 4, 5], workers))
+    assert {task: found[task] for task in (1, 2, 4)} == {1: 10, 2: 20, 4: 40}
+    assert isinstance(found[3], Died) and "signal 9" in str(found[3]) and isinstance(found[5], Died)
+    assert dict(side_by_side(answer, [1, 2], 0)) == {1: 10, 2: 20}
+
+
+def test_who_stops_leaves_no_child_behind() -> None:
+    import multiprocessing
+
+    running = side_by_side(answer, [1, 2, 4, 6, 7, 8, 9], 2)
+    next(running)
+    running.close()
+    for child in multiprocessing.active_children():
+        child.join(10.0)
+    assert multiprocessing.active_children() == []
+
+
+def test_who_died_has_an_entry_too() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3))
+    assert [entry["state"] for _, entry in told([(job, Died("it was killed")), (job, found)])] == ["crashed", "measured"]

@@ -1,0 +1,35 @@
+"""A slice of the sweep gates the engine: at the ends of every change, and under some of all at once, every case survives.
+
+Overlap is promised in metres of the world as it is: in one a thousandth as large, 1e-6 m is a thousand times as much of its size.
+"""
+
+import pytest
+
+from scenarios.engines import GATED
+from scenarios.stability.outcome import SURVIVED, Task, outcome
+from scenarios.stability.plan import CASES, Trial, alone, together
+
+DEEPEST = 1e-6
+"""[m]"""
+DRAWS = 3
+"""Draws of all changes at once per case, others for each case."""
+
+
+def slice_of(number: int) -> list[Trial]:
+    """The two ends of every change, and a few draws."""
+    found: dict[str, list[Trial]] = {}
+    for trial in alone():
+        found.setdefault(trial.kind, []).append(trial)
+    ends = [trial for trials in found.values() for trial in dict.fromkeys((trials[0], trials[-1]))]
+    return [*ends, *together(DRAWS, seed=number)]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_nothing_is_lost_nothing_overlaps_and_nothing_gains_energy(case: str) -> None:
+    for trial in slice_of(list(CASES).index(case)):
+        found = outcome(Task(case, CASES[case], *GATED, trial))
+        assert found.state == SURVIVED, (trial, found.note)
+        assert found.bad == 0
+        assert found.overlap * trial.change.scale <= DEEPEST, (trial, found.overlap)
+        # nan where no simulated body is free of the user in any frame
+        assert not found.energy > 1e-7, (trial, found.energy)
