@@ -138,6 +138,17 @@ def test_a_falling_ball_keeps_its_energy(folder: Path) -> None:
     assert sentence("contacts", lines["contacts"]) == f"{OURS}: median 10, largest 19; {THEIRS}: median 6, largest 11."
 
 
+def test_the_first_seed_is_played(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    found = run_dir(results | {"rows": [row | {"seed": 7} for row in rows]})
+    scene(found, NAME)
+    recording(found, NAME, OURS)
+    assert "Nothing was recorded here" in page(found)[0]
+    (found / "recordings" / f"{NAME}.avatarsim.default.0.npz").rename(found / "recordings" / f"{NAME}.avatarsim.default.7.npz")
+    assert 'id="replay-data"' in page(found)[0]
+
+
 def test_nothing_recorded_is_nothing_to_play(folder: Path) -> None:
     found = drawn(folder, NAME)
     assert found and replay(found, [], OURS) is None
