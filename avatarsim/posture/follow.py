@@ -1,6 +1,7 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker_speed
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
@@ -15,6 +16,7 @@ from avatarsim.posture.workspace import (
     PAST,
     PAST_FRAMES,
     PRESSED,
+    RESTED,
     SLOW,
     SPEED,
     STEPPED,
@@ -80,22 +82,24 @@ def notice(geo: Geometry, poses: Poses, b: int, memory_out: Memory) -> bool:
 
 
 @kernel
-def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) -> None:
-    """Copy the poses of all bodies that are not links into the trial; they stand still while the avatars move."""
+def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) -> bool:
+    """Copy the poses of all bodies that are not links into the trial, which stand still meanwhile; whether any had moved."""
     changed = False
     for b in range(skel.first):
         changed = notice(geo, poses, b, memory_out) or changed
     look_again(changed, memory_out)
+    return changed
 
 
 @kernel
-def notice_movers(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, memory_out: Memory) -> None:
+def notice_movers(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, memory_out: Memory) -> bool:
     """The same of those only that may have moved (nb): to look at thousands of objects at rest would take most of the frame."""
     changed = False
     for b in range(skel.first):
         if moving[b] == 1:
             changed = notice(geo, poses, b, memory_out) or changed
     look_again(changed, memory_out)
+    return changed
 
 
 @kernel
@@ -125,7 +129,7 @@ def walk(
                 memory_out.goal.trust[j] = min(memory_out.goal.trust[j], most)
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
-        if there or largest < ARRIVED or work_done(memory_out) > 0.6 * budget(settings, memory_out):
+        if there or largest < ARRIVED or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
     return largest
 
@@ -152,9 +156,9 @@ def follow(
     moving (nb): 1 for bodies that may have moved since the last call; empty if nobody knows.
     """
     if moving.shape[0] > 0:
-        notice_movers(geo, skel, poses_out, moving, memory_out)
+        changed = notice_movers(geo, skel, poses_out, moving, memory_out)
     else:
-        notice_others(geo, skel, poses_out, memory_out)
+        changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
@@ -166,8 +170,10 @@ def follow(
         flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
     if flags[LED] == UNDER_WAY:
         flags[SLOW] += 1.0
+        flags[RESTED] = 0.0
         return
     flags[CALM] = flags[CALM] + 1.0 if speed < CALM_SPEED else 0.0
+    flags[RESTED] = flags[RESTED] + 1.0 if speed < CALM_SPEED and not changed else 0.0
     if speed >= PUSHING:
         flags[PRESSED] = 0.0
     if flags[LED] != HELD_STILL:

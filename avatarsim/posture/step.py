@@ -7,6 +7,7 @@ crossed, whatever the solver does.
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import certify
 from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, rows_of_listed
+from avatarsim.posture.creep import creeps, slow_down
 from avatarsim.posture.goal import aim, merit
 from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.limit_row import beyond_limits
@@ -151,6 +152,8 @@ def attempt(
         memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
         memory_out.counts[ITERATIONS] += 1
         try_step(geo, skel, posture, memory_out)
+        if creeps(memory_out):
+            slow_down(geo, skel, posture, poses, memory_out)
         spent = work_done(memory_out) > budget(settings, memory_out)
         last = spent or round_ == settings.corrections
         memory_out.flags[ADDING] = 0.0 if last else 1.0
@@ -170,6 +173,8 @@ def back_off(
     for k in range(BACK_OFFS):
         shrink_failing(skel, SHRINK if k < BACK_OFFS - 2 else 0.0, memory_out)
         try_step(geo, skel, posture, memory_out)
+        if creeps(memory_out):
+            slow_down(geo, skel, posture, poses, memory_out)
         if check(geo, skel, posture, poses, settings, memory_out) == 0:
             return
     stay(geo, skel, posture, memory_out)

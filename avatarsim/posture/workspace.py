@@ -129,8 +129,8 @@ COUNT, BUILT = range(2)
 # places in Memory.flags
 (
     MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, PAST,
-) = range(17)
+    PRESSED, CALM, RESTED, PAST,
+) = range(18)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
