@@ -1,7 +1,11 @@
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
+from avatarsim.errors import InvalidFile
 from scenarios.files import plain, point_latest, run_folder, write_json
 from scenarios.job import Job, Outcome
 from scenarios.results import COLUMNS, Results, Row, csv_text, write
@@ -83,3 +87,11 @@ def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "latest" / "mine.txt").write_text("mine")
     point_latest(run_folder(tmp_path, "run"))
     assert (tmp_path / "latest" / "mine.txt").read_text() == "mine"
+
+
+def test_a_run_that_has_ended_is_checked_once_its_figures_are_safe(tmp_path: Path) -> None:
+    broken = [replace(ROWS[0], scenario=None)]  # type: ignore[arg-type]
+    write(results(broken, None), tmp_path)
+    with pytest.raises(InvalidFile, match=r"^rows\[0\]\.scenario"):
+        write(results(broken), tmp_path)
+    assert json.loads((tmp_path / "results.json").read_text())["exit_code"] == 1
