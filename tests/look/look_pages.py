@@ -41,6 +41,14 @@ BLANK = """
 }).length
 """
 """How many charts are not drawn, or say nothing to those who do not see them."""
+POINTED = """
+(() => {
+  const chart = document.querySelector("#courses-charts svg"), box = chart.getBoundingClientRect();
+  chart.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + 0.6 * box.width, clientY: box.top + 20 }));
+  return Number(document.getElementById("courses-charts").dataset.time);
+})()
+"""
+"""The time [s] to which the cursor goes when somebody points at a chart."""
 HIDDEN = 'document.querySelectorAll("figure").forEach((one) => { one.style.contentVisibility = "visible"; })'
 """Charts off the screen are not laid out until somebody scrolls there."""
 
@@ -106,6 +114,7 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
         }})()"""
         assert one.value(picked) >= 1
         assert one.value("document.querySelectorAll('#courses-charts svg path').length") >= 1
+    assert one.value(POINTED) > 0.0
     quiet(one, page)
     one.picture(SCREENSHOTS / f"index-{run.name}-{name}.png")
 
