@@ -7,9 +7,10 @@ before is kept below reports/out/sweep and not asked again.
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.engines import BASELINE, known
@@ -45,7 +46,7 @@ def measured(jobs: Sequence[Job], store: Store, workers: int) -> list[Row]:
     """The rows of all jobs, in their order; found ones are kept at once, known ones are not asked again."""
     method = sources([find("scenarios.law_map.asking")])
     keys = {job.scenario + job.run: f"{key_of(job)}-{method[:8]}" for job in jobs}
-    known_rows = {name: [Row(**row) for row in found["rows"]] for name, key in keys.items() if (found := store.get(KIND, key))}
+    known_rows = {name: [kept(row) for row in found["rows"]] for name, key in keys.items() if (found := store.get(KIND, key))}
     todo = [job for job in jobs if job.scenario + job.run not in known_rows]
     said = Estimate("law map", len(todo), sys.stderr)
     for job, answer in side_by_side(obtained, todo, workers):
@@ -63,6 +64,12 @@ def measured(jobs: Sequence[Job], store: Store, workers: int) -> list[Row]:
             store.put(KIND, keys[name], {"rows": [asdict(row) for row in answer]})
         said.step(f"{job.scenario} {job.run}")
     return [row for job in jobs for row in known_rows[job.scenario + job.run]]
+
+
+def kept(row: Mapping[str, Any]) -> Row:
+    """A row as it was put into the store, where numbers that are none are words."""
+    numbers = {name: float(row[name]) for name in ("asked", "got", "low", "high")}
+    return Row(**{**row, **numbers})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

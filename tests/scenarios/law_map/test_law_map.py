@@ -37,7 +37,9 @@ def test_a_second_run_asks_nothing_and_a_stopped_one_keeps_what_it_had(tmp_path:
         if len(asked) == 2:
             raise KeyboardInterrupt
         asked.append(job.scenario + job.run)
-        return [Row("friction", "sphere", job.engine, job.preset, 60, mu, mu, mu, mu, "") for mu in worlds.ASKED["friction"]]
+        nan, asked_of = math.nan, worlds.ASKED["friction"]
+        lost = [Row("friction", "sphere", job.engine, job.preset, 60, mu, nan, nan, nan, "lost") for mu in asked_of[:1]]
+        return lost + [Row("friction", "sphere", job.engine, job.preset, 60, mu, mu, mu, mu, "") for mu in asked_of[1:]]
 
     monkeypatch.setattr(command, "obtained", obtained)
     words = ["--run", str(tmp_path / "latest"), *ASKED]
@@ -47,7 +49,8 @@ def test_a_second_run_asks_nothing_and_a_stopped_one_keeps_what_it_had(tmp_path:
     asked_again, asked[:] = list(asked), []
     assert command.main(words) == 0 and not set(before) & set(asked_again) and len(before + asked_again + asked) == 6
     asked[:] = []
-    assert command.main(words) == 0 and asked == []
+    written = (tmp_path / "latest" / "law_map.csv").read_text()
+    assert command.main(words) == 0 and asked == [] and (tmp_path / "latest" / "law_map.csv").read_text() == written
     # ours with one preset, two steps, seven coefficients
     assert len((tmp_path / "latest" / "law_map.csv").read_text().splitlines()) == 1 + 3 * 2 * 7
 
