@@ -1,7 +1,7 @@
-"""`python -m scenarios.stability [--run FOLDER] [--engine NAME ...] [--filter CASE] [--draws N] [--jobs N]`.
+"""`python -m scenarios.stability [--run FOLDER] [--kept FOLDER] [--engine NAME ...] [--filter CASE] [--draws N] [--jobs N]`.
 
 Tries every hard case under every change, in every engine, side by side; prints a table and writes stability.csv into the run's
-folder. What is finished is kept there and not done again: the same command goes on where it was stopped.
+folder. What is finished is kept beside all runs and not done again while no source changes: a command that was stopped goes on.
 """
 
 import argparse
@@ -16,8 +16,8 @@ from scenarios.files import OUT, write_text
 from scenarios.harness import offers
 from scenarios.progress import Progress
 from scenarios.resume import stoppable
-from scenarios.stability.finished import NAME as KEPT
-from scenarios.stability.finished import Finished, key_of, stamp
+from scenarios.stability.finished import NAME as FINISHED
+from scenarios.stability.finished import Finished, stamp
 from scenarios.stability.outcome import UNASKED, Outcome, Task
 from scenarios.stability.plan import CASES, TOGETHER, trials
 from scenarios.stability.rows import csv_text, rows, table
@@ -25,6 +25,8 @@ from scenarios.stability.side_by_side import PATIENCE, answers
 
 NAME = "stability.csv"
 """The file of rows."""
+KEPT = OUT / "stability"
+"""Folder of what is finished."""
 
 
 def tasks_of(presets: dict[str, tuple[str, ...]], pattern: str, draws: int) -> list[Task]:
@@ -40,19 +42,26 @@ def tasks_of(presets: dict[str, tuple[str, ...]], pattern: str, draws: int) -> l
 
 def swept(tasks: Sequence[Task], folder: Path, jobs: int) -> dict[Task, Outcome]:
     """Every task with its outcome, those that were finished earlier among them."""
-    kept, stamped = Finished(folder / KEPT), stamp()
-    missing = kept.missing(tasks, stamped)
+    kept = Finished(folder / FINISHED, stamp())
+    missing = kept.missing(tasks)
     with Progress("stability", len(missing), sys.stderr) as progress:
         for task, done in answers(missing, jobs):
-            kept.add(task, stamped, done)
+            kept.add(task, done)
             progress.step(f"{task.case} {task.run} {task.trial.kind} {task.trial.level} {done.state}")
-    return {task: kept.known[key_of(task, stamped)] for task in tasks}
+    return {task: kept.of(task) for task in tasks}
+
+
+def run_of(asked: Path | None) -> Path:
+    """The folder asked for; else that of the last run, or, before the first one, where what is finished is kept."""
+    latest = OUT / "latest"
+    return asked if asked is not None else latest if latest.exists() else KEPT
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.stability", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the files")
+    parser.add_argument("--run", type=Path, metavar="FOLDER", help="folder for the rows (default: that of the last run)")
+    parser.add_argument("--kept", type=Path, default=KEPT, metavar="FOLDER", help="folder of what is finished")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--filter", default="*", metavar="PATTERN", help="cases (default: all)")
@@ -67,7 +76,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise UnknownName("engine", name, known())
         presets = {name: offer.presets for name, offer in offers(asked.engine, 1).items() if not offer.trouble}
         with stoppable():
-            done = swept(tasks_of(presets, asked.filter, asked.draws), asked.run, asked.jobs)
+            done = swept(tasks_of(presets, asked.filter, asked.draws), asked.kept, asked.jobs)
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
@@ -77,10 +86,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
         return 130
-    found = rows(done)
-    write_text(asked.run / NAME, csv_text(found))
+    found, path = rows(done), run_of(asked.run) / NAME
+    write_text(path, csv_text(found))
     print(table(found))
-    print(f"\n{asked.run / NAME}")
+    print(f"\n{path}")
     silent = set(asked.engine) - set(presets)
     return 3 if silent or any(row.state in UNASKED[1:] for row in found) else 0
 

@@ -6,53 +6,61 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
-from scenarios.files import plain
+from scenarios.files import plain, write_text
 from scenarios.provenance import PACKAGES, code_hash, version
 from scenarios.stability.outcome import Outcome, Task
 
 NAME = "stability.jsonl"
-"""The file, beside the results of a run."""
+"""The file of what is finished."""
 
 
 def stamp() -> str:
-    """What every key holds: the sources that decide what is shown, and the versions of all engines."""
-    return "|".join([code_hash(), *(f"{name} {version(name)}" for name in PACKAGES)])
-
-
-def key_of(task: Task, stamped: str) -> str:
-    """Sixteen hexadecimal digits of a task done by these sources."""
-    text = json.dumps([stamped, plain(asdict(task))], sort_keys=True)
+    """What decides an outcome besides the task: the sources, and the versions of all engines; sixteen hexadecimal digits."""
+    text = "|".join([code_hash(), *(f"{name} {version(name)}" for name in PACKAGES)])
     return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-class Finished:
-    """Outcomes by key, read from a file and added to it one by one."""
+def key_of(task: Task) -> str:
+    """Sixteen hexadecimal digits of a task."""
+    return hashlib.blake2b(json.dumps(plain(asdict(task)), sort_keys=True).encode(), digest_size=8).hexdigest()
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+
+class Finished:
+    """Outcomes by task, read from a file and added to it one by one; what other sources made is dropped from it."""
+
+    def __init__(self, path: Path, stamped: str) -> None:
+        self.path, self.stamped = path, stamped
         self.known: dict[str, Outcome] = {}
         if path.exists():
-            for line in path.read_text(encoding="utf-8").splitlines():
-                self._read(line)
+            lines = path.read_text(encoding="utf-8").splitlines()
+            good = [line for line in lines if self._read(line)]
+            if len(good) < len(lines):
+                write_text(path, "".join(f"{line}\n" for line in good))
 
-    def _read(self, line: str) -> None:
+    def _read(self, line: str) -> bool:
         try:
             entry = json.loads(line)
+            if entry["stamp"] != self.stamped:
+                return False
             self.known[str(entry["key"])] = Outcome.from_json(entry["outcome"])
         except (ValueError, KeyError, TypeError):
             # the last line of a sweep that was killed may be half written; what it said is asked again
-            return
+            return False
+        return True
 
-    def missing(self, tasks: Iterable[Task], stamped: str) -> list[Task]:
+    def missing(self, tasks: Iterable[Task]) -> list[Task]:
         """Those that nobody has done yet."""
-        return [task for task in tasks if key_of(task, stamped) not in self.known]
+        return [task for task in tasks if key_of(task) not in self.known]
 
-    def add(self, task: Task, stamped: str, done: Outcome) -> None:
+    def of(self, task: Task) -> Outcome:
+        """What came of a task that is finished."""
+        return self.known[key_of(task)]
+
+    def add(self, task: Task, done: Outcome) -> None:
         """Keep one more, in memory and in the file."""
-        key = key_of(task, stamped)
+        key = key_of(task)
         self.known[key] = done
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        entry = {"key": key, "outcome": plain(done.as_json())}
+        entry = {"stamp": self.stamped, "key": key, "outcome": plain(done.as_json())}
         with self.path.open("a", encoding="utf-8") as file:
-            # a line that was cut off must not swallow the next one
-            file.write(("" if file.tell() == 0 else "\n") + json.dumps(entry, allow_nan=False))
+            file.write(json.dumps(entry, allow_nan=False) + "\n")

@@ -8,7 +8,7 @@ import pytest
 from scenarios.processes import Died
 from scenarios.stability import __main__ as command
 from scenarios.stability import side_by_side
-from scenarios.stability.finished import NAME, Finished, key_of
+from scenarios.stability.finished import NAME, Finished
 from scenarios.stability.outcome import CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, Outcome, Task
 from scenarios.stability.plan import Trial
 from scenarios.stability.rows import apart, csv_text, rows, table
@@ -24,17 +24,25 @@ def done(state: str = SURVIVED, x: float = 0.0, **figures: object) -> Outcome:
 
 def test_what_is_finished_is_kept_and_a_torn_line_asked_again(tmp_path: Path) -> None:
     path = tmp_path / NAME
-    kept = Finished(path)
-    kept.add(ONE, "stamp", done())
-    kept.add(OTHER, "stamp", done(overlap=math.nan))
-    again = Finished(path)
-    assert again.missing([ONE, OTHER], "stamp") == [] and math.isnan(again.known[key_of(OTHER, "stamp")].overlap)
-    assert again.missing([ONE, OTHER], "other sources") == [ONE, OTHER]
+    kept = Finished(path, "stamp")
+    kept.add(ONE, done())
+    kept.add(OTHER, done(overlap=math.nan))
+    again = Finished(path, "stamp")
+    assert again.missing([ONE, OTHER]) == [] and math.isnan(again.of(OTHER).overlap)
     path.write_text(path.read_text()[:-20])
-    torn = Finished(path)
-    assert torn.missing([ONE, OTHER], "stamp") == [OTHER]
-    torn.add(OTHER, "stamp", done())
-    assert Finished(path).missing([ONE, OTHER], "stamp") == []
+    torn = Finished(path, "stamp")
+    assert torn.missing([ONE, OTHER]) == [OTHER]
+    torn.add(OTHER, done())
+    assert Finished(path, "stamp").missing([ONE, OTHER]) == []
+    # what other sources made is neither believed nor kept
+    assert Finished(path, "other sources").missing([ONE, OTHER]) == [ONE, OTHER] and path.read_text() == ""
+
+
+def test_rows_go_to_the_last_run_or_beside_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(command, "OUT", tmp_path)
+    assert command.run_of(None) == command.KEPT and command.run_of(tmp_path / "asked") == tmp_path / "asked"
+    (tmp_path / "latest").mkdir()
+    assert command.run_of(None) == tmp_path / "latest"
 
 
 def test_rows_say_how_far_an_end_is_from_the_plain_one() -> None:
@@ -63,7 +71,8 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: p
         return done()
 
     monkeypatch.setattr(side_by_side, "outcome", outcome)
-    words = ["--run", str(tmp_path), "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "1"]
+    folders = ["--run", str(tmp_path), "--kept", str(tmp_path)]
+    words = [*folders, "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "1"]
     assert command.main(words) == 130
     assert len((tmp_path / NAME).read_text().splitlines()) == 2
     assert command.main(words) == 0
