@@ -11,7 +11,7 @@ from reports import packed
 from reports.charts import peaks
 from reports.kept import Array, Drawn, Shown
 from reports.load import Series
-from reports.wording import quantity
+from reports.wording import count, quantity
 
 OVERLAP_FLOOR = 1e-9
 """Overlap [m] that is drawn on the floor of its chart, zero included."""
@@ -95,7 +95,8 @@ def sentence(key: str, lines: Sequence[Course]) -> str:
     said = []
     for line in lines:
         finite = line.values[np.isfinite(line.values)]
-        broken = "" if finite.size == line.values.size else f", {line.values.size - finite.size} values missing or not finite"
+        lost = line.values.size - finite.size
+        broken = f", {count(lost, 'value')} missing or not finite" if lost else ""
         if not finite.size:
             said.append(f"{line.run}: no finite value")
         else:
@@ -137,7 +138,7 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> li
         if not lines:
             continue
         log = measure.key in LOGARITHMIC
-        points = [(line, *peaks(line.values, most)[:2]) for line in lines]
+        points = [(line, *_points(line.values, most)) for line in lines]
         finite = np.concatenate([values[np.isfinite(values)] for _, _, values in points])
         low, high = _range(finite, measure.key)
         made.append({
@@ -151,6 +152,12 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> li
             ],
         })
     return made
+
+
+def _points(values: Array, most: int) -> tuple[Array, Array]:
+    """(frame, largest value) of each group of frames; nan, which is drawn as a gap, where one of the group is no number."""
+    frames, largest, broken = peaks(values, most)
+    return frames, np.where(broken > 0.0, np.nan, largest)
 
 
 def _scaled(values: Array, log: bool, low: float) -> Array:

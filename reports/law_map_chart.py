@@ -46,7 +46,7 @@ def _said(cells: list[Cell]) -> str:
     ranked = sorted(worst, key=lambda run: (math.isnan(worst[run]), worst[run]))
     ends = tuple(dict.fromkeys((ranked[0], ranked[-1])))
     told = [f"{run} {'lost bodies' if math.isnan(worst[run]) else figures(worst[run])}" for run in ends]
-    return f"Largest difference: {' at least, '.join(told)}{' at most' if len(told) > 1 else ''}."
+    return f"Largest difference: {' to '.join(told)}."
 
 
 def _spec(cells: list[Cell]) -> dict[str, object]:

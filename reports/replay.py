@@ -32,8 +32,11 @@ def stride(frames: Sequence[int], moving: int) -> int:
     return max(1, math.ceil(bytes_all / MOST_BYTES), math.ceil(max(frames, default=1) / MOST_FRAMES))
 
 
-def replay(scene: Drawn, shown: Sequence[Shown], ours: str) -> dict[str, object] | None:
-    """The data of one scene's replay, ready for JSON; None when nothing was recorded. `ours` names the run that the view fits."""
+def replay(
+    scene: Drawn, shown: Sequence[Shown], ours: str, depths: Mapping[str, Array] | None = None,
+) -> dict[str, object] | None:
+    """The data of one scene's replay, ready for JSON; None when nothing was recorded. `ours` names the run that the view fits,
+    `depths` are the judge's overlaps [m] by run, not a number where it found no pose to judge."""
     engines = [one for one in shown if not one.run.startswith("tracker/")]
     if not shown or not engines:
         return None
@@ -67,7 +70,7 @@ def replay(scene: Drawn, shown: Sequence[Shown], ours: str) -> dict[str, object]
         "ghost": ghost,
         "runs": [
             {"run": one.run, **_poses(one.positions[::step][:, moving], one.orientations[::step][:, moving], *box),
-             "pairs": _pairs(one, step)} for one in engines
+             "pairs": _pairs(one, step), "broken": _broken(one, step, (depths or {}).get(one.run))} for one in engines
         ],
     }
 
@@ -105,6 +108,9 @@ def _near(positions: Array, reach: Sequence[float]) -> float:
 
 def _poses(positions: Array, orientations: Array, low: Array, high: Array) -> dict[str, object]:
     """Positions (F, m, 3) and orientations (F, m, 4) as text."""
+    # a body without an orientation is nowhere either
+    sound = np.isfinite(orientations).all(axis=-1, keepdims=True)
+    positions = np.where(sound, positions, np.nan)
     places = np.stack([packed.codes(positions[..., k], (float(low[k]), float(high[k]))) for k in range(3)], axis=-1)
     return {"frames": len(positions), "places": packed.text(places), "turns": packed.quaternions(orientations)}
 
@@ -117,6 +123,14 @@ def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
             groups.setdefault(frame // step, {}).setdefault(frame, []).append([first, second, float(f"{1e3 * depth:.3g}")])
     worst = {group: max(states.values(), key=lambda pairs: pairs[0][2]) for group, states in groups.items()}
     return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
+
+
+def _broken(one: Shown, step: int, depth: Array | None) -> list[int]:
+    """The drawn states that stand for one in which a pose is no number, or no pose."""
+    wrong = ~(np.isfinite(one.positions).all(axis=(1, 2)) & np.isfinite(one.orientations).all(axis=(1, 2)))
+    if depth is not None and depth.size == wrong.size:
+        wrong |= ~np.isfinite(depth)
+    return sorted({int(frame) // step for frame in np.flatnonzero(wrong)})
 
 
 def azimuth(scene: Drawn, shapes: Sequence[mesh.Mesh], which: Sequence[int], main: Shown, focus: Array, size: float) -> float:

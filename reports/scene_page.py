@@ -66,8 +66,9 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     # with several seeds a page shows the first, as the series do
     seed = next((row.seed for row in results.rows if row.scenario == name), 0)
     scene, recorded = drawn(run_dir, name), shown(run_dir, name, runs, seed)
+    depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
-    return Kept(scene, courses(series, recorded, scene), dt, replay(scene, recorded, ours) if scene else None)
+    return Kept(scene, courses(series, recorded, scene), dt, replay(scene, recorded, ours, depths) if scene else None)
 
 
 def page(block: Block, found: Kept, verdict: Verdict, strokes: Mapping[str, Stroke], around: Neighbours) -> str:

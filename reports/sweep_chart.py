@@ -47,8 +47,7 @@ def _said(rivalry: Rivalry) -> str:
     ours = rivalry.ours
     mine = "" if ours is None else f" Ours: {quantity(ours.error, ours.unit)} in {quantity(ours.p50, 'us')}."
     spoilt = f" Crosses: {listed(tuple(f'{p.run} ({p.state})' for p in rivalry.spoilt), 3)}." if rivalry.spoilt else ""
-    said = rivalry.said
-    return f"{said[0].upper()}{said[1:]}.{mine}{spoilt}"
+    return f"Outcome: {rivalry.said}.{mine}{spoilt}"
 
 
 def _drawn(point: Point, floor: float) -> float:

@@ -22,8 +22,9 @@ REFUSAL = "refusal"
 """Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
 
 
-def accuracy(job: Job, folder: Path) -> Outcome:
-    """Run `job`, save its recording below `folder` and measure it. Whatever goes wrong becomes an outcome of its own."""
+def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
+    """Run `job`, save its recording below `folder` and measure it, judging so many snapshots inside frames (all if the job is in
+    full). Whatever goes wrong becomes an outcome of its own."""
     try:
         scenario, scene, motion = job.asked()
         samples = [checked(motion(k), scene.avatars) for k in range(scenario.frames)]
@@ -48,7 +49,7 @@ def accuracy(job: Job, folder: Path) -> Outcome:
     }
     drawn.write(scene, folder, scenario.name)
     if (earlier := kept(path, identity)) is not None:
-        return concluded(job, earlier, scenario, scene, path)
+        return concluded(job, earlier, scenario, scene, path, judged)
     about |= identity
     states = [scene.first_sample, *samples]
     frames: list[FrameRecord] = []
@@ -70,7 +71,7 @@ def accuracy(job: Job, folder: Path) -> Outcome:
         _close(engine)
     recording = gathered(job, scenario, scene, states, frames, about)
     record.save(recording, path)
-    return concluded(job, recording, scenario, scene, path)
+    return concluded(job, recording, scenario, scene, path, judged)
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
@@ -85,9 +86,11 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
     return found if same and "error" not in found.meta else None
 
 
-def concluded(job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path) -> Outcome:
+def concluded(
+    job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path, judged: int = INSIDE_JUDGED
+) -> Outcome:
     """Measure a whole recording."""
-    found = measured(recording, scenario, scene.whole, None if job.full else INSIDE_JUDGED)
+    found = measured(recording, scenario, scene.whole, None if job.full else judged)
     overlapping.write(found.overlapping, path.parent.parent, job.stem)
     told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
     told["lapsed"] = dict(scene.lapsed)

@@ -99,8 +99,9 @@
     }
     const deepest = pairs[0];
     const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
-    view.cell.classList.toggle("overlaps", Boolean(deepest));
-    view.said.textContent = ended ? "ended here" : !deepest ? "no overlap"
+    const broken = !ended && view.run.broken.includes(frame);
+    view.cell.classList.toggle("overlaps", Boolean(deepest) || broken);
+    view.said.textContent = ended ? "ended here" : broken ? "a pose here is no number" : !deepest ? "no overlap"
       : `${deepest[2] < 0.1 ? deepest[2] * 1000 + " µm" : deepest[2] + " mm"}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
   }
 

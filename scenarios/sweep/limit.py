@@ -25,7 +25,7 @@ from scenarios.sweep.store import Entry
 
 Array = NDArray[np.float64]
 
-SCENES = ("mocap_punch_wall", "hand_grasp", "hand_in_corner_rigid", "ball_off_table")
+SCENES = ("mocap_punch_wall", "hand_grasp", "hand_in_corner_rigid")
 """Of the telling scenes those without a closed form in which things move that do not come to rest."""
 RATES = (60, 120, 240, 480, 960)
 """Steps per second that are compared."""

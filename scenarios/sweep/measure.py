@@ -8,11 +8,14 @@ from scenarios.measure.value import Missing
 from scenarios.run import accuracy
 from scenarios.sweep.store import Entry
 
+JUDGED = 50
+"""Snapshots inside frames that are judged: what is shown counts as error, and hundreds of cells are measured."""
+
 
 def errors(job: Job) -> Entry:
     """Run and measure one job; the recording, which can be large, is not kept."""
     with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
-        return entry_of(accuracy(job, Path(folder)))
+        return entry_of(accuracy(job, Path(folder), JUDGED))
 
 
 def entry_of(outcome: Outcome) -> Entry:

@@ -15,14 +15,13 @@ TELLING: Mapping[str, tuple[str, ...]] = {
     "limit_torture_hinges": (LIMITS,),
     "hand_in_corner_rigid": (OVERLAP, OFFSET),
     "thin_wall_hand": (OVERLAP, "wrong_side_frames"),
-    "ball_off_table": (OVERLAP, LIMITS, OFFSET),
     "stack_ten": (OVERLAP, "drift_max"),
     "bounce_ladder": ("restitution_error_max", "apex_error_max", OVERLAP),
     "oblique_bounce": ("velocity_error_max", "spin_error_max"),
     "stop_distance": ("stop_distance_error_max", "stop_direction_error_max", OVERLAP),
 }
 """Scene -> metrics: recorded motion against a wall, an articulated hand with loose things, limits alone, the paper's rigid hand,
-a thin wall, a snipped ball, rest, bounce, bounce with friction, friction. Each at most ten seconds in its quick length."""
+a thin wall, rest, bounce, bounce with friction, friction. Each at most ten seconds in its quick length."""
 
 ERRORS = (
     OVERLAP, "wrong_side_frames", LIMITS, "reach_cone_excess_max", OFFSET, "restitution_error_max", "bounce_time_error_max",

@@ -97,6 +97,8 @@ def test_nan_in_a_recording_is_hidden_not_drawn(folder: Path) -> None:
     data = held(page(folder)[0], "replay-data")
     places = unpacked(data["runs"][1]["places"], (0.0, 1.0)).reshape(12, 2, 3)
     assert np.isnan(places[5:, 0]).all() and not np.isnan(places[:5]).any()
+    assert data["runs"][1]["broken"] == list(range(5, 12)) and data["runs"][0]["broken"] == []
+    assert f"{THEIRS} 2 and 7 without numbers" in page(folder)[0]
 
 
 THEIR_FILE = f"{NAME}.mujoco.default.0.npz"
@@ -133,8 +135,7 @@ def test_a_falling_ball_keeps_its_energy(folder: Path) -> None:
     found = drawn(folder, NAME)
     lines = courses({}, shown(folder, NAME, [OURS, THEIRS]), found)
     assert found and lines["energy"][0].values == pytest.approx(np.zeros(STATES), abs=1e-12)
-    assert conclusion("energy", lines["energy"]) == "All reach the same largest value, 0 J." or "Nobody rises" in conclusion(
-        "energy", lines["energy"])
+    assert conclusion("energy", lines["energy"]).startswith(("All reach the same", "Nobody rises"))
     assert sentence("contacts", lines["contacts"]) == f"{OURS}: median 10, largest 19; {THEIRS}: median 6, largest 11."
 
 

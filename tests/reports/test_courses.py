@@ -1,0 +1,56 @@
+"""Lines over time: what is said is what the numbers say, and what is drawn comes back."""
+
+import numpy as np
+import pytest
+
+from reports.courses import Course, charts, conclusion, courses, over_all, sentence
+from reports.load import Series
+from reports.packed import unpacked
+
+OVERLAP = np.array([0.0, 1e-3, 2e-2, np.nan, 1e-7])
+
+
+def test_a_line_of_overlap_comes_back_in_decades() -> None:
+    lines = courses({"a/default": Series(OVERLAP, np.zeros(0))}, [], None)
+    [chart] = charts(lines, 0.5, 100)
+    assert (chart["key"], chart["low"], chart["high"], chart["log"]) == ("overlap", 1e-9, 1.0, True)
+    [line] = chart["lines"]  # type: ignore[misc]
+    found = 10.0 ** unpacked(line["values"], (-9.0, 0.0))
+    assert found[[0, 1, 2, 4]] == pytest.approx([1e-9, 1e-3, 2e-2, 1e-7], rel=1e-3) and np.isnan(found[3])
+    assert (line["first"], line["step"]) == (0.0, 0.5)
+
+
+def test_frame_times_begin_with_the_first_frame_not_the_first_state() -> None:
+    lines = courses({"a/default": Series(np.zeros(0), np.array([10.0, 20.0, 40.0]))}, [], None)
+    assert lines["time"][0].first == 1 and list(lines) == ["time"]
+    assert sentence("time", lines["time"]) == "a/default: median 20.0 µs, largest 40.0 µs."
+
+
+def test_spikes_survive_fewer_points() -> None:
+    values = np.zeros(1000)
+    values[777] = 0.5
+    [chart] = charts({"overlap": [Course("a/default", 0, values)]}, 0.01, 50)
+    [line] = chart["lines"]  # type: ignore[misc]
+    found = unpacked(line["values"], (-9.0, 0.0))
+    assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3) and line["step"] == pytest.approx(0.2)
+
+
+def test_who_rises_above_its_energy_is_named() -> None:
+    calm, wild = Course("a/default", 0, np.array([5.0, 4.0, 3.0])), Course("b/default", 0, np.array([5.0, 5.2, 3.0]))
+    assert conclusion("energy", [calm, wild]).startswith("Above the energy they began with, by a hundredth or more: b/default;")
+    assert conclusion("energy", [calm, Course("c/default", 0, np.array([4.0, 3.0, 2.0]))]).startswith("Nobody rises")
+
+
+def test_gaps_and_nothing_finite_are_said() -> None:
+    line = Course("a/default", 0, OVERLAP)
+    assert "1 value missing or not finite" in sentence("overlap", [line])
+    nothing = [Course("a/default", 0, np.full(3, np.nan))]
+    assert sentence("overlap", nothing) == "a/default: no finite value."
+    assert conclusion("overlap", nothing).startswith("No engine")
+
+
+def test_over_all_scenes() -> None:
+    low, high = Course("a/default", 0, np.zeros(4)), Course("b/default", 0, np.full(4, 1e-3))
+    both = {"one": charts({"overlap": [low, high]}, 1.0, 9), "two": charts({"overlap": [high, low]}, 1.0, 9)}
+    assert over_all(both, "a/default") == "In 2 of 2 scenes nobody's overlap peaks lower than that of a/default."
+    assert over_all(both, "b/default").startswith("In 0 of 2")
