@@ -75,7 +75,9 @@ def kept(row: Mapping[str, Any]) -> Row:
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write. 0: done; 2: usage; 3: an engine gave no figures; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.law_map", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    # without a last run none is made up: its name must stay free for a link
+    beside = OUT / ("latest" if (OUT / "latest").is_dir() else "sweep")
+    parser.add_argument("--run", type=Path, default=beside, metavar="FOLDER", help="folder for the file")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--law", nargs="+", default=worlds.LAWS, choices=worlds.LAWS, metavar="NAME")
@@ -89,7 +91,7 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise UnknownName("engine", name, known())
         offered = offers(asked.engine, 1)
         presets = {name: offered[name].presets for name in asked.engine if not offered[name].trouble}
-        rows = measured(jobs_of(asked, presets), Store(asked.run / ".." / "sweep" / "found"), asked.jobs)
+        rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
         asked.run.mkdir(parents=True, exist_ok=True)
         write_text(asked.run / NAME, csv_text(rows))
     except AvatarsimError as error:

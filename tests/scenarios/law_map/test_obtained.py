@@ -99,4 +99,15 @@ def test_who_is_not_hit_or_hit_at_once_has_no_friction() -> None:
 
 
 def test_gravity_alone_is_no_jolt() -> None:
-    assert first_jolt(-G * np.arange(50) / 60, G, 1 / 60) is None and first_jolt(np.array([-1.0, -1.0, 0.5]), 0.0, 0.1) == 2
+    assert first_jolt(-G * np.arange(50) / 60, G, 1 / 60) is None and first_jolt(np.array([-1.0, -1.0, 0.5]), 0.0, 0.01) == 2
+
+
+@pytest.mark.parametrize("dt", [1 / 240, 1 / 1000, 1 / 4000])
+def test_a_contact_that_takes_its_time_is_a_contact(dt: float) -> None:
+    velocity, height = [np.array([25.0, 0.0, -2.0])], [0.1]
+    for _ in range(round(0.2 / dt)):
+        # a damper of 20 ms that slides and does not bounce
+        push = 95.0 * dt * max(0.0, -velocity[-1][2]) if height[-1] < 0.0 else 0.0
+        velocity.append(velocity[-1] + push * np.array([-0.4, 0.0, 1.0]))
+        height.append(height[-1] + dt * velocity[-1][2])
+    assert friction(np.array(velocity), np.array(height), dt) == pytest.approx(0.4, abs=1e-12)
