@@ -7,9 +7,10 @@ from avatarsim.scene.scene import Scene
 from reference.presets import Kind, kind_of
 from scenarios.own_settings import OwnSettings
 
-EVERYWHERE = (Kind.BOUNCING, Kind.DRIVEN, Kind.MIXED)
+EVERYWHERE = tuple(Kind)
 TRACKED = (Kind.DRIVEN, Kind.MIXED)
-LOOSE = (Kind.BOUNCING, Kind.MIXED)
+UNTRACKED = (Kind.BOUNCING, Kind.RESTING)
+LOOSE = (*UNTRACKED, Kind.MIXED)
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ PYBULLET = (
     Setting("pybullet", "tuned", "tuned"),
     *_steps("pybullet", "default", (60, 960)),
     *_steps("pybullet", "tuned", (60, 120, 240, 1920)),
-    *_steps("pybullet", "tuned", (480,), (Kind.BOUNCING,)),
+    *_steps("pybullet", "tuned", (480,), UNTRACKED),
     *_steps("pybullet", "tuned", (960,), TRACKED),
     _pybullet("solver_iterations=10", solver_iterations=10),
     _pybullet("solver_iterations=200", solver_iterations=200),

@@ -1,9 +1,10 @@
 """The Pareto front: points that no other beats in both time and error."""
 
 from collections.abc import Sequence
+from math import isfinite
 
 Point = tuple[float, float]
-"""Time and error; a point with nan in it is on no front and beats nobody."""
+"""Time and error; a point that is not finite is on no front and beats nobody."""
 
 
 def beats(a: Point, b: Point) -> bool:
@@ -14,7 +15,7 @@ def beats(a: Point, b: Point) -> bool:
 def front(points: Sequence[Point]) -> list[bool]:
     """For each point whether nobody beats it, in one pass over the points sorted by time."""
     found = [False] * len(points)
-    usable = [k for k, (time, error) in enumerate(points) if time == time and error == error]
+    usable = [k for k, (time, error) in enumerate(points) if isfinite(time) and isfinite(error)]
     least, best = float("inf"), (float("nan"), float("nan"))
     for k in sorted(usable, key=lambda k: points[k]):
         # equals of a point on the front are on it too

@@ -10,7 +10,7 @@ from scenarios.sweep.grid import BY_ENGINE, Setting, applicable, settings_of
 from scenarios.sweep.telling import TELLING
 
 GRID = [setting for settings in BY_ENGINE.values() for setting in settings]
-SMALL = ("stop_distance", "driven_10cm_wall", "squeeze")
+SMALL = ("stop_distance", "bounce_ladder", "driven_10cm_wall", "squeeze")
 """A scene of each kind."""
 
 
