@@ -14,7 +14,7 @@ from avatarsim.scene.scene import Scene
 from scenarios import record
 from scenarios.commands import Plan, begun, finished, nothing, passes, scenes
 from scenarios.engines import GATED
-from scenarios.files import plain, write_json
+from scenarios.files import plain, point_latest, write_json
 from scenarios.gate import bounds_of
 from scenarios.harness import Run
 from scenarios.job import Job, Outcome
@@ -148,5 +148,8 @@ def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
     told = lines(ran, built)
     beside = asked.out.resolve() / "latest"
     write(told, [ran.folder, *([beside] if beside.is_dir() else [])])
+    if not beside.exists():
+        # nothing was compared here before: the report is that of this run
+        point_latest(ran.folder)
     print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else table(told))
     return finished(asked, made, ran, code)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.scene.effects import Effects
+from reports.load import load
 from scenarios import ablation, catalog
 from scenarios.__main__ import main
 
@@ -47,3 +48,5 @@ def test_leaving_out_bounce_or_continuous_detection_breaks_what_rests_on_it(
     kept = json.loads((folder / ablation.FILE).read_text())
     assert [line["effect"] for line in kept["lines"]] == list(told)
     assert kept["lines"][0]["share"] == pytest.approx(1.0), "all of the frame is dynamics"
+    assert (out / "latest").resolve() == folder, "where nothing was compared before, the report is that of this run"
+    assert load(out / "latest").scenes() == ("ball_drop",)
