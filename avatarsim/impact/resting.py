@@ -21,9 +21,10 @@ STAND_OFF = 2e-8
 """Gap [m] at which bodies stop, meet and rest. The first apex of a bounce of height h is off by 2e-8/h; must stay above about a
 hundred roundings of a coordinate, see `motion.time_of_impact`."""
 
-HOVER = 5.0
-"""Stand-offs up to which a held point stays at the height at which it is; from higher up it comes down. Lower, and the corners of
-one face, a nanometre apart, ask for velocities that no rigid body can have at once."""
+LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
+"""Stand-offs up to which a held point stays at the height at which it is; from higher up it comes down to the first. Among more
+points than the last it is the second: a body may have more of them than it needs, and the corners of one face, a nanometre apart,
+would ask for velocities that no rigid body can have at once."""
 
 PARTING = 5e-4
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
@@ -124,6 +125,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     Velocities at the end are judged with the arms of the middle, so the bend of the path is added to what is asked for, but for
     the half of the arms' own part that the middle knows already.
     """
+    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
         if v * h > HOP or v > PARTING:
@@ -132,7 +134,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
                 contacts.impulse[k, i] = 0.0
         else:
             gap = contacts.gap[k]
-            way = gap - 1.5 * STAND_OFF if gap > HOVER * STAND_OFF else min(0.0, gap)
+            way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
             if way < 0.0 and not can_pay(contacts, k, -gap, linear):
                 way = 0.0
             a, b = contacts.body[k, 0], contacts.body[k, 1]
