@@ -64,25 +64,42 @@ def link_poses(avatars: Sequence[Avatar], sample: TrackerSample) -> tuple[Array,
 
     The plain twin of the posture kernel's kinematics, and what every adapter and measure uses.
     """
-    positions, orientations, angles = [], [], iter(sample.angles)
-    first = 0
+    return poses_of_links(avatars, sample.positions, sample.rotations, sample.angles)
+
+
+def link_poses_each(avatars: Sequence[Avatar], samples: Sequence[TrackerSample]) -> tuple[Array, Array]:
+    """`link_poses` of F samples at once: (F, links, 3) [m] and (F, links, 4), the same bits as one by one."""
+    links = sum(len(avatar.links) for avatar in avatars)
+    return poses_of_links(
+        avatars, np.array([sample.positions for sample in samples], dtype=np.float64).reshape(len(samples), links, 3),
+        np.array([sample.rotations for sample in samples], dtype=np.float64).reshape(len(samples), links, 4),
+        np.array([sample.angles for sample in samples], dtype=np.float64).reshape(len(samples), -1),
+    )
+
+
+def poses_of_links(avatars: Sequence[Avatar], roots: Array, rotations: Array, angles: Array) -> tuple[Array, Array]:
+    """Forward kinematics of postures as in `TrackerSample`: roots (..., links, 3) [m], rotations (..., links, 4), angles
+    (..., hinges) [rad]; positions (..., links, 3) [m] and orientations (..., links, 4) in the world."""
+    positions, orientations = np.empty(np.shape(roots)), np.empty(np.shape(rotations))
+    first = hinge = 0
     for avatar in avatars:
         index = {link.name: first + k for k, link in enumerate(avatar.links)}
         for k, link in enumerate(avatar.links, start=first):
             if isinstance(link.joint, Free):
-                positions.append(np.asarray(sample.positions[k], dtype=np.float64))
-                orientations.append(rotation.normalised(sample.rotations[k]))
+                positions[..., k, :] = roots[..., k, :]
+                orientations[..., k, :] = rotation.normalised(rotations[..., k, :])
                 continue
-            origin, frame = (np.zeros(3), np.array(rotation.IDENTITY))
+            origin, frame = np.zeros(3), np.array(rotation.IDENTITY)
             if link.parent is not None:
-                origin, frame = positions[index[link.parent]], orientations[index[link.parent]]
+                origin, frame = positions[..., index[link.parent], :], orientations[..., index[link.parent], :]
             turned = rotation.multiply(frame, link.orientation)
             if isinstance(link.joint, Hinges):
-                for hinge in link.joint.hinges:
-                    turned = rotation.multiply(turned, rotation.from_axis_angle(hinge.axis, next(angles)))
+                for axis in link.joint.hinges:
+                    turned = rotation.multiply(turned, rotation.from_axis_angle(axis.axis, angles[..., hinge]))
+                    hinge += 1
             elif isinstance(link.joint, Ball):
-                turned = rotation.multiply(turned, sample.rotations[k])
-            positions.append(origin + rotation.rotate(frame, link.anchor))
-            orientations.append(rotation.normalised(turned))
+                turned = rotation.multiply(turned, rotations[..., k, :])
+            positions[..., k, :] = origin + rotation.rotate(frame, link.anchor)
+            orientations[..., k, :] = rotation.normalised(turned)
         first += len(avatar.links)
-    return np.array(positions).reshape(-1, 3), np.array(orientations).reshape(-1, 4)
+    return positions, orientations

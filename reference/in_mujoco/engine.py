@@ -148,7 +148,7 @@ class MujocoEngine:
         spin = data.cvel[ids, :3]
         # MuJoCo states velocities about the centre of mass of the whole tree
         arm = data.xipos[ids] - data.subtree_com[model.body_rootid[ids]]
-        velocity = data.cvel[ids, 3:] + np.cross(spin, arm)
+        velocity = data.cvel[ids, 3:] + rotation.cross(spin, arm)
         return Snapshot(self._elapsed, data.xpos[ids].copy(), data.xquat[ids].copy(), velocity, spin.copy())
 
     def _angles(self) -> Array:
@@ -156,7 +156,8 @@ class MujocoEngine:
 
     def _statuses(self) -> dict[str, int]:
         """How often each kind of warning was raised in this frame, and non-finite states."""
-        numbers = np.array([warning.number for warning in self._data.warning], dtype=np.int64)
+        # all at once: asked one by one, the warnings cost as much as a step
+        numbers = np.array(self._data.warning.number, dtype=np.int64)
         new, self._warned = numbers - self._warned, numbers
         found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): int(new[k]) for k in np.flatnonzero(new)}
         if not np.isfinite(self._data.qpos).all():

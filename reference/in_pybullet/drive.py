@@ -1,5 +1,9 @@
 """How avatars follow the tracker in PyBullet: the root by constraint or velocity, joints by position motors."""
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
@@ -12,6 +16,8 @@ from reference.presets import Chosen
 from reference.targets import Goals
 
 Array = NDArray[np.float64]
+Planned = tuple[Callable[[list[int], Any], None], list[int], list[Any]]
+"""What moves the motors of one body, its joints, and what they are told step by step."""
 
 DRIVES = ("constraint", "velocity")
 """A fixed constraint between root and tracked pose, or the velocity that reaches the pose within the step."""
@@ -31,6 +37,8 @@ class Drive:
 
     def __init__(self, world: World, scene: Scene, chosen: dict[str, Chosen]) -> None:
         self._world, self._chosen, self._client = world, chosen, world.client
+        names = ("root_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain", "ball_force")
+        self._numbers = {name: float(np.asarray(chosen[name].value, dtype=np.float64)) for name in names}
         self._frames = {k: world.parts[len(scene.bodies) + k].frame for _, _, k in world.balls}
         self._constraints: list[int] = []
         by_body: dict[int, tuple[list[int], list[int]]] = {}
@@ -64,70 +72,87 @@ class Drive:
                     physicsClientId=self._client,
                 ))
 
-    def aim(self, goals: Goals, k: int, step: float) -> None:
-        """Aim at posture k >= 1 of `goals`, one step [s] after posture k - 1."""
+    def plan(self, goals: Goals, step: float) -> None:
+        """Work out what every step of a frame will be told: postures 1 to n of `goals`, each one step [s] after the one before.
+
+        All at once, since numpy costs as much per call as Bullet per step.
+        """
+        self._step, self._joints = step, self._plan_hinges(goals, step) + self._plan_balls(goals)
         lead = CONSTRAINT_LAG if self._constraints and self._chosen["feed_forward"].value else 0.0
-        for index, (part, link) in enumerate(self._world.roots):
-            found = self._world.parts[part]
-            at = goals.positions[k, link] + lead * (goals.positions[k, link] - goals.positions[k - 1, link])
-            turn = rotation.slerp(goals.orientations[k - 1, link], goals.orientations[k, link], 1.0 + lead)
-            centre = at + rotation.rotate(turn, found.centre)
-            turn = rotation.multiply(turn, found.frame)
+        parts = [self._world.parts[part] for part, _ in self._world.roots]
+        links = [link for _, link in self._world.roots]
+        before, after = goals.positions[:-1, links], goals.positions[1:, links]
+        turns = rotation.slerp(goals.orientations[:-1, links], goals.orientations[1:, links], np.asarray(1.0 + lead))
+        centres = np.array([part.centre for part in parts]).reshape(-1, 3)
+        self._centres = after + lead * (after - before) + rotation.rotate(turns, centres)
+        self._turns = rotation.multiply(turns, np.array([part.frame for part in parts]).reshape(-1, 4))
+
+    def aim(self, k: int) -> None:
+        """Aim at posture k >= 1 of the goals last planned for."""
+        for index, (part, _) in enumerate(self._world.roots):
+            centre, turn = self._centres[k - 1, index], self._turns[k - 1, index]
             if self._constraints:
                 pybullet.changeConstraint(
-                    self._constraints[index], centre.tolist(), xyzw(turn), maxForce=self._number("root_force"),
+                    self._constraints[index], centre.tolist(), xyzw(turn), maxForce=self._numbers["root_force"],
                     physicsClientId=self._client,
                 )
             else:
-                self._chase(found.body, centre, turn, step)
-        self._aim_hinges(goals, k, step)
-        self._aim_balls(goals, k, step)
+                self._chase(self._world.parts[part].body, centre, turn)
+        for motor, joints, steps in self._joints:
+            motor(joints, steps[k - 1])
 
-    def _chase(self, body: int, centre: Array, turn: Array, step: float) -> None:
+    def _chase(self, body: int, centre: Array, turn: Array) -> None:
         """The velocity that reaches a pose of the mass centre in one step, no faster than the cap."""
         at, now = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
-        velocity = (centre - np.array(at)) / step
-        spin = rotation.to_rotation_vector(rotation.multiply(turn, rotation.conjugate(wxyz(now)))) / step
-        cap = self._number("root_speed")
+        velocity = (centre - np.array(at)) / self._step
+        spin = rotation.to_rotation_vector(rotation.multiply(turn, rotation.conjugate(wxyz(now)))) / self._step
+        cap = self._numbers["root_speed"]
         if cap > 0.0:
             velocity *= min(1.0, cap / max(float(np.linalg.norm(velocity)), 1e-12))
             spin *= min(1.0, 2.0 * cap / max(float(np.linalg.norm(spin)), 1e-12))
         pybullet.resetBaseVelocity(body, velocity.tolist(), spin.tolist(), physicsClientId=self._client)
 
-    def _aim_hinges(self, goals: Goals, k: int, step: float) -> None:
-        gain, damping, force = (self._number(name) for name in ("position_gain", "velocity_gain", "hinge_force"))
+    def _plan_hinges(self, goals: Goals, step: float) -> list[Planned]:
         forward = 1.0 / step if self._chosen["feed_forward"].value else 0.0
+        planned: list[Planned] = []
         for body, (joints, places) in self._hinges.items():
-            wanted = goals.angles[k, places]
-            speed = forward * (wanted - goals.angles[k - 1, places])
-            n = len(joints)
-            pybullet.setJointMotorControlArray(
-                body, joints, pybullet.POSITION_CONTROL, targetPositions=wanted.tolist(), targetVelocities=speed.tolist(),
-                positionGains=[gain] * n, velocityGains=[damping] * n, forces=[force] * n, physicsClientId=self._client,
-            )
+            wanted = goals.angles[1:, places]
+            speed = forward * (wanted - goals.angles[:-1, places])
+            planned.append((partial(self._move_hinges, body), joints, list(zip(wanted.tolist(), speed.tolist(), strict=True))))
+        return planned
 
-    def _aim_balls(self, goals: Goals, k: int, step: float) -> None:
-        gain, force = self._number("ball_gain"), self._number("ball_force")
+    def _move_hinges(self, body: int, joints: list[int], goal: tuple[list[float], list[float]]) -> None:
+        n, numbers = len(joints), self._numbers
+        pybullet.setJointMotorControlArray(
+            body, joints, pybullet.POSITION_CONTROL, targetPositions=goal[0], targetVelocities=goal[1],
+            positionGains=[numbers["position_gain"]] * n, velocityGains=[numbers["velocity_gain"]] * n,
+            forces=[numbers["hinge_force"]] * n, physicsClientId=self._client,
+        )
+
+    def _plan_balls(self, goals: Goals) -> list[Planned]:
         # the motor corrects this share of the error in a step, whatever velocity it is told; leading it by what is left
         # over in steady motion is its feed-forward
-        share = min(1.0, gain * MOTOR_ERP)
+        share = min(1.0, self._numbers["ball_gain"] * MOTOR_ERP)
         ahead = 1.0 + (1.0 - share) / share if self._chosen["feed_forward"].value else 1.0
+        planned: list[Planned] = []
         for body, entries in self._balls.items():
             links = [link for _, link in entries]
             frames = np.array([self._frames[link] for link in links])
-            turns = rotation.slerp(goals.turns[k - 1, links], goals.turns[k, links], np.full(len(links), ahead))
+            turns = rotation.slerp(goals.turns[:-1, links], goals.turns[1:, links], np.asarray(ahead))
             aimed = rotation.multiply(rotation.conjugate(frames), rotation.multiply(turns, frames))
-            n = len(entries)
-            pybullet.setJointMotorControlMultiDofArray(
-                body, [joint for joint, _ in entries], pybullet.POSITION_CONTROL,
-                targetPositions=aimed[:, [1, 2, 3, 0]].tolist(), positionGains=[gain] * n,
-                velocityGains=[self._number("velocity_gain")] * n, forces=[[force] * 3] * n, physicsClientId=self._client,
-            )
+            steps = aimed[..., [1, 2, 3, 0]].tolist()
+            planned.append((partial(self._move_balls, body), [joint for joint, _ in entries], steps))
+        return planned
+
+    def _move_balls(self, body: int, joints: list[int], goal: list[list[float]]) -> None:
+        n, numbers = len(joints), self._numbers
+        pybullet.setJointMotorControlMultiDofArray(
+            body, joints, pybullet.POSITION_CONTROL, targetPositions=goal, positionGains=[numbers["ball_gain"]] * n,
+            velocityGains=[numbers["velocity_gain"]] * n, forces=[[numbers["ball_force"]] * 3] * n,
+            physicsClientId=self._client,
+        )
 
     def _turned(self, k: int, turn: Array) -> Array:
         """A ball's rotation as Bullet's joint sees it: between principal frames."""
         frame = self._frames[k]
         return rotation.multiply(rotation.conjugate(frame), rotation.multiply(turn, frame))
-
-    def _number(self, name: str) -> float:
-        return float(np.asarray(self._chosen[name].value, dtype=np.float64))

@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from avatarsim.engine import FrameRecord, Settings, Snapshot
+from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
@@ -18,6 +18,7 @@ from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
 from reference.in_pybullet.factors import coefficients, fit, weights
 from reference.in_pybullet.presets import presets
+from reference.in_pybullet.reading import Reading
 from reference.in_pybullet.world import World, build_world
 from reference.presets import Chosen, in_force, kind_of
 from reference.targets import Targets
@@ -68,11 +69,15 @@ class PybulletEngine:
             scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits
         )
         self._set_bodies()
+        up = -np.array(scene.gravity)
+        held = zip(self._world.parts[len(scene.bodies) :], scene.links, strict=True) if self._lifts else ()
+        self._lifting = [(part, (link.mass.mass * up).tolist()) for part, link in held]
+        self._reading = Reading(self._world, scene)
         self._drive = Drive(self._world, scene, self._chosen)
         self._drive.start(rotation.normalised(scene.first_sample.rotations), scene.first_sample.angles)
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
-        return FrameRecord(self._snapshot(), self._angles())
+        return FrameRecord(self._reading.snapshots([0.0], [self._reading.raw()])[0], self._reading.angles())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """Follow the motion from the last sample to this one in equal steps."""
@@ -81,17 +86,20 @@ class PybulletEngine:
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
         goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
         self._last = goal
-        stepping, inside = 0, []
+        self._drive.plan(goals, self._step)
+        stepping, raw, times = 0, [], []
         for k in range(self._count):
-            self._drive.aim(goals, k + 1, self._step)
+            self._drive.aim(k + 1)
             self._lift()
             before = perf_counter_ns()
             pybullet.stepSimulation(physicsClientId=self._client)
             stepping += perf_counter_ns() - before
             self._elapsed += self._step
-            if self._settings.record_inside:
-                inside.append(self._snapshot())
-        shown, angles = inside[-1] if inside else self._snapshot(), self._angles()
+            if self._settings.record_inside or k == self._count - 1:
+                raw.append(self._reading.raw())
+                times.append(self._elapsed)
+        inside = self._reading.snapshots(times, raw)
+        shown, angles = inside[-1], self._reading.angles()
         counts = {"steps": self._count}
         if self._settings.record_inside:
             counts["contacts"] = len(pybullet.getContactPoints(physicsClientId=self._client) or ())
@@ -99,7 +107,8 @@ class PybulletEngine:
         if self._settings.time_stages:
             stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
         finite = np.isfinite(shown.positions).all() and np.isfinite(shown.orientations).all()
-        return FrameRecord(shown, angles, counts, {} if finite else {"not_finite": 1}, stages, tuple(inside))
+        statuses = {} if finite else {"not_finite": 1}
+        return FrameRecord(shown, angles, counts, statuses, stages, inside if self._settings.record_inside else ())
 
     def close(self) -> None:
         """Shut the server down."""
@@ -162,51 +171,10 @@ class PybulletEngine:
 
     def _lift(self) -> None:
         """Hold driven links against gravity: Bullet has no gravity per body."""
-        if self._lifts:
-            up = -np.array(self._scene.gravity)
-            for part, link in zip(self._world.parts[len(self._scene.bodies) :], self._scene.links, strict=True):
-                pybullet.applyExternalForce(
-                    part.body, part.link, (link.mass.mass * up).tolist(), [0.0, 0.0, 0.0], pybullet.LINK_FRAME,
-                    physicsClientId=self._client,
-                )
-
-    def _snapshot(self) -> Snapshot:
-        """Poses and velocities of the mass centres, which Bullet keeps in double precision, turned into body
-        frames.
-
-        Its link frames come in single precision.
-        """
-        n, client = len(self._world.parts), self._client
-        rows = np.empty((n, 13))
-        done: dict[int, tuple[tuple[float, ...], ...]] = {}
-        for k, part in enumerate(self._world.parts):
-            if part.link < 0:
-                at, turn = pybullet.getBasePositionAndOrientation(part.body, physicsClientId=client)
-                velocity, spin = pybullet.getBaseVelocity(part.body, physicsClientId=client)
-            else:
-                if part.body not in done:
-                    links = list(range(pybullet.getNumJoints(part.body, physicsClientId=client)))
-                    done[part.body] = pybullet.getLinkStates(
-                        part.body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=client
-                    )
-                at, turn, _, _, _, _, velocity, spin = done[part.body][part.link]
-            rows[k, :3], rows[k, 3:7], rows[k, 7:10], rows[k, 10:] = at, turn, velocity, spin
-        frames = np.array([part.frame for part in self._world.parts])
-        centres = np.array([part.centre for part in self._world.parts])
-        orientations = rotation.multiply(rows[:, [6, 3, 4, 5]], rotation.conjugate(frames))
-        positions = rows[:, :3] - rotation.rotate(orientations, centres)
-        return Snapshot(self._elapsed, positions, orientations, rows[:, 7:10].copy(), rows[:, 10:].copy())
-
-    def _angles(self) -> Array:
-        """Hinge angles (hinges,) [rad] in the order of tracker samples."""
-        angles: list[float] = []
-        by_body: dict[int, list[int]] = {}
-        for body, joint in self._world.hinges:
-            by_body.setdefault(body, []).append(joint)
-        for body, joints in by_body.items():
-            states = pybullet.getJointStates(body, joints, physicsClientId=self._client)
-            angles += [state[0] for state in states]
-        return np.array(angles, dtype=np.float64)
+        for part, force in self._lifting:
+            pybullet.applyExternalForce(
+                part.body, part.link, force, [0.0, 0.0, 0.0], pybullet.LINK_FRAME, physicsClientId=self._client
+            )
 
     def _number(self, name: str) -> float:
         return float(np.asarray(self._chosen[name].value, dtype=np.float64))

@@ -1,0 +1,75 @@
+"""What PyBullet shows: poses and velocities of all bodies and links, read step by step, turned into body frames once a frame."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pybullet
+from numpy.typing import NDArray
+
+from avatarsim.engine import Snapshot
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from avatarsim.spatial import rotation
+from reference.in_pybullet.world import World
+
+Array = NDArray[np.float64]
+
+
+class Reading:
+    """Reads one world. Its mass centres, which Bullet keeps in double precision: link frames come in single precision."""
+
+    def __init__(self, world: World, scene: Scene) -> None:
+        self._client = world.client
+        self._frames = rotation.conjugate(np.array([part.frame for part in world.parts]))
+        self._centres = np.array([part.centre for part in world.parts])
+        self._still = np.zeros((len(world.parts), 13))
+        self._bases: list[tuple[int, int]] = []
+        self._links: dict[int, tuple[list[int], list[int]]] = {}
+        for k, part in enumerate(world.parts):
+            if part.link >= 0:
+                rows, links = self._links.setdefault(part.body, ([], []))
+                rows.append(k)
+                links.append(part.link)
+            elif scene.roles[k] is Role.FIXED:
+                # what never moves is read once; many scenes hold more of it than of anything else
+                self._still[k] = self._base(part.body)
+            else:
+                self._bases.append((k, part.body))
+        self._hinges: dict[int, list[int]] = {}
+        for body, joint in world.hinges:
+            self._hinges.setdefault(body, []).append(joint)
+
+    def raw(self) -> Array:
+        """(n, 13) place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s] of every mass centre, as Bullet has them now."""
+        rows = self._still.copy()
+        for k, body in self._bases:
+            rows[k] = self._base(body)
+        for body, (places, links) in self._links.items():
+            states = pybullet.getLinkStates(
+                body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=self._client
+            )
+            rows[places] = [(*state[0], *state[1], *state[6], *state[7]) for state in states]
+        return rows
+
+    def snapshots(self, times: Sequence[float], raw: Sequence[Array]) -> tuple[Snapshot, ...]:
+        """What was read at `times` [s] since load, as body frames."""
+        rows = np.array(raw)
+        orientations = rotation.multiply(rows[..., [6, 3, 4, 5]], self._frames)
+        positions = rows[..., :3] - rotation.rotate(orientations, self._centres)
+        velocities, spins = rows[..., 7:10].copy(), rows[..., 10:].copy()
+        return tuple(
+            Snapshot(time, positions[k], orientations[k], velocities[k], spins[k]) for k, time in enumerate(times)
+        )
+
+    def angles(self) -> Array:
+        """Hinge angles (hinges,) [rad] in the order of tracker samples."""
+        found: list[float] = []
+        for body, joints in self._hinges.items():
+            states = pybullet.getJointStates(body, joints, physicsClientId=self._client)
+            found += [state[0] for state in states]
+        return np.array(found, dtype=np.float64)
+
+    def _base(self, body: int) -> tuple[float, ...]:
+        at, turn = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
+        velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=self._client)
+        return (*at, *turn, *velocity, *spin)
