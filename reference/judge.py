@@ -2,31 +2,18 @@
 
 from dataclasses import dataclass
 
-import coal
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Ellipsoid
 from avatarsim.spatial import rotation
-from reference.judge_geometry import Pieces, rounded_points
-from reference.judge_proof import by_directions, holds
-from reference.minkowski import signed_distance
+from reference.judge_distances import Distances
+from reference.judge_geometry import Pieces
+from reference.judge_near import near_pairs
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-TOLERANCE = 1e-9
-"""What coal's two iterations may leave [m]. Its default of 1e-6 costs micrometres on curved shapes; at 1e-12 they lose
-their way on aligned boxes, by centimetres."""
-
-SMOOTH_TOLERANCE = 1e-8
-"""The same for pairs with an ellipsoid. At 1e-9, every fiftieth such pair came out deeper by centimetres, or endless."""
-
-EPA_ITERATIONS = 512
-"""Most faces that coal may open on its way to the surface. At its default of 64, two hulls of a hundred triangles with
-one centre came out 1 mm too shallow."""
 
 LENGTH_OF_A_ROTATION = 1e-6
 """How far from 1 the length of a quaternion may be. Beyond, the pose is no rotation and its verdict is not a number."""
@@ -34,6 +21,10 @@ LENGTH_OF_A_ROTATION = 1e-6
 FARTHEST = 1e7
 """Largest coordinate [m] that is judged. Beyond, neighbouring numbers are further apart than the promised accuracy, and a
 body that got there was thrown out of the world."""
+
+
+PLACED_AT_ONCE = 50_000
+"""Pieces times states that are placed in one go: some 10 MB."""
 
 
 @dataclass(frozen=True)
@@ -56,26 +47,14 @@ class Verdict:
     decided: int = 0
 
 
-def _request(tolerance: float) -> coal.DistanceRequest:
-    """What coal is asked for: signed distances, iterated to `tolerance` [m]."""
-    request = coal.DistanceRequest()
-    request.enable_signed_distance = True
-    request.gjk_tolerance = request.epa_tolerance = tolerance
-    request.epa_max_iterations = EPA_ITERATIONS
-    return request
-
-
 class Judge:
     """Measures how deep the bodies and links of `scene` are in one another, given their poses."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.pieces = Pieces(scene)
-        self._placements = tuple(coal.Transform3s() for _ in self.pieces.geometries)
-        self._result = coal.DistanceResult()
-        self._requests = _request(TOLERANCE), _request(SMOOTH_TOLERANCE)
-        self._smooth = tuple(isinstance(shape, Ellipsoid) for shape in self.pieces.shapes)
-        self._decided = 0
+        self._may_meet = scene.pair_filter[self.pieces.owner[:, None], self.pieces.owner[None, :]]
+        self.between = Distances(self.pieces)
 
     def overlaps(self, positions: Array, orientations: Array, reach: float = 0.0) -> Verdict:
         """Verdict on body frames at positions (n, 3) [m] and orientations (n, 4), in the scene's canonical order.
@@ -83,72 +62,70 @@ class Judge:
         Pairs whose boxes are further apart than `reach` [m] are not measured. Poses that are not finite or not
         rotations give a depth of nan, never an exception. Raises InvalidInput when the shapes do not fit the scene.
         """
-        faults = self.faults(positions, orientations)
-        if faults:
-            return Verdict(np.nan, None, faults=faults, gap=np.nan)
-        first, second, distances = self.distances(positions, orientations, reach)
-        names = self.scene.names
+        return self.each(np.asarray(positions)[None], np.asarray(orientations)[None], reach)[0]
+
+    def each(self, positions: Array, orientations: Array, reach: float = 0.0) -> list[Verdict]:
+        """Verdicts on F states (F, n, 3) [m], (F, n, 4) at once, each as if it were asked alone."""
+        verdicts: list[Verdict] = []
+        # a block of states at a time: all at once would fill memory, one by one costs more in calls than in distances
+        block = max(1, PLACED_AT_ONCE // len(self.pieces.shapes))
+        for start in range(0, len(positions), block):
+            verdicts += self._block(positions[start : start + block], orientations[start : start + block], reach)
+        return verdicts
+
+    def depths(self, positions: Array, orientations: Array) -> Array:
+        """(F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4): 0 when free, nan when the poses are no poses."""
+        return np.array([verdict.deepest for verdict in self.each(positions, orientations)], dtype=np.float64)
+
+    def link_depths(self, positions: Array, orientations: Array) -> Array:
+        """The same over pairs in which a link takes part."""
+        links = set(self.scene.names[len(self.scene.bodies) :])
+        return np.array([
+            verdict.deepest if not np.isfinite(verdict.deepest)
+            else max((pair[2] for pair in verdict.pairs if links & set(pair[:2])), default=0.0)
+            for verdict in self.each(positions, orientations)
+        ], dtype=np.float64)
+
+    def _block(self, positions: Array, orientations: Array, reach: float) -> list[Verdict]:
+        verdicts = [
+            Verdict(np.nan, None, faults=self.faults(at, turned), gap=np.nan)
+            for at, turned in zip(positions, orientations, strict=True)
+        ]
+        sound = [k for k, verdict in enumerate(verdicts) if not verdict.faults]
+        at, turned = self._placed(positions[sound], orientations[sound])
+        near = near_pairs(self._may_meet, *self.pieces.boxes(at, turned), reach)
+        measured = self.between.each(at, turned, near)
+        for k, (first, second), (distances, decided) in zip(sound, near, measured, strict=True):
+            verdicts[k] = self._verdict(first, second, distances, decided)
+        return verdicts
+
+    def _verdict(self, first: Indices, second: Indices, distances: Array, decided: int) -> Verdict:
+        """What the distances (k,) [m] of pairs of pieces say of the bodies."""
+        names, owner = self.scene.names, self.pieces.owner
         if np.isnan(distances).any():
-            k = int(np.flatnonzero(np.isnan(distances))[0])
-            a, b = names[self.pieces.owner[first[k]]], names[self.pieces.owner[second[k]]]
-            return Verdict(np.nan, None, gap=np.nan, faults=(f"no distance was found for {a} and {b}",), decided=self._decided)
+            lost = int(np.flatnonzero(np.isnan(distances))[0])
+            a, b = names[owner[first[lost]]], names[owner[second[lost]]]
+            return Verdict(np.nan, None, gap=np.nan, faults=(f"no distance was found for {a} and {b}",), decided=decided)
         depths: dict[tuple[int, int], float] = {}
-        for a, b, distance in zip(self.pieces.owner[first], self.pieces.owner[second], distances, strict=True):
-            if distance < 0.0:
-                pair = (int(min(a, b)), int(max(a, b)))
-                depths[pair] = max(depths.get(pair, 0.0), -float(distance))
-        pairs = sorted(((names[a], names[b], depth) for (a, b), depth in depths.items()), key=lambda found: -found[2])
+        for k in np.flatnonzero(distances < 0.0):
+            one, other = int(owner[first[k]]), int(owner[second[k]])
+            key = (min(one, other), max(one, other))
+            depths[key] = max(depths.get(key, 0.0), -float(distances[k]))
+        pairs = sorted(((names[one], names[other], depth) for (one, other), depth in depths.items()), key=lambda found: -found[2])
         gap = float(distances.min()) if len(distances) else np.inf
         if not pairs:
-            return Verdict(0.0, None, gap=gap, decided=self._decided)
-        return Verdict(pairs[0][2], pairs[0][:2], tuple(pairs), gap, decided=self._decided)
+            return Verdict(0.0, None, gap=gap, decided=decided)
+        return Verdict(pairs[0][2], pairs[0][:2], tuple(pairs), gap, decided=decided)
 
     def distances(self, positions: Array, orientations: Array, reach: float = 0.0) -> tuple[Indices, Indices, Array]:
         """Indices (k,), (k,) of the pieces of all near pairs and their signed distance (k,) [m]; poses must be sound."""
-        turns = rotation.to_matrix(rotation.normalised(orientations))
-        at, turned = self.pieces.placed(np.asarray(positions, dtype=np.float64), turns)
-        first, second = self._near(*self.pieces.boxes(at, turned), reach)
-        for k in np.unique(np.concatenate([first, second])):
-            self._placements[k].setTransform(turned[k], at[k])
-        geometries, outlines, placements = self.pieces.geometries, self.pieces.outlines, self._placements
-        smooth, result = self._smooth, self._result
-        found = np.zeros(len(first))
-        self._decided = 0
-        for k, (a, b) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
-            # coal keeps the smaller of the old and the new distance unless told to forget
-            result.clear()
-            request = self._requests[smooth[a] or smooth[b]]
-            claim = coal.distance(geometries[a], placements[a], geometries[b], placements[b], request, result)
-            offset = at[a] - at[b]
-            # coal's normal points from its first body into its second
-            if not holds(claim, -result.normal, outlines[a], turned[a], outlines[b], turned[b], offset):
-                self._decided += 1
-                claim = self.by_brute_force(a, turned[a], b, turned[b], offset)
-            found[k] = claim
-        return first, second, found
+        at, turned = self._placed(np.asarray(positions)[None], np.asarray(orientations)[None])
+        near = near_pairs(self._may_meet, *self.pieces.boxes(at, turned), reach)
+        return *near[0], self.between.each(at, turned, near)[0][0]
 
-    def by_brute_force(self, a: int, turn_a: Array, b: int, turn_b: Array, offset: Array) -> float:
-        """Signed distance [m] of pieces a and b without iteration; `offset` (3,) [m] leads from b's origin to a's."""
-        shape_a, shape_b = self.pieces.shapes[a], self.pieces.shapes[b]
-        if isinstance(shape_a, Ellipsoid) or isinstance(shape_b, Ellipsoid):
-            return by_directions(self.pieces.outlines[a], turn_a, self.pieces.outlines[b], turn_b, offset)
-        (points_a, radius_a), (points_b, radius_b) = rounded_points(shape_a), rounded_points(shape_b)
-        return signed_distance(points_a @ turn_a.T + offset, radius_a, points_b @ turn_b.T, radius_b)
-
-    def _near(self, low: Array, high: Array, reach: float) -> tuple[Indices, Indices]:
-        """Pairs of pieces that the scene filters in and whose boxes come within `reach`: sweep along one axis."""
-        axis = int(np.argmax(np.ptp(low, axis=0)))
-        order = np.argsort(low[:, axis], kind="stable")
-        # in this order the partners of a piece are the next ones, up to the first that begins beyond its end
-        ends = np.searchsorted(low[order, axis], high[order, axis] + reach, side="right")
-        counts = np.maximum(ends - np.arange(len(order)) - 1, 0)
-        first = np.repeat(np.arange(len(order)), counts)
-        second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
-        first, second = order[first], order[second]
-        near = self.scene.pair_filter[self.pieces.owner[first], self.pieces.owner[second]]
-        for k in range(3):
-            near &= (low[first, k] <= high[second, k] + reach) & (low[second, k] <= high[first, k] + reach)
-        return first[near], second[near]
+    def _placed(self, positions: Array, orientations: Array) -> tuple[Array, Array]:
+        """Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in the world."""
+        return self.pieces.placed(positions.astype(np.float64), rotation.to_matrix(rotation.normalised(orientations)))
 
     def faults(self, positions: Array, orientations: Array) -> tuple[str, ...]:
         """One sentence per body whose pose is not finite or whose quaternion is not of length 1."""

@@ -37,11 +37,10 @@ def _coal_hull(vertices: Array) -> coal.CollisionGeometry:
     points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for vertex in vertices[hull.vertices]:
         points.append(vertex)
-    for corners, plane in zip(hull.simplices, hull.equations, strict=True):
-        a, b, c = vertices[corners]
-        outward = np.dot(np.cross(b - a, c - a), plane[:3]) > 0.0
-        i, j, k = rank[corners if outward else corners[::-1]]
-        faces.append(coal.Triangle(int(i), int(j), int(k)))
+    a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
+    outward = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
+    for i, j, k in rank[np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1])].tolist():
+        faces.append(coal.Triangle(i, j, k))
     return coal.Convex(points, faces)
 
 
@@ -76,22 +75,24 @@ def _box_round(shape: Shape) -> tuple[Array, Array, float, float]:
 class Outline:
     """What of a shape can be measured along an axis without any search: how far it reaches, and its faces.
 
+    points (k, 3) [m] swept by a ball of `radius` [m] are the shape, unless it is an ellipsoid, which has none;
     faces (f, 3) are its unit face normals, offsets (f,) [m] how far it reaches along them, edges (e, 3) its unit edge
     directions; none for smooth shapes.
     """
 
     def __init__(self, shape: Shape) -> None:
         self._radii: Array | None = None
+        self.points, self.radius = np.zeros((0, 3)), 0.0
         self.faces = self.edges = np.zeros((0, 3))
         if isinstance(shape, Ellipsoid):
             self._radii = np.array(shape.radii)
         else:
-            self._points, self._radius = rounded_points(shape)
+            self.points, self.radius = rounded_points(shape)
             if isinstance(shape, (Box, ConvexHull)):
-                hull = QuickHull(self._points)
+                hull = QuickHull(self.points)
                 # a box's sides are two triangles each: once is enough
                 self.faces = np.unique(hull.equations[:, :3].round(15), axis=0)
-                corners = self._points[hull.simplices]
+                corners = self.points[hull.simplices]
                 edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
                 edges /= np.linalg.norm(edges, axis=1)[:, None]
                 # both ways along an edge are one direction
@@ -105,7 +106,7 @@ class Outline:
         """Highest coordinate (k,) [m] of the shape along unit `axes` (k, 3), in the shape's own frame."""
         if self._radii is not None:
             return np.asarray(np.sqrt(((axes * self._radii) ** 2).sum(axis=1)))
-        return np.asarray((axes @ self._points.T).max(axis=1) + self._radius)
+        return np.asarray((axes @ self.points.T).max(axis=1) + self.radius)
 
 
 class Pieces:
@@ -127,13 +128,13 @@ class Pieces:
         self._radii = np.array([box[3] for box in boxes])
 
     def placed(self, positions: Array, turns: Array) -> tuple[Array, Array]:
-        """Positions (p, 3) [m] and turns (p, 3, 3) of the pieces in the world, from those of the bodies."""
-        turn = turns[self.owner]
-        return positions[self.owner] + np.einsum("pij,pj->pi", turn, self.positions), turn @ self.turns
+        """Positions (..., p, 3) [m] and turns (..., p, 3, 3) of the pieces in the world, from those of the n bodies."""
+        turn = turns[..., self.owner, :, :]
+        return positions[..., self.owner, :] + np.einsum("...pij,pj->...pi", turn, self.positions), turn @ self.turns
 
     def boxes(self, positions: Array, turns: Array) -> tuple[Array, Array]:
-        """Lower and upper corners (p, 3) [m] of axis-aligned boxes round the placed pieces."""
-        centres = positions + np.einsum("pij,pj->pi", turns, self._centres)
-        halves = np.einsum("pij,pj->pi", np.abs(turns), self._halves) + self._rounding[:, None]
+        """Lower and upper corners (..., p, 3) [m] of axis-aligned boxes round the placed pieces."""
+        centres = positions + np.einsum("...pij,pj->...pi", turns, self._centres)
+        halves = np.einsum("...pij,pj->...pi", np.abs(turns), self._halves) + self._rounding[:, None]
         halves = np.minimum(halves, self._radii[:, None])
         return centres - halves, centres + halves

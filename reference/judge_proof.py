@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from reference.judge_geometry import Outline
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 PROVEN = 1e-8
 """Metres by which a claim may differ from its proof: the accuracy that the judge promises. Below 1e-9, the tolerance of
@@ -39,12 +40,19 @@ def largest_over_faces(a: Outline, turn_a: Array, b: Outline, turn_b: Array, fro
     return best
 
 
-def holds(claim: float, normal: Array, a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array) -> bool:
-    """True when `claim` [m] is proven by its `normal` (out of b into a) and not refuted by any face of a or b."""
-    proven = abs(separations(a, turn_a, b, turn_b, from_b_to_a, normal[None])[0] - claim) <= PROVEN
-    if not proven or claim >= 0.0:
-        return bool(proven)
-    return largest_over_faces(a, turn_a, b, turn_b, from_b_to_a) <= claim + PROVEN
+def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Flags:
+    """(k,) True where a claim [m] is proven by its normal (k, 3), out of b into a, and not refuted by any face of a or b.
+
+    turns (k, 3, 3) and from_b_to_a (k, 3) [m] are those of k placements.
+    """
+    reach_a = a.reach(-np.einsum("ki,kij->kj", normals, turns_a))
+    reach_b = b.reach(np.einsum("ki,kij->kj", normals, turns_b))
+    gaps = (normals * from_b_to_a).sum(axis=1) - reach_a - reach_b
+    # a claim that is no number is not proven
+    proven = np.abs(gaps - claims) <= PROVEN
+    for k in np.flatnonzero(proven & (claims < 0.0)):
+        proven[k] = largest_over_faces(a, turns_a[k], b, turns_b[k], from_b_to_a[k]) <= claims[k] + PROVEN
+    return np.asarray(proven)
 
 
 def by_directions(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array) -> float:

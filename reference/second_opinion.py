@@ -116,7 +116,7 @@ def second_opinion(judge: Judge, states: Iterable[tuple[Array, Array]], reach: f
             other = fcl_distance(geometries[a], turns[a], at[a], geometries[b], turns[b], at[b])
             # fcl may answer nan: that is a disagreement too
             if not abs(other - claim) <= SAME:
-                decided = judge.by_brute_force(a, turns[a], b, turns[b], at[a] - at[b])
+                decided = judge.between.by_brute_force(a, turns[a], b, turns[b], at[a] - at[b])
                 pair = (names[pieces.owner[a]], names[pieces.owner[b]])
                 found.append(Disagreement(pair, claim, other, decided))
     return Opinion(asked, tuple(found))

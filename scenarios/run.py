@@ -8,7 +8,7 @@ import numpy as np
 from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
 from scenarios import drawn, overlapping, record
 from scenarios.engines import opened
 from scenarios.job import Job, Outcome
@@ -119,7 +119,7 @@ def gathered(
     """The frames that an engine showed, and the tracker's own posture beside each, as one recording."""
     shown = [frame.shown for frame in frames]
     inside = [(k, snapshot) for k, frame in enumerate(frames) for snapshot in frame.inside if k > 0]
-    raw = [link_poses(scene.avatars, sample) for sample in states[: len(frames)]]
+    raw_positions, raw_orientations = link_poses_each(scene.avatars, states[: len(frames)])
     n, hinges = len(scene.names), sum(avatar.hinge_count for avatar in scene.avatars)
     # an engine that gives no angles, or a wrong number of them, has given none
     given = all(len(frame.angles) == hinges for frame in frames)
@@ -134,7 +134,7 @@ def gathered(
         positions=_stack(shown, "positions", n, 3), orientations=_stack(shown, "orientations", n, 4),
         velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
         angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),
-        raw_positions=np.array([pose[0] for pose in raw]), raw_orientations=np.array([pose[1] for pose in raw]),
+        raw_positions=raw_positions, raw_orientations=raw_orientations,
         raw_angles=np.array([sample.angles for sample in states[: len(frames)]], dtype=np.float64).reshape(len(frames), -1),
         inside_time=np.array([snapshot.time for snapshot in within], dtype=np.float64),
         inside_frame=np.array([k for k, _ in inside], dtype=np.int64),

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
-from reference.judge import EPA_ITERATIONS, TOLERANCE
+from reference.judge_distances import EPA_ITERATIONS, TOLERANCE
 from reference.judge_geometry import Pieces
 from reference.nearest_free.tree import Placed, Tree
 

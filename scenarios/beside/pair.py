@@ -68,8 +68,7 @@ def good_frames(recording: Recording, scenario: Scenario, scene: Scene, judge: J
     inside = outside(recording.inside_positions, scenario.regions, scene.names)
     wrong[recording.inside_frame[inside]] = True
     good = ~wrong
-    for k in np.flatnonzero(good):
-        good[k] = judge.overlaps(recording.positions[k], recording.orientations[k]).deepest <= LEFT
+    good[good] = judge.depths(recording.positions[good], recording.orientations[good]) <= LEFT
     return np.asarray(good[1:])
 
 

@@ -51,10 +51,11 @@ def beyond_cone_each(cone: ReachCone, directions: Array) -> Array:
     ends = np.roll(starts, -1, axis=0)
     first, edge, second = (np.cross(a, b) @ limbs.T >= 0.0 for a, b in ((seen, starts), (starts, ends), (ends, seen)))
     inside = (first & edge & second).any(axis=0)
-    nearest = np.full(len(limbs), np.inf)
-    for start, end in zip(starts, ends, strict=True):
-        nearest = np.minimum(nearest, _angles_to_edge(start, end, limbs))
-    return np.where(sound, np.where(inside, 0.0, nearest), np.nan)
+    beyond = np.zeros(len(limbs))
+    if not inside.all():
+        outside = limbs[~inside]
+        beyond[~inside] = np.min([_angles_to_edge(start, end, outside) for start, end in zip(starts, ends, strict=True)], axis=0)
+    return np.where(sound, beyond, np.nan)
 
 
 def _angles_to_edge(start: Array, end: Array, limbs: Array) -> Array:

@@ -69,21 +69,10 @@ def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside
         values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free"), absent)
         return Measured(values, {}, np.zeros(0))
     judge = Judge(scene)
-    driven = set(scene.names[len(scene.bodies) :])
-
-    def depth(positions: Array, orientations: Array) -> float:
-        return judge.overlaps(positions, orientations).deepest
-
-    def link_depth(positions: Array, orientations: Array) -> float:
-        verdict = judge.overlaps(positions, orientations)
-        if not np.isfinite(verdict.deepest):
-            return verdict.deepest
-        return max((pair[2] for pair in verdict.pairs if driven & set(pair[:2])), default=0.0)
-
-    verdicts = [judge.overlaps(p, q) for p, q in zip(recording.positions, recording.orientations, strict=True)]
+    verdicts = judge.each(recording.positions, recording.orientations)
     shown = np.array([verdict.deepest for verdict in verdicts], dtype=np.float64)
     values |= residual_overlap(shown)
-    values["substep_overlap_max"], note = substep_overlap(recording, depth, most_inside)
-    values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, link_depth))
+    values["substep_overlap_max"], note = substep_overlap(recording, judge.depths, most_inside)
+    values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, judge.link_depths))
     notes = {"substep_overlap_max": note} if note else {}
     return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

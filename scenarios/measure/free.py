@@ -13,8 +13,8 @@ from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
-LinkDepth = Callable[[Array, Array], float]
-"""Deepest overlap [m] of poses (n, 3), (n, 4) in which a link takes part."""
+LinkDepths = Callable[[Array, Array], Array]
+"""(F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4) in which a link takes part."""
 
 ROUNDING = 1e-8
 """Angle [rad] beyond a limit that still counts as within: what turning poses back into angles may lose."""
@@ -28,7 +28,7 @@ def raw_states(recording: Recording) -> tuple[Array, Array]:
     return positions, orientations
 
 
-def free_frames(recording: Recording, scenario: Scenario, scene: Scene, link_depth: LinkDepth) -> NDArray[np.bool_]:
+def free_frames(recording: Recording, scenario: Scenario, scene: Scene, link_depths: LinkDepths) -> NDArray[np.bool_]:
     """(F+1,) True where the raw posture is one that could be shown."""
     if not scene.links:
         return np.ones(recording.frames + 1, dtype=bool)
@@ -37,6 +37,5 @@ def free_frames(recording: Recording, scenario: Scenario, scene: Scene, link_dep
     excess = np.maximum(excess, reach_cone_excess(scene, recording.raw_orientations))
     free = ~outside(positions, scenario.regions, scene.names) & (excess <= ROUNDING)
     # the judge is asked last and only where it can still decide: it is by far the dearest
-    for k in np.flatnonzero(free):
-        free[k] = link_depth(positions[k], orientations[k]) <= SEEN
+    free[free] = link_depths(positions[free], orientations[free]) <= SEEN
     return np.asarray(free)

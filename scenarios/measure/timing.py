@@ -1,5 +1,6 @@
 """Frame times: percentiles over frames of what one rendered frame costs, and where it goes."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,7 +21,8 @@ class Timed:
 
     around_ns  (R, F) from outside, with the Python round the engine
     stage_ns   name -> (R, F) as the engine reports its stages, which do not overlap; empty when it reports none
-    warmup     [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it
+    warmup     [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it. nan in one
+               that had run other scenes
     hashes     state hash of the last frame of each repeat
     """
 
@@ -51,7 +53,8 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = ()) -> Values:
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
         found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
     found["frame_time_python_p50"] = float(np.percentile(around, 50))
-    found["warmup"] = timed.warmup
+    if not math.isnan(timed.warmup):
+        found["warmup"] = timed.warmup
     total = float(timed.engine_ns.sum())
     for name, spent in timed.stage_ns.items():
         if name == ADAPTER:

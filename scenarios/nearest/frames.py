@@ -59,17 +59,9 @@ class Frames:
             self.low[at] = np.maximum(self.low[at], np.array(region.low) + WITHIN)
             self.high[at] = np.minimum(self.high[at], np.array(region.high) - WITHIN)
 
-    def link_depth(self, positions: Array, orientations: Array) -> float:
-        """Deepest overlap [m] in which a link takes part."""
-        verdict = self.judge.overlaps(positions, orientations)
-        driven = set(self.scene.names[self.bodies :])
-        if not np.isfinite(verdict.deepest):
-            return verdict.deepest
-        return max((pair[2] for pair in verdict.pairs if driven & set(pair[:2])), default=0.0)
-
     def in_contact(self) -> NDArray[np.int64]:
         """Frames, from 1, in which the user's own posture could not be shown: those that the `_free` figures leave out."""
-        free = free_frames(self.recording, self.scenario, self.scene, self.link_depth)
+        free = free_frames(self.recording, self.scenario, self.scene, self.judge.link_depths)
         return np.flatnonzero(~free[1:]) + 1
 
     def shown(self, recording: Recording, frame: int) -> Posture | None:
@@ -99,7 +91,7 @@ class Frames:
         excess = joint_limit_excess(self.scene, turns[None], found.posture.angles[None])[0]
         excess = max(excess, reach_cone_excess(self.scene, turns[None])[0])
         wrong = outside(positions[None], self.scenario.regions, self.scene.names)[0]
-        return bool(excess <= ENOUGH and not wrong and self.link_depth(positions, orientations) <= SEEN)
+        return bool(excess <= ENOUGH and not wrong and self.judge.link_depths(positions[None], orientations[None])[0] <= SEEN)
 
     def starts(self, frame: int, before: Posture | None) -> list[Posture]:
         """What is shown, what the user does, the nearest of the sample before, other engines' postures, and random ones."""

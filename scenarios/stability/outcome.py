@@ -17,7 +17,6 @@ from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.measure.energy import energy
 from scenarios.measure.finite import not_finite
-from scenarios.measure.overlap import depths
 from scenarios.measure.side import wrong_side
 from scenarios.record import Recording
 from scenarios.run import described, gathered
@@ -152,10 +151,7 @@ def _judged(task: Task, scenario: Scenario, case: Varied, shown: _Shown) -> dict
 
 def _depths(case: Varied, recording: Recording) -> Array:
     chosen = np.unique(np.linspace(0, recording.frames, min(JUDGED, recording.frames + 1)).round().astype(int))
-    judge = Judge(case.here)
-    return depths(
-        recording.positions[chosen], recording.orientations[chosen], lambda p, q: judge.overlaps(p, q).deepest,
-    )
+    return Judge(case.here).depths(recording.positions[chosen], recording.orientations[chosen])
 
 
 def _value(value: object) -> float:

@@ -11,6 +11,7 @@ from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
+from reference import judge as module
 from reference.judge import Judge
 
 PROMISE = 1e-8
@@ -153,11 +154,26 @@ def test_the_same_poses_give_the_same_bits():
     assert judge.overlaps(at, turns) == before == Judge(ROOM).overlaps(at, turns)
 
 
+def test_many_states_at_once_are_judged_as_each_alone(monkeypatch):
+    monkeypatch.setattr(module, "PLACED_AT_ONCE", 20)
+    random = np.random.default_rng(3)
+    places = FREE + 0.3 * random.normal(size=(40, *FREE.shape))
+    turns = rotation.normalised(random.normal(size=(40, len(FREE), 4)))
+    places[7, 2] = np.nan
+    judge = Judge(ROOM)
+    together, alone = judge.each(places, turns), [judge.overlaps(p, q) for p, q in zip(places, turns, strict=True)]
+    assert [repr(verdict) for verdict in together] == [repr(verdict) for verdict in alone]
+    depths = judge.depths(places, turns)
+    assert np.isnan(depths[7]) and (depths[np.arange(40) != 7] >= 0.0).all() and (depths > 0.0).any()
+    linked = judge.link_depths(places, turns)
+    assert (linked[np.arange(40) != 7] <= depths[np.arange(40) != 7]).all() and (linked < depths).any()
+
+
 def test_a_pair_without_a_distance_is_never_a_pass():
     at = FREE.copy()
     at[2] = 0.0, 0.3, 0.09
     judge = Judge(ROOM)
-    judge.distances = lambda *_: (np.array([0]), np.array([2]), np.array([np.nan]))
+    judge.between.each = lambda at, turned, near: [(np.full(len(first), np.nan), 0) for first, _ in near]
     verdict = judge.overlaps(at, upright(at))
     assert np.isnan(verdict.deepest)
     assert "table" in verdict.faults[0]

@@ -44,7 +44,8 @@ def test_a_clock_changes_no_answer_and_counts_what_is_done():
         assert timed(count) == much(count)
         found.append(int(spent[3]))
         assert spent[[0, 1, 2, 4, 5]].sum() == 0
-    assert 3.0 * found[0] < found[1] and found[0] > 10_000
+    # no ratio of the two: whatever else runs on the machine may take its time in the middle of either
+    assert min(found) > 10_000
     assert 100.0 < per_microsecond() < 10_000.0
 
 

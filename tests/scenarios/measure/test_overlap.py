@@ -5,7 +5,7 @@ import pytest
 
 from reference.judge import Judge
 from scenarios.measure.everything import measured
-from scenarios.measure.overlap import depths, residual_overlap, substep_overlap
+from scenarios.measure.overlap import residual_overlap, substep_overlap
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import DT, RADIUS, WALL_FACE, fist, fist_scene, resting, with_inside
 
@@ -28,8 +28,7 @@ def test_an_injected_overlap_is_found_to_ten_nanometres(depth: float) -> None:
     scene, recording = fist_scene(), resting(fist_scene(), 4)
     positions = recording.positions.copy()
     positions[3, 1, 0] = WALL_FACE - RADIUS + depth
-    judge = Judge(scene)
-    found = depths(positions, recording.orientations, lambda p, q: judge.overlaps(p, q).deepest)
+    found = Judge(scene).depths(positions, recording.orientations)
     assert found == pytest.approx([0.0, 0.0, 0.0, depth, 0.0], abs=1e-8)
     values = measured(replace(recording, positions=positions), fist(4), scene).values
     assert values["residual_overlap_max"] == pytest.approx(depth, abs=1e-8)
@@ -52,17 +51,17 @@ def test_thinned_substeps_say_so() -> None:
     recording = with_inside(recording, [0.0] * 10, [1] * 10, ["step"] * 10, within, np.zeros((10, 2, 3)))
     asked: list[int] = []
 
-    def depth(p: np.ndarray, q: np.ndarray) -> float:
-        asked.append(1)
-        return 0.0
+    def depths(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+        asked.append(len(p))
+        return np.zeros(len(p))
 
-    assert substep_overlap(recording, depth, 5) == (0.0, "every 2th of 10 sub-steps judged")
-    assert len(asked) == 5
-    assert substep_overlap(recording, depth, None) == (0.0, "")
+    assert substep_overlap(recording, depths, 5) == (0.0, "every 2th of 10 sub-steps judged")
+    assert asked == [5]
+    assert substep_overlap(recording, depths, None) == (0.0, "")
 
 
 def test_no_substeps_is_missing_and_not_zero() -> None:
-    value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: 0.0)
+    value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: np.zeros(len(p)))
     assert isinstance(value, Missing)
 
 

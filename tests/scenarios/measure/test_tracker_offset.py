@@ -54,9 +54,9 @@ def test_free_means_no_overlap_right_side_and_within_limits() -> None:
     recording = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
     asked: list[float] = []
 
-    def deep(positions: np.ndarray, orientations: np.ndarray) -> float:
-        asked.append(positions[1, 0])
-        return max(0.0, positions[1, 0] - 0.4)
+    def deep(positions: np.ndarray, orientations: np.ndarray) -> np.ndarray:
+        asked.extend(positions[:, 1, 0])
+        return np.maximum(0.0, positions[:, 1, 0] - 0.4)
 
     free = free_frames(recording, fist(), scene, deep)
     # 20 mm a frame: touches the wall at 0.4 m in frame 20; beyond 0.5 m it is on the wrong side and nobody need be asked
@@ -69,4 +69,4 @@ def test_a_raw_posture_beyond_its_limits_is_not_free() -> None:
     bent = replace(scene.first_sample, angles=np.array([np.radians(61.0)]))
     recording = recorded(scene, [scene.first_sample, bent])
     anywhere = replace(fist(1), regions=())
-    assert free_frames(recording, anywhere, scene, lambda p, q: 0.0).tolist() == [True, False]
+    assert free_frames(recording, anywhere, scene, lambda p, q: np.zeros(len(p))).tolist() == [True, False]
