@@ -5,8 +5,6 @@ leaves at most 1 mm of overlap on the legal side; prints a table and writes besi
 """
 
 import argparse
-import csv
-import io
 import sys
 from collections.abc import Sequence
 from dataclasses import astuple, fields
@@ -15,11 +13,14 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, UnknownName
 from reference.judge import Judge
 from scenarios.beside.pair import Beside, compared
+from scenarios.csv_rows import csv_lines
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
 from scenarios.kept import as_recorded, scenes_of
 from scenarios.record import load
 
+DIGITS = 8
+"""Significant digits of a figure: the closest of these are told apart by them."""
 NAME = "beside.csv"
 """The file of rows."""
 
@@ -42,14 +43,9 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
 
 def csv_text(found: Sequence[Beside], theirs: str) -> str:
     """All rows as CSV, with who is nearer."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     winners = "nearer_offset", "nearer_angle", "kept_nearer_offset", "kept_nearer_angle"
-    writer.writerow(["other", *(entry.name for entry in fields(Beside)), *winners])
-    for row in found:
-        cells = [f"{value:.8g}" if isinstance(value, float) else value for value in astuple(row)]
-        writer.writerow([theirs, *cells, *row.winner, *row.kept_winner])
-    return text.getvalue()
+    head = ["other", *(entry.name for entry in fields(Beside)), *winners]
+    return csv_lines(head, ((theirs, *astuple(row), *row.winner, *row.kept_winner) for row in found), DIGITS)
 
 
 def table(found: Sequence[Beside], theirs: str) -> str:

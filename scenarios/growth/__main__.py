@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 
 from avatarsim.errors import AvatarsimError, UnknownName
+from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
 from scenarios.files import OUT, write_text
 from scenarios.growth import worlds
-from scenarios.growth.rows import Row, csv_text, table
+from scenarios.growth.rows import Row, table
 from scenarios.harness import offers
 from scenarios.job import Job
 from scenarios.timing import Clocked, timed_pass
@@ -88,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         engines = {name: BEST.get(name, offered[name].presets) for name in asked.engine if not offered[name].trouble}
         rows = timed(engines, asked.quick)
         asked.run.mkdir(parents=True, exist_ok=True)
-        write_text(asked.run / NAME, csv_text(rows))
+        write_text(asked.run / NAME, csv_text(rows, Row))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

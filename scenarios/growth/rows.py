@@ -1,10 +1,8 @@
 """One row per scene of growing size and engine, as growth.csv holds them, and how fast time grows."""
 
-import csv
-import io
 import math
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,16 +21,6 @@ class Row:
     p99: float
     note: str
 
-
-def csv_text(rows: Sequence[Row]) -> str:
-    """All rows as CSV."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(Row)])
-    for row in rows:
-        cells = [("" if math.isnan(v) else f"{v:.6g}") if isinstance(v, float) else v for v in astuple(row)]
-        writer.writerow(cells)
-    return text.getvalue()
 
 
 def exponent(rows: Sequence[Row]) -> float:

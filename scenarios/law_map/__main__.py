@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import AvatarsimError, UnknownName
+from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
 from scenarios.files import OUT, write_text
 from scenarios.gate import STOPPED
@@ -20,13 +21,15 @@ from scenarios.harness import offers
 from scenarios.job import Job
 from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained
-from scenarios.law_map.rows import Row, csv_text, table
+from scenarios.law_map.rows import Row, table
 from scenarios.processes import Died
 from scenarios.sweep.estimate import Estimate
 from scenarios.sweep.fingerprint import find, key_of, sources
 from scenarios.sweep.side_by_side import side_by_side
 from scenarios.sweep.store import Store
 
+DIGITS = 9
+"""Significant digits of a figure: the closest of these are told apart by them."""
 NAME, KIND = "law_map.csv", "law"
 """The file of rows, and the kind of its entries in the store."""
 GATED = ("avatarsim",)
@@ -93,7 +96,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         presets = {name: offered[name].presets for name in asked.engine if not offered[name].trouble}
         rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
         asked.run.mkdir(parents=True, exist_ok=True)
-        write_text(asked.run / NAME, csv_text(rows))
+        write_text(asked.run / NAME, csv_text(rows, Row, DIGITS))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

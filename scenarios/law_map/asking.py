@@ -2,19 +2,17 @@
 
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios.engines import opened
+from scenarios.engines import STEPPED, opened
 from scenarios.job import Job
 from scenarios.law_map import worlds
 from scenarios.law_map.obtained import friction, restitution
 from scenarios.law_map.rows import Row, summed_up
 from scenarios.run import described, gathered
 
-STEPPED = ("mujoco", "pybullet")
-"""Engines with a step of their own, who are told to take one per frame. Ours has none but the frame; others are not told."""
-
 
 def job_of(law: str, shape: str, rate: int, engine: str, preset: str) -> Job:
     """What is asked."""
+    # one step per frame
     options = {"dt": 1.0 / rate} if engine in STEPPED else {}
     return Job(worlds.name_of(law, shape, rate), engine, preset, base=preset, options=options, catalogue=worlds.__name__)
 

@@ -1,10 +1,8 @@
 """One row per law, shape, engine, step and coefficient, as law_map.csv holds them, and what a terminal shows of it."""
 
-import csv
-import io
 import math
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
@@ -45,15 +43,6 @@ def summed_up(values: Sequence[float]) -> tuple[float, float, float, str]:
     middle = usable[half] if len(usable) % 2 else 0.5 * (usable[half - 1] + usable[half])
     return middle, usable[0], usable[-1], note
 
-
-def csv_text(rows: Sequence[Row]) -> str:
-    """All rows as CSV; nan is an empty cell."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(Row)])
-    for row in rows:
-        writer.writerow([("" if math.isnan(v) else f"{v:.9g}") if isinstance(v, float) else v for v in astuple(row)])
-    return text.getvalue()
 
 
 def table(rows: Sequence[Row]) -> str:

@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, UnknownName
+from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text
 from scenarios.kept import as_recorded, recordings, scenes_of
 from scenarios.nearest.frames import Frames, Sample
-from scenarios.nearest.summary import Summary, csv_text, summarised, table
+from scenarios.nearest.summary import Summary, summarised, table
 
+DIGITS = 8
+"""Significant digits of a figure: the closest of these are told apart by them."""
 FRAMES = 12
 """Frames sampled per scene; a search takes a second or two."""
 NAME, SCENES = "nearest_free.csv", "nearest_free_scenes.csv"
@@ -57,8 +60,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         if not names:
             raise UnknownName(f"recordings of {first} in {asked.run}", asked.filter, ())
         samples, summaries, without = searched(asked.run, names, first, max(asked.frames, 1))
-        write_text(asked.run / NAME, csv_text(Sample, samples))
-        write_text(asked.run / SCENES, csv_text(Summary, summaries))
+        write_text(asked.run / NAME, csv_text(samples, Sample, DIGITS))
+        write_text(asked.run / SCENES, csv_text(summaries, Summary, DIGITS))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

@@ -1,10 +1,8 @@
 """What the samples of a scene say together, as a table and as the rows of a file."""
 
-import csv
-import io
 import math
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -75,15 +73,6 @@ def summarised(samples: Sequence[Sample]) -> Summary:
         *(float(np.mean([pair[k] for pair in near])) if near else math.nan for k in (0, 1)),
     )
 
-
-def csv_text(kind: type[Sample] | type[Summary], lines: Sequence[Sample] | Sequence[Summary]) -> str:
-    """All samples, or all summaries, as CSV."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(kind)])
-    for line in lines:
-        writer.writerow([f"{value:.8g}" if isinstance(value, float) else value for value in astuple(line)])
-    return text.getvalue()
 
 
 def table(summaries: Sequence[Summary], without: Sequence[str]) -> str:

@@ -5,15 +5,13 @@ into the run's folder.
 """
 
 import argparse
-import csv
-import io
 import sys
 from collections.abc import Sequence
-from dataclasses import astuple, fields
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios import catalog
+from scenarios.csv_rows import csv_text
 from scenarios.engines import GATED, opened
 from scenarios.files import OUT, write_text
 from scenarios.spread.orders import Spread, measured
@@ -21,15 +19,6 @@ from scenarios.spread.orders import Spread, measured
 SCENE, NAME, ORDERS = "chain_order", "chain_order.csv", 100
 """The scene, the file of rows, and how many orders are tried."""
 
-
-def csv_text(found: Sequence[Spread]) -> str:
-    """All rows as CSV."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(Spread)])
-    for row in found:
-        writer.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row)])
-    return text.getvalue()
 
 
 def line(row: Spread) -> str:
@@ -61,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         presets = opened(asked.engine).presets
         found = [measured(asked.engine, preset, scene, samples, scenario.dt, asked.orders) for preset in presets]
         asked.run.mkdir(parents=True, exist_ok=True)
-        write_text(asked.run / NAME, csv_text(found))
+        write_text(asked.run / NAME, csv_text(found, Spread))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

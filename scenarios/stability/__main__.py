@@ -11,6 +11,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
 from scenarios.files import OUT, write_text
 from scenarios.harness import offers
@@ -20,7 +21,7 @@ from scenarios.stability.finished import NAME as FINISHED
 from scenarios.stability.finished import Finished, stamp
 from scenarios.stability.outcome import UNASKED, Outcome, Task
 from scenarios.stability.plan import CASES, TOGETHER, trials
-from scenarios.stability.rows import csv_text, rows, table
+from scenarios.stability.rows import Row, rows, table
 from scenarios.stability.side_by_side import PATIENCE, answers
 
 NAME = "stability.csv"
@@ -87,7 +88,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
         return 130
     found, path = rows(done), run_of(asked.run) / NAME
-    write_text(path, csv_text(found))
+    write_text(path, csv_text(found, Row))
     print(table(found))
     print(f"\n{path}")
     silent = set(asked.engine) - set(presets)

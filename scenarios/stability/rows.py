@@ -1,10 +1,8 @@
 """One row per trial, as stability.csv holds them, and a table of what to conclude from them, per engine and kind of change."""
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -58,15 +56,6 @@ def rows(done: Mapping[Task, Outcome]) -> list[Row]:
         ))
     return found
 
-
-def csv_text(found: Sequence[Row]) -> str:
-    """All rows as CSV; what is no number is empty."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(Row)])
-    for row in found:
-        writer.writerow([("" if math.isnan(v) else f"{v:.6g}") if isinstance(v, float) else v for v in astuple(row)])
-    return text.getvalue()
 
 
 def worst(values: Sequence[float]) -> float:

@@ -11,6 +11,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
+from scenarios.between import between
 from scenarios.elsewhere import Elsewhere
 from scenarios.scenario import RENDERED, Motion, Scenario
 
@@ -107,8 +108,4 @@ def at_time(scene: Scene, motion: Motion, step: float, time: float) -> TrackerSa
     share = frames - before
     if share < 1e-9:
         return replace(motion(before - 1), time=time) if before else replace(scene.first_sample, time=time)
-    a, b = motion(before - 1) if before else scene.first_sample, motion(before)
-    return TrackerSample(
-        time, a.positions + share * (b.positions - a.positions), rotation.slerp(a.rotations, b.rotations, np.array(share)),
-        a.angles + share * (b.angles - a.angles),
-    )
+    return replace(between(motion(before - 1) if before else scene.first_sample, motion(before), share), time=time)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidInput, UnknownName
 from scenarios.commands import nothing, say_last
+from scenarios.csv_rows import csv_text
 from scenarios.engines import known
 from scenarios.files import plain, write_text
 from scenarios.gate import INCOMPLETE, STOPPED
@@ -21,7 +22,7 @@ from scenarios.sweep.estimate import Estimate
 from scenarios.sweep.grid import applicable, settings_of
 from scenarios.sweep.limits_run import converge
 from scenarios.sweep.limits_run import table as limits_table
-from scenarios.sweep.rows import Row, csv_text, rows_of, with_fronts
+from scenarios.sweep.rows import Row, rows_of, with_fronts
 from scenarios.sweep.side_by_side import side_by_side, told
 from scenarios.sweep.store import Entry, Store
 from scenarios.sweep.table import table

@@ -1,20 +1,17 @@
 """The scenarios of the catalogue with every frame cut in parts: "stack_ten~4" advances four times where "stack_ten" does once.
 
-A module of scenarios by name, as the catalogue is. Between two samples of the tracker the motion is linear for positions and
-hinge angles and spherical for rotations, which is what engines with steps of their own are given.
+A module of scenarios by name, as the catalogue is.
 """
 
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
-
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.spatial import rotation
 from scenarios import catalog
+from scenarios.between import between
 from scenarios.scenario import Motion, Scenario
 
 MARK = "~"
@@ -57,12 +54,3 @@ def _cut(motion: Callable[[Scene, int], Motion], cut: int) -> Callable[[Scene, i
 
     return finer
 
-
-def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one sample to the next."""
-    links = len(before.positions)
-    turned = rotation.slerp(before.rotations, after.rotations, np.full(links, share)) if links else before.rotations
-    return TrackerSample(
-        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
-        turned, before.angles + share * (after.angles - before.angles),
-    )

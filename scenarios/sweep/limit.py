@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from avatarsim.engine import FrameRecord
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from scenarios.engines import opened
+from scenarios.engines import STEPPED, opened
 from scenarios.files import write_whole
 from scenarios.job import Job
 from scenarios.measure.limits import limit_excess
@@ -33,8 +33,6 @@ FINEST = 8 * RATES[-1]
 """Steps per second of the run that they are compared with."""
 RENDERED = 60
 """Rendered frames per second of these scenes."""
-STEPPED = ("mujoco", "pybullet")
-"""Engines with a step of their own; of others the frame itself is cut."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def ran(job: Job, to: Path) -> Entry:
     kept = slice(None, None, cut)
     recording = gathered(job, scenario, scene, [scene.first_sample, *samples][kept], frames[kept], {})
     judge = Judge(scene.whole)
-    depth = [judge.overlaps(p, q).deepest for p, q in zip(recording.positions, recording.orientations, strict=True)]
+    depth = judge.depths(recording.positions, recording.orientations)
     beyond = limit_excess(recording, scene.whole).get("joint_limit_excess_max", 0.0)
     write_whole(to, lambda file: np.save(file, recording.positions))
     return {"run": job.run, "note": "", "overlap": float(np.max(depth)), "beyond": beyond}

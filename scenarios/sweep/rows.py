@@ -1,10 +1,8 @@
 """One row per scene, setting and error, as sweep.csv holds them, with the Pareto front of each scene and error."""
 
-import csv
-import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from scenarios.metrics import unit
 from scenarios.sweep.cell import Cell
@@ -94,14 +92,3 @@ def with_fronts(rows: Sequence[Row]) -> list[Row]:
         for k in (k for k, yes in zip(places, on, strict=True) if yes):
             marks[k] = "own" if len(group) == 3 else "all"
     return [replace(row, front=mark) for row, mark in zip(rows, marks, strict=True)]
-
-
-def csv_text(rows: Iterable[object], kind: type) -> str:
-    """Dataclass rows of one `kind` as CSV; nan is an empty cell."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([entry.name for entry in fields(kind)])
-    for row in rows:
-        cells = astuple(row)  # type: ignore[call-overload]
-        writer.writerow([("" if math.isnan(v) else f"{v:.6g}") if isinstance(v, float) else v for v in cells])
-    return text.getvalue()

@@ -5,8 +5,6 @@ figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run'
 """
 
 import argparse
-import csv
-import io
 import json
 import math
 import sys
@@ -15,6 +13,7 @@ from dataclasses import astuple, fields
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
+from scenarios.csv_rows import csv_lines
 from scenarios.files import OUT, write_text
 from scenarios.table_2.figure_7 import traces
 from scenarios.table_2.printed import SCENES
@@ -28,29 +27,21 @@ def written(folder: Path, clocks: bool = True) -> list[Row]:
     """Write the files of a run; nothing where the run has none of the scenes."""
     found = rows(folder, clocks)
     if found:
-        write_text(folder / TABLE, _csv([entry.name for entry in fields(Row)], [astuple(row) for row in found]))
+        write_text(folder / TABLE, csv_lines([entry.name for entry in fields(Row)], [astuple(row) for row in found]))
         lines = [
             (run, k + 1, us, int(iterations)) for run, numbers in trace(folder).items()
             for k, (us, iterations) in enumerate(zip(numbers["us"], numbers["iterations"], strict=True))
         ]
-        write_text(folder / TRACE, _csv(("run", "frame", "us", "iterations"), lines))
+        write_text(folder / TRACE, csv_lines(("run", "frame", "us", "iterations"), lines))
         if clocks:
             hand = traces()
             stages = [(trace.run, name, share) for trace in hand for name, share in trace.shares.items()]
-            write_text(folder / SHARES, _csv(("run", "stage", "share"), stages))
+            write_text(folder / SHARES, csv_lines(("run", "stage", "share"), stages))
             long = [(trace.run, k + 1, float(us), int(touches)) for trace in hand
                     for k, (us, touches) in enumerate(zip(trace.us, trace.contact, strict=True))]
-            write_text(folder / LONG_TRACE, _csv(("run", "frame", "us", "contact"), long))
+            write_text(folder / LONG_TRACE, csv_lines(("run", "frame", "us", "contact"), long))
     return found
 
-
-def _csv(head: Sequence[str], lines: Sequence[Sequence[object]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(head)
-    for line in lines:
-        writer.writerow([("" if math.isnan(value) else f"{value:.6g}") if isinstance(value, float) else value for value in line])
-    return text.getvalue()
 
 
 def _cell(value: float, width: int, digits: int) -> str:

@@ -9,9 +9,10 @@ import pytest
 from avatarsim.errors import UnknownName
 from avatarsim.scene.tracker import checked, link_poses
 from reference.judge import Judge
+from scenarios.csv_rows import csv_text
 from scenarios.growth import __main__ as command
 from scenarios.growth import worlds
-from scenarios.growth.rows import Row, csv_text, exponent, table
+from scenarios.growth.rows import Row, exponent, table
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
 from scenarios.timing import Clocked
@@ -60,7 +61,7 @@ def test_the_table_and_the_file_hold_what_is_missing_too() -> None:
     found = [line(10, 5.0), line(100, 50.0), Row("links", "apart", 100, 100, "mujoco/tuned", math.nan, math.nan, "it fell over")]
     text = table(found)
     assert "size^1.00" in text and "not timed: mujoco/tuned, links 100: it fell over" in text
-    assert csv_text(found).splitlines()[3] == "links,apart,100,100,mujoco/tuned,,,it fell over"
+    assert csv_text(found, Row).splitlines()[3] == "links,apart,100,100,mujoco/tuned,,,it fell over"
 
 
 def test_who_takes_long_is_not_asked_for_a_hundred_avatars() -> None:

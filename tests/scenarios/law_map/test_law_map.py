@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.csv_rows import csv_text
 from scenarios.gate import STOPPED
 from scenarios.job import Job
 from scenarios.law_map import __main__ as command
 from scenarios.law_map import worlds
-from scenarios.law_map.rows import Row, csv_text, summed_up, table
+from scenarios.law_map.rows import Row, summed_up, table
 
 
 def test_figures_are_summed_up_and_missing_ones_counted() -> None:
@@ -22,7 +23,7 @@ def test_the_worst_of_all_bodies_counts() -> None:
     row = Row("friction", "sphere", "a", "b", 60, 0.5, 0.5, 0.4, 0.55, "")
     assert row.worst == pytest.approx(0.1) and row.run == "a/b"
     lost = Row("friction", "sphere", "a", "b", 60, 0.8, math.nan, math.nan, math.nan, "died")
-    assert math.isnan(lost.worst) and csv_text([lost]).splitlines()[1] == "friction,sphere,a,b,60,0.8,,,,died"
+    assert math.isnan(lost.worst) and csv_text([lost], Row).splitlines()[1] == "friction,sphere,a,b,60,0.8,,,,died"
     text = table([row, lost])
     assert "1/60" in text and "0.500       -" in text and text.endswith("nan")
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import pytest
 
+from scenarios.csv_rows import csv_text
 from scenarios.nearest.frames import Sample
-from scenarios.nearest.summary import csv_text, summarised, table
+from scenarios.nearest.summary import summarised, table
 
 ONE = Sample("scene", 3, 0.2, 0.02, 0.1, 0.015, 0.05, 0.02, 0.1, 10, 9)
 
@@ -38,5 +39,5 @@ def test_the_table_names_the_worst_first_and_the_file_has_all_samples() -> None:
     text = table([summarised([ONE]), summarised([far])], ["empty"])
     assert text.index("far ") < text.index("\nscene  ", 200) and "OVER" in text and "within 2 times in 1 of 2 scenes" in text
     assert text.endswith("empty")
-    lines = csv_text(Sample, [ONE, far]).splitlines()
+    lines = csv_text([ONE, far], Sample).splitlines()
     assert len(lines) == 3 and lines[0].startswith("scenario,frame,arm,offset") and lines[1].startswith("scene,3,0.2,0.02,0.1")

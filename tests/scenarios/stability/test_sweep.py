@@ -5,13 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.csv_rows import csv_text
 from scenarios.processes import Died
 from scenarios.stability import __main__ as command
 from scenarios.stability import side_by_side
 from scenarios.stability.finished import NAME, Finished
 from scenarios.stability.outcome import CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, Outcome, Task
 from scenarios.stability.plan import Trial
-from scenarios.stability.rows import apart, csv_text, rows, table
+from scenarios.stability.rows import Row, apart, rows, table
 from scenarios.stability.variation import Variation
 
 PLAIN, START = Trial("plain", "as it is", Variation()), Trial("start", "1e-09 m", Variation(start=1e-9))
@@ -49,7 +50,7 @@ def test_rows_say_how_far_an_end_is_from_the_plain_one() -> None:
     found = rows({ONE: done(), OTHER: done(x=0.25)})
     assert [row.moved for row in found] == [0.0, 0.25] and found[1].start == 1e-9
     assert math.isnan(apart(done(), None)) and math.isnan(apart(Outcome(CRASHED), done()))
-    line = csv_text(found).splitlines()[1]
+    line = csv_text(found, Row).splitlines()[1]
     assert line.startswith("stack_ten,avatarsim/default,plain,as it is,0,0,0,0.0166667,1,0,survived,12,1e-07")
 
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
+from scenarios.csv_rows import csv_text
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting
-from scenarios.sweep.rows import Row, csv_text, floored, rows_of, with_fronts
+from scenarios.sweep.rows import Row, floored, rows_of, with_fronts
 from scenarios.sweep.table import table
 
 CELL = Cell("thin_wall_hand", Setting("mujoco", "tuned dt=1/60", "tuned"))
