@@ -30,7 +30,7 @@ ifneq ($(strip $(PYTHON)),)
 $(READY): FORCE
 endif
 
-compare: $(READY)  ## the everyday scenes in every engine, the report, the verdict table (FULL=1: every scene, full lengths)
+compare: $(READY)  ## every scene in every engine at its short length, the report, the verdict table (FULL=1: full lengths)
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
 

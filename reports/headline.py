@@ -40,14 +40,14 @@ class Figure:
 
 
 def numbers(results: Results) -> str:
-    """The committed file for a run: every scene and engine of it."""
+    """The committed file for a run: every engine in its everyday scenes; in all its scenes where it has none of those."""
     written = io.StringIO()
     writer = csv.writer(written, lineterminator="\n")
     writer.writerow(HEAD)
     for name, text in _facts(results.provenance):
         writer.writerow([ABOUT, name, "", text, "", ""])
     for block in blocks(results):
-        for figure in _figures(block):
+        for figure in _figures(block) if block.scene in results.everyday or not results.everyday else ():
             value = "" if figure.value is None else "0" if abs(figure.value) < ROUNDING else f"{figure.value:.4g}"
             writer.writerow([figure.scene, figure.measure, figure.unit, figure.run, value, "best" if figure.best else ""])
     return written.getvalue()

@@ -67,8 +67,8 @@ class EngineNote:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `notes`: the run's
-    own remarks; `exit_code` is None while a run has not ended."""
+    """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `everyday`: the scenes
+    that stand for the others in short tables; `notes`: the run's own remarks; `exit_code` is None while a run has not ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -77,6 +77,7 @@ class Results:
     exit_code: int | None
     titles: Mapping[str, str]
     notes: tuple[str, ...]
+    everyday: frozenset[str] = frozenset()
 
     def scenes(self) -> tuple[str, ...]:
         """Scene names in the order in which they first appear."""
@@ -113,6 +114,9 @@ def load(run_dir: Path) -> Results:
             exit_code=data.get("exit_code"),
             notes=tuple(_text(note) for note in data.get("notes") or ()),
             titles={name: _title(raw) for name, raw in (data.get("scenes") or {}).items()},
+            everyday=frozenset(
+                name for name, raw in (data.get("scenes") or {}).items() if isinstance(raw, Mapping) and raw.get("everyday")
+            ),
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error

@@ -27,7 +27,7 @@ def parser() -> argparse.ArgumentParser:
     chosen = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     shared = argparse.ArgumentParser(add_help=False)
     shared.add_argument("--engine", nargs="+", action="extend", default=[], metavar="NAME", help="engines; all by default")
-    names = "scenes whose name matches, several patterns with commas; otherwise all, in compare and bench the everyday ones"
+    names = "scenes whose name matches, several patterns with commas; otherwise all, in bench and ablate the everyday ones"
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")

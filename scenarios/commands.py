@@ -38,14 +38,14 @@ class Plan:
 def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     """Scenes that the filter lets through, or the one that is named. Raises UnknownName; their bounds are known metrics.
 
-    Without a filter a comparison, and a measurement of times, takes the everyday scenes, with `--full` all.
+    Without a filter a measurement of times, or of what effects cost, takes the everyday scenes, with `--full` all.
     """
     name = getattr(asked, "scene", None)
     found = {name: catalog.get(name)} if name else catalog.scenarios()
     if asked.filter is not None:
         patterns = asked.filter.split(",")
         found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
-    elif asked.command in ("compare", "bench", "ablate") and not asked.full:
+    elif asked.command in ("bench", "ablate") and not asked.full:
         also = SCENES if asked.command == "bench" else ()
         everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
         kinds = "everyday scenes and those of Table 2" if also else "everyday scenes"

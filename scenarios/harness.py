@@ -12,6 +12,7 @@ from scenarios import results
 from scenarios.effects_said import lapse_said
 from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
+from scenarios.glance import MANY, Glances
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
 from scenarios.processes import Died, Pool
@@ -24,6 +25,8 @@ from scenarios.timing import Clocked, timed_pass
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
 of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
+SELDOM = 20.0
+"""The same in multiples of what the last writing took: nobody should wait for writing more than a twentieth of the time."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class Run:
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
         self.clocked: dict[str, Clocked] = {}
-        self.note, self.written = "", self.begun
+        self.note, self.written, self.writing = "", self.begun, 0.0
 
     def measure(self, ready: Sequence[Outcome], workers: int) -> None:
         """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
@@ -103,22 +106,23 @@ class Run:
             for outcome in outcomes(runnable, self.folder, workers):
                 self.outcomes[outcome.job.stem] = outcome
                 progress.step(f"{outcome.job.scenario} {outcome.job.run} {outcome.state}")
-                if time.monotonic() - self.written > OFTEN:
-                    self.write(None)
+                self.write_now_and_then()
 
     def clock(self, full: bool) -> None:
         """The timing pass over everything that ran through, scene by scene. The raw tracker is left out: it computes nothing."""
         ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
-        with Progress("timing", len(sound), sys.stderr) as progress:
-            for scene in dict.fromkeys(job.scenario for job in sound):
+        with Progress("timing", len(sound), sys.stderr) as progress, Glances() as glances:
+            names = list(dict.fromkeys(job.scenario for job in sound))
+            at_length = {name for name in names if full or len(names) < MANY or self.scenarios[name].everyday}
+            for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    for clocked in timed_pass(chosen, full):
+                    for clocked in timed_pass(chosen, full) if scene in at_length else glances.at(chosen):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
-                    self.write(None)
+                    self.write_now_and_then()
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
@@ -156,17 +160,26 @@ class Run:
             found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
         return found
 
+    def write_now_and_then(self) -> None:
+        """Write what is known, unless that was done a moment ago."""
+        if time.monotonic() - self.written > max(OFTEN, SELDOM * self.writing):
+            self.write(None)
+
     def write(self, code: int | None) -> Results:
         """Write what is known; `code` is None while the run goes on, so that a killed run says that it was not finished."""
+        begun = time.monotonic()
         known = Results(
             rows=self.rows(), series=self.series(),
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
-            scenes={name: {"title": s.title, "judged": s.judged} for name, s in self.scenarios.items()},
+            scenes={
+                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday} for name, s in self.scenarios.items()
+            },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
             notes=[note for note in (self.note, *self.lapses()) if note],
         )
         results.write(known, self.folder)
         self.written = time.monotonic()
+        self.writing = self.written - begun
         return known
 
     def lapses(self) -> list[str]:

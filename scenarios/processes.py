@@ -19,9 +19,8 @@ if TYPE_CHECKING:
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 
-PRELOADED = ("numpy", "numba", "scipy.spatial")
-"""Packages that the mother of all children imports once. Only third parties: a fault in the project's own files shall show where
-it is used. No engine among them, so that each child begins with a fresh one."""
+PRELOADED = ("numpy", "numba", "scipy.spatial", "scenarios.preloaded")
+"""What the mother of all children imports once. No engine is among it, so that each child begins with a fresh one."""
 PATIENCE = 1800.0
 """Longest a job may take [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

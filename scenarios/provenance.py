@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from datetime import UTC, datetime
 from enum import Enum
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -38,8 +39,14 @@ def provenance(command: list[str]) -> dict[str, object]:
     }
 
 
-def code_hash(root: Path = ROOT) -> str:
-    """Sixteen hexadecimal digits of every source file that can change what is recorded."""
+@cache
+def code_hash() -> str:
+    """`hash_of_sources` of this project, as it was when first asked for: what runs is what was read then."""
+    return hash_of_sources(ROOT)
+
+
+def hash_of_sources(root: Path) -> str:
+    """Sixteen hexadecimal digits of every source file below `root` that can change what is recorded."""
     digest = hashlib.blake2b(digest_size=8)
     for room in CODE:
         for path in sorted((root / room).rglob("*.py")):

@@ -87,7 +87,7 @@ class Scenario:
     `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
     standard list, `expects` holds closed forms by name, `hinge_order` the three hinges that stand in for a
-    ball joint in an engine that has none. The `everyday` scenes are those of a comparison that was asked for without
+    ball joint in an engine that has none. The `everyday` scenes are those of the short tables and of what is timed without
     filter and full lengths.
     """
 

@@ -30,6 +30,10 @@ PATIENCE = 300.0
 """Longest one repeat may take [s]."""
 
 
+Repeat = tuple[list[int], dict[str, list[int]], str]
+"""Nanoseconds of each frame from outside and per stage, and the state hash of the last."""
+
+
 @dataclass(frozen=True, eq=False)
 class Clocked:
     """One job's times, or why there are none."""
@@ -39,8 +43,8 @@ class Clocked:
     note: str = ""
 
 
-def repeat(job: Job, frames: int) -> tuple[list[int], dict[str, list[int]], str]:
-    """Nanoseconds of each frame from outside and per stage, and the state hash of the last; a fresh load each time."""
+def repeat(job: Job, frames: int) -> Repeat:
+    """The first frames of a job, timed; a fresh load each time."""
     scenario, scene, motion = job.asked()
     samples = [motion(k) for k in range(min(frames, scenario.frames))]
     engine: Engine = opened(job.engine)
@@ -59,73 +63,92 @@ def repeat(job: Job, frames: int) -> tuple[list[int], dict[str, list[int]], str]
         engine.close()
 
 
-def _serve(connection: Connection, job: Job, frames: int) -> None:
-    """Life of one timed engine: warm up, then one repeat for each word that comes in; none ends it."""
+def _serve(connection: Connection) -> None:
+    """Life of one timed engine: a repeat for each job that comes in, with how long all of it took; none ends it."""
     quiet()
     try:
-        begun = time.perf_counter()
-        repeat(job, WARM_FRAMES)
-        connection.send(("warm", time.perf_counter() - begun))
-        while connection.recv():
-            connection.send(("repeat", repeat(job, frames)))
+        while (asked := connection.recv()) is not None:
+            begun = time.perf_counter()
+            answer = repeat(*asked)
+            connection.send((time.perf_counter() - begun, answer))
     except (EOFError, ConnectionError):
         # the parent has gone
         return
     except Exception as error:
         with suppress(ConnectionError):
-            connection.send(("failed", described(error)))
+            connection.send((0.0, described(error)))
 
 
-class _Seat:
-    """One engine's place at the table: its process, what it has said so far, and whether it still takes part."""
+class Seat:
+    """One engine's place at the table: its process, and what has been asked of it. It answers one thing at a time."""
 
-    def __init__(self, job: Job, frames: int) -> None:
-        self.job, self.note, self.warmup, self.spent = job, "", 0.0, 0.0
-        self.repeats: list[tuple[list[int], dict[str, list[int]], str]] = []
+    def __init__(self, patience: float = PATIENCE) -> None:
         self.child: BaseProcess
-        self.child, self.end = begin(_serve, job, frames)
+        self.child, self.end = begin(_serve)
+        self.patience, self.gone = patience, False
 
-    def hear(self) -> None:
-        """Take in one message; an end without one, or a failure, takes the engine out."""
+    def ask(self, job: Job, frames: int) -> None:
+        """Let it run so many frames of `job`."""
+        with suppress(ConnectionError):
+            # one that has died meanwhile is heard of
+            self.end.send((job, frames))
+
+    def hear(self) -> tuple[float, Repeat] | str:
+        """Its answer, with the seconds it took; or why there is none, and never will be."""
         try:
-            if not self.end.poll(PATIENCE):
+            if self.end.poll(self.patience):
+                spent, answer = self.end.recv()
+                if not isinstance(answer, str):
+                    return spent, answer
+            else:
                 self.child.kill()
-                self.note = f"no answer within {PATIENCE:g} s"
-                return
-            kind, content = self.end.recv()
+                answer = f"no answer within {self.patience:g} s"
         except (EOFError, ConnectionError):
-            self.note = ended(self.child)
-            return
-        if kind == "warm":
-            self.warmup = content
-        elif kind == "repeat":
-            self.repeats.append(content)
-        else:
-            self.note = str(content)
+            answer = ended(self.child)
+        self.gone = True
+        return answer
 
-    def turn(self) -> None:
-        """One repeat, with nobody else at work."""
-        begun = time.monotonic()
+    def leave(self, at_once: bool = False) -> None:
+        """End the process, in the middle of its work if somebody stopped the run."""
         with suppress(ConnectionError):
-            self.end.send(True)
-        self.hear()
-        self.spent += time.monotonic() - begun
-
-    def drop(self) -> None:
-        """End the process at once: somebody stopped the run."""
-        self.child.kill()
-        self.child.join()
-        self.end.close()
-
-    def leave(self) -> Clocked:
-        """End the process and hand over what it gave."""
-        with suppress(ConnectionError):
-            self.end.send(False)
+            self.end.send(None)
+        if at_once:
+            self.child.kill()
         self.child.join(timeout=10.0)
         if self.child.is_alive():
             self.child.kill()
             self.child.join()
         self.end.close()
+
+
+class Turns:
+    """What one job has given so far, turn by turn."""
+
+    def __init__(self, job: Job, seat: Seat) -> None:
+        self.job, self.seat, self.note, self.warmup, self.spent = job, seat, "", 0.0, 0.0
+        self.repeats: list[Repeat] = []
+
+    def warmed(self) -> float:
+        """Hear of the warm-up that was asked for; seconds per frame it had, 0 when it failed."""
+        found = self.seat.hear()
+        if isinstance(found, str):
+            self.note = found
+            return 0.0
+        self.warmup, (around, _, _) = found
+        return 1e-9 * float(np.median(around))
+
+    def turn(self, frames: int) -> None:
+        """One repeat, with nobody else at work."""
+        self.seat.ask(self.job, frames)
+        found = self.seat.hear()
+        if isinstance(found, str):
+            self.note = found
+            return
+        self.spent += found[0]
+        self.repeats.append(found[1])
+
+    def clocked(self) -> Clocked:
+        """All that it gave."""
         if not self.repeats:
             return Clocked(self.job, None, self.note or "no repeat was run")
         around = np.array([repeat[0] for repeat in self.repeats], dtype=np.int64)
@@ -139,26 +162,28 @@ class _Seat:
 def timed_pass(
     jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None
 ) -> list[Clocked]:
-    """Time all `jobs` of one scene. They warm up side by side; then one at a time, turn by turn, REPEATS times round.
+    """Time all `jobs` of one scene, each in a fresh process. They warm up side by side; then one at a time, turn by turn, REPEATS
+    times round.
 
     `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES with `full`,
     else SHORT_FRAMES)."""
     counts = [MOST_FRAMES if full else SHORT_FRAMES] * len(jobs) if frames is None else frames
-    seats: list[_Seat] = []
+    table: list[Turns] = []
     try:
-        seats.extend(_Seat(job, count) for job, count in zip(jobs, counts, strict=True))
-        for seat in seats:
-            seat.hear()
+        for job in jobs:
+            table.append(Turns(job, Seat()))
+            table[-1].seat.ask(job, WARM_FRAMES)
+        for at in table:
+            at.warmed()
         for _ in range(REPEATS):
-            for seat in seats:
-                if not seat.note and (full or seat.spent < ENOUGH):
-                    seat.turn()
+            for at, count in zip(table, counts, strict=True):
+                if not at.note and (full or at.spent < ENOUGH):
+                    at.turn(count)
     except BaseException:
-        for seat in seats:
-            seat.drop()
+        for at in table:
+            at.seat.leave(at_once=True)
         raise
-    clocked = []
-    for seat in seats:
-        clocked.append(seat.leave())
+    for at in table:
+        at.seat.leave()
         done()
-    return clocked
+    return [at.clocked() for at in table]

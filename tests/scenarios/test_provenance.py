@@ -1,7 +1,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from scenarios.provenance import code_hash, cpu, provenance, scene_hash, version
+from scenarios.provenance import cpu, hash_of_sources, provenance, scene_hash, version
 from tests.scenarios.examples import arm_scene, drop_scene, fist_scene
 
 
@@ -33,10 +33,10 @@ def test_what_is_written_beside_the_figures() -> None:
 def test_the_hash_of_the_code_changes_with_any_file(tmp_path: Path) -> None:
     (tmp_path / "avatarsim").mkdir()
     (tmp_path / "avatarsim" / "a.py").write_text("x = 1\n")
-    before = code_hash(tmp_path)
-    assert code_hash(tmp_path) == before
+    before = hash_of_sources(tmp_path)
+    assert hash_of_sources(tmp_path) == before
     (tmp_path / "avatarsim" / "a.py").write_text("x = 2\n")
-    assert code_hash(tmp_path) != before
+    assert hash_of_sources(tmp_path) != before
 
 
 def test_our_own_version_is_known_without_being_installed() -> None:
