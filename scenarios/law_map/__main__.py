@@ -15,7 +15,10 @@ from typing import Any
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
+from scenarios.estimate import Estimate
 from scenarios.files import OUT, write_text
+from scenarios.found.fingerprint import find, key_of, sources
+from scenarios.found.store import Store
 from scenarios.gate import STOPPED
 from scenarios.harness import offers
 from scenarios.job import Job
@@ -23,10 +26,7 @@ from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained
 from scenarios.law_map.rows import Row, table
 from scenarios.processes import Died
-from scenarios.sweep.estimate import Estimate
-from scenarios.sweep.fingerprint import find, key_of, sources
-from scenarios.sweep.side_by_side import side_by_side
-from scenarios.sweep.store import Store
+from scenarios.side_by_side import side_by_side
 
 DIGITS = 9
 """Significant digits of a figure: the closest of these are told apart by them."""

@@ -8,10 +8,14 @@ from pathlib import Path
 
 from scenarios.files import plain, write_text
 from scenarios.provenance import PACKAGES, code_hash, version
-from scenarios.stability.outcome import Outcome, Task
+from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task
 
 NAME = "stability.jsonl"
 """The file of what is finished."""
+
+
+PASSING = (TOO_LATE, ABSENT)
+"""States that may be the machine's fault: too much else at work, a package that was not there. They are asked again."""
 
 
 def stamp() -> str:
@@ -57,9 +61,11 @@ class Finished:
         return self.known[key_of(task)]
 
     def add(self, task: Task, done: Outcome) -> None:
-        """Keep one more, in memory and in the file."""
+        """Keep one more, in memory and, unless another day may have another answer, in the file."""
         key = key_of(task)
         self.known[key] = done
+        if done.state in PASSING:
+            return
         self.path.parent.mkdir(parents=True, exist_ok=True)
         entry = {"stamp": self.stamped, "key": key, "outcome": plain(done.as_json())}
         with self.path.open("a", encoding="utf-8") as file:

@@ -5,10 +5,10 @@ from functools import cached_property
 from zlib import crc32
 
 from scenarios import catalog
+from scenarios.found.fingerprint import find, key_of, sources
 from scenarios.job import CATALOGUE, Job
 from scenarios.provenance import cpu
 from scenarios.sweep import finer
-from scenarios.sweep.fingerprint import find, key_of, sources
 from scenarios.sweep.grid import Setting
 
 TIMED = 240

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from scenarios.found.store import Entry
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.store import Entry
 from scenarios.timing import Clocked, timed_pass
 
 AT_ONE_TABLE = 9

@@ -11,20 +11,20 @@ from avatarsim.errors import InvalidInput, UnknownName
 from scenarios.commands import nothing, say_last
 from scenarios.csv_rows import csv_text
 from scenarios.engines import known
+from scenarios.estimate import Estimate
 from scenarios.files import plain, write_text
+from scenarios.found.store import Entry, Store
 from scenarios.gate import INCOMPLETE, STOPPED
 from scenarios.harness import Offer, offers
 from scenarios.own_settings import OwnSettings, read
 from scenarios.scenario import Scenario
+from scenarios.side_by_side import side_by_side
 from scenarios.sweep import clock, limit, measure
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.estimate import Estimate
 from scenarios.sweep.grid import applicable, settings_of
 from scenarios.sweep.limits_run import converge
 from scenarios.sweep.limits_run import table as limits_table
 from scenarios.sweep.rows import Row, rows_of, with_fronts
-from scenarios.sweep.side_by_side import side_by_side, told
-from scenarios.sweep.store import Entry, Store
 from scenarios.sweep.table import table
 from scenarios.sweep.telling import errors_of, swept, swept_engines
 
@@ -65,7 +65,7 @@ class Sweep:
         """Find the errors that are not known."""
         todo = {cell.job.stem: cell for cell in self.cells if cell not in self.errors}
         said = Estimate("errors", len(todo), sys.stderr)
-        for job, entry in told(side_by_side(measure.errors, [cell.job for cell in todo.values()], workers)):
+        for job, entry in measure.told(side_by_side(measure.errors, [cell.job for cell in todo.values()], workers)):
             cell = todo[job.stem]
             self.store.put(ERRORS, cell.key, entry)
             self.errors[cell] = entry

@@ -17,11 +17,11 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from scenarios.engines import STEPPED, opened
 from scenarios.files import write_whole
+from scenarios.found.store import Entry
 from scenarios.job import Job
 from scenarios.measure.limits import limit_excess
 from scenarios.run import described, gathered
 from scenarios.sweep import finer
-from scenarios.sweep.store import Entry
 
 Array = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from scenarios import catalog
+from scenarios.estimate import Estimate
+from scenarios.found.fingerprint import find, key_of, sources
+from scenarios.found.store import Entry, Store
 from scenarios.job import Job
 from scenarios.processes import Died
+from scenarios.side_by_side import side_by_side
 from scenarios.sweep import limit
-from scenarios.sweep.estimate import Estimate
-from scenarios.sweep.fingerprint import find, key_of, sources
 from scenarios.sweep.limit import FINEST, RATES, Array, Row
-from scenarios.sweep.side_by_side import side_by_side
-from scenarios.sweep.store import Entry, Store
 
 KIND = "limit"
 """Kind of the entries in the store; the poses lie beside them."""

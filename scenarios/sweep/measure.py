@@ -1,12 +1,14 @@
 """The errors of one cell: what is kept of them, and why a figure is none."""
 
 import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from scenarios.found.store import Entry
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
+from scenarios.processes import Died
 from scenarios.run import accuracy
-from scenarios.sweep.store import Entry
 
 JUDGED = 50
 """Snapshots inside frames that are judged: what is shown counts as error, and hundreds of cells are measured."""
@@ -26,3 +28,9 @@ def entry_of(outcome: Outcome) -> Entry:
         "run": outcome.job.run, "scenario": outcome.job.scenario, "state": outcome.state, "note": outcome.note,
         "frames": outcome.frames, "values": values, "missing": missing,
     }
+
+
+def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:
+    """The same with an entry for whoever died."""
+    for job, found in pairs:
+        yield job, entry_of(Outcome(job, "crashed", str(found))) if isinstance(found, Died) else found

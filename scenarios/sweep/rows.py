@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from scenarios.found.store import Entry
 from scenarios.metrics import unit
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.pareto import front
-from scenarios.sweep.store import Entry
 
 WRONG_SIDE, NOT_FINITE = "wrong_side_frames", "not_finite_frames"
 

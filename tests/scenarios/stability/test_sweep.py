@@ -10,7 +10,7 @@ from scenarios.processes import Died
 from scenarios.stability import __main__ as command
 from scenarios.stability import side_by_side
 from scenarios.stability.finished import NAME, Finished
-from scenarios.stability.outcome import CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, Outcome, Task
+from scenarios.stability.outcome import ABSENT, CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, TOO_LATE, Outcome, Task
 from scenarios.stability.plan import Trial
 from scenarios.stability.rows import Row, apart, rows, table
 from scenarios.stability.variation import Variation
@@ -37,6 +37,14 @@ def test_what_is_finished_is_kept_and_a_torn_line_asked_again(tmp_path: Path) ->
     assert Finished(path, "stamp").missing([ONE, OTHER]) == []
     # what other sources made is neither believed nor kept
     assert Finished(path, "other sources").missing([ONE, OTHER]) == [ONE, OTHER] and path.read_text() == ""
+
+
+def test_what_may_be_the_machines_fault_is_asked_again(tmp_path: Path) -> None:
+    kept = Finished(tmp_path / NAME, "stamp")
+    kept.add(ONE, done(TOO_LATE))
+    kept.add(OTHER, done(ABSENT))
+    assert kept.of(ONE).state == TOO_LATE and kept.missing([ONE, OTHER]) == []
+    assert Finished(tmp_path / NAME, "stamp").missing([ONE, OTHER]) == [ONE, OTHER]
 
 
 def test_rows_go_to_the_last_run_or_beside_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from scenarios.__main__ import main
+from scenarios.found.store import Entry
 from scenarios.gate import INCOMPLETE, NOTHING, STOPPED, USAGE
 from scenarios.job import Job
 from scenarios.sweep import clock, command, measure
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.store import Entry
 
 ASKED = ["sweep", "--filter", "stop_distance", "--engine", "mujoco", "--jobs", "0", "--frames", "3"]
 

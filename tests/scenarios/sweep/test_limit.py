@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from scenarios import catalog
+from scenarios.found.store import Entry, Store
 from scenarios.job import Job
 from scenarios.sweep import limit, limits_run
 from scenarios.sweep.limit import FINEST, RATES, Row, distance, job_of, moving, order, rows
-from scenarios.sweep.store import Entry, Store
 
 
 def test_distances_against_the_plain_definition() -> None:

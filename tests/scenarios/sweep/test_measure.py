@@ -2,7 +2,8 @@
 
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.sweep.measure import entry_of, errors
+from scenarios.processes import Died
+from scenarios.sweep.measure import entry_of, errors, told
 
 
 def test_entries_of_outcomes() -> None:
@@ -14,3 +15,9 @@ def test_entries_of_outcomes() -> None:
 def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
     found = errors(Job("stop_distance", "abacus", "default", frames=1))
     assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}
+
+
+def test_who_died_has_an_entry_too() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3))
+    assert [entry["state"] for _, entry in told([(job, Died("it was killed")), (job, found)])] == ["crashed", "measured"]

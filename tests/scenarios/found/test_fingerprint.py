@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import MissingPackage, UnknownName
+from scenarios.found import fingerprint
 from scenarios.job import Job
 from scenarios.provenance import ROOT
-from scenarios.sweep import finer, fingerprint
+from scenarios.sweep import finer
 
 JOB = Job("stop_distance", "mujoco", "x", base="tuned", options={"dt": 0.01})
 

@@ -5,10 +5,8 @@ import signal
 
 import pytest
 
-from scenarios.job import Job, Outcome
 from scenarios.processes import Died
-from scenarios.sweep.measure import entry_of
-from scenarios.sweep.side_by_side import side_by_side, told
+from scenarios.side_by_side import side_by_side
 
 
 def answer(task: int) -> int:
@@ -38,9 +36,3 @@ def test_who_stops_leaves_no_child_behind() -> None:
         if left := multiprocessing.active_children():
             left[0].join(0.1)
     assert multiprocessing.active_children() == []
-
-
-def test_who_died_has_an_entry_too() -> None:
-    job = Job("stop_distance", "mujoco", "tuned")
-    found = entry_of(Outcome(job, "measured", frames=3))
-    assert [entry["state"] for _, entry in told([(job, Died("it was killed")), (job, found)])] == ["crashed", "measured"]

@@ -2,14 +2,11 @@
 
 import multiprocessing
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from avatarsim.errors import MissingPackage
-from scenarios.job import Job, Outcome
 from scenarios.processes import Died, Pool, one_thread
-from scenarios.sweep.measure import entry_of
-from scenarios.sweep.store import Entry
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
@@ -56,9 +53,3 @@ def side_by_side(
                     # joblib finds it a pity that answers go to waste
                     warnings.simplefilter("ignore", UserWarning)
                     answers.close()
-
-
-def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:
-    """The same with an entry for whoever died."""
-    for job, found in pairs:
-        yield job, entry_of(Outcome(job, "crashed", str(found))) if isinstance(found, Died) else found

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput
-from scenarios.sweep.store import Store
+from scenarios.found.store import Store
 
 
 def test_an_entry_comes_back(tmp_path: Path) -> None:
@@ -37,7 +37,7 @@ def test_a_place_where_nothing_can_be_made_is_refused(tmp_path: Path) -> None:
 
 def test_a_process_killed_while_it_writes_leaves_whole_entries_only(tmp_path: Path) -> None:
     script = (
-        "import sys\nfrom pathlib import Path\nfrom scenarios.sweep.store import Store\nstore = Store(Path(sys.argv[1]))\n"
+        "import sys\nfrom pathlib import Path\nfrom scenarios.found.store import Store\nstore = Store(Path(sys.argv[1]))\n"
         "k = 0\nwhile True:\n    store.put('errors', str(k), {'values': list(range(2000))})\n"
         "    print(k, flush=True)\n    k += 1\n"
     )
