@@ -25,6 +25,10 @@ from scenarios.table import table
 from scenarios.table_2.printed import SCENES
 
 
+PILES = ("stack_ten", "stack_struck", "balls_216")
+"""Scenes of many contacts whose times stand beside those of the everyday ones in `bench`."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """What a command will run, and outcomes that are known before anything has run (engines that cannot be opened)."""
@@ -46,9 +50,9 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
         patterns = asked.filter.split(",")
         found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
     elif asked.command in ("bench", "ablate") and not asked.full:
-        also = SCENES if asked.command == "bench" else ()
+        also = (*SCENES, *PILES) if asked.command == "bench" else ()
         everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
-        kinds = "everyday scenes and those of Table 2" if also else "everyday scenes"
+        kinds = "everyday scenes, piles and those of Table 2" if also else "everyday scenes"
         said = f"{len(everyday)} {kinds} of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
         print(said, file=sys.stderr)
         found = everyday
