@@ -24,7 +24,6 @@ from scenarios.scenario import Scenario
 from scenarios.table import table
 from scenarios.table_2.printed import SCENES
 
-
 PILES = ("stack_ten", "stack_struck", "balls_216")
 """Scenes of many contacts whose times stand beside those of the everyday ones in `bench`."""
 
