@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
+from avatarsim.loops.seams import depth_to_pass
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
 from avatarsim.motion.path import STILL
-from avatarsim.motion.time_of_impact import BROKEN, CLEAR, TOUCH, time_of_impact
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, IMPACT, TOUCH, UNKNOWN, time_of_impact
 from avatarsim.spatial.vec3 import norm, row
 from avatarsim.world.geometry import Geometry
 
@@ -46,8 +47,14 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
             memory.counts[WORK] += SEARCH_WORK
             outcome, t = time_of_impact(
                 geometry, memory.began, islands.linear, islands.angular, memory.paths, memory.series, memory.reach, sa, sb, begin,
-                h, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
+                h, UNKNOWN, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
             )
+            depth = depth_to_pass(geometry, memory, sa, sb, h - t) if outcome == IMPACT else 0.0
+            if depth < 0.0:
+                outcome, t = time_of_impact(
+                    geometry, memory.began, islands.linear, islands.angular, memory.paths, memory.series, memory.reach, sa, sb, t,
+                    h, depth, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
+                )
             if outcome == BROKEN:
                 return -1.0
             if outcome != CLEAR:

@@ -73,7 +73,8 @@ class Memory(NamedTuple):
     the start of each body's last segment. joins (nb) 1 for who holds islands together; corrected (nb) time of the last correction
     of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
-    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`.
+    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`.
     """
 
     received: Array
@@ -120,6 +121,8 @@ class Memory(NamedTuple):
     edges: Array
     tail_end: Array
     tail_speed: Array
+    newest: Index
+    older: Index
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -165,4 +168,5 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         corrected=np.zeros(n), when=np.zeros(room), everybody=np.arange(n, dtype=np.int64),
         blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
+        newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
     )
