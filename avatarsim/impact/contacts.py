@@ -25,6 +25,9 @@ corners, each of which belongs to two."""
 POINTS_OF_PAIR = 16
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
+EARTH = 9.8
+"""Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
+
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
 
@@ -46,7 +49,8 @@ class Contacts(NamedTuple):
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
     edge_a, edge_b (cap, 3) directions of the edges where two edges cross, of any length, else zero;
-    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on.
+    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on;
+    pace (1): what speeds that count as slow are multiplied by, see `pace_of`.
     """
 
     used: Index
@@ -75,9 +79,17 @@ class Contacts(NamedTuple):
     edge_b: Array
     sway_a: Array
     sway_b: Array
+    pace: Array
 
 
-def make_contacts(cap: int = ROOM) -> Contacts:
+def pace_of(gravity: Array) -> float:
+    """Part of the slow speeds of this engine that are slow under a gravity (3) [m/s^2]: a body that leaves a floor with one of
+    them rises as high as it does on Earth. Without gravity, and under a stronger one, they are what they are."""
+    pull = float(np.linalg.norm(gravity))
+    return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
+
+
+def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
     """Allocate room for ``cap`` contact points."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
@@ -87,7 +99,7 @@ def make_contacts(cap: int = ROOM) -> Contacts:
         lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
-        sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)),
+        sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), pace=np.full(1, pace),
     )
 
 

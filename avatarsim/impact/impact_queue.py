@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 REST_SPEED = 1.5e-3
-"""A rebound slower than this [m/s] is rest: it would rise 1.1e-7 m. Larger: visible bounces end early; smaller: a bouncing
-ball takes more impacts to come to rest, without limit as it goes to 0."""
+"""A rebound slower than this [m/s], times the pace of the scene, is rest: it would rise 1.1e-7 m. Larger: visible bounces end
+early; smaller: a bouncing ball takes more impacts to come to rest, without limit as it goes to 0."""
 
 TIE = 1e-9
 """Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
@@ -70,7 +70,7 @@ def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Arr
         while end < count and same_pair(contacts, start, end):
             v = speed_along(contacts, end, 0, linear, angular)
             contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
-            if contacts.target[end] <= REST_SPEED:
+            if contacts.target[end] <= REST_SPEED * contacts.pace[0]:
                 contacts.target[end] = 0.0
             if v <= fastest * (1.0 - TIE):
                 tied = True
@@ -137,7 +137,7 @@ def resolve_impact(
         first, last = head, head + 1
         put_row(contacts.impulse, head, (0.0, 0.0, 0.0))
         target = velocity_after(contacts.restitution[head], fastest)
-        contacts.target[head] = target if target > REST_SPEED else 0.0
+        contacts.target[head] = target if target > REST_SPEED * contacts.pace[0] else 0.0
         lone_impact(contacts, masses, head, True, linear, angular)
     else:
         first, last, points = choose_block(contacts, fastest, linear, angular)

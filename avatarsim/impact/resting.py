@@ -124,7 +124,7 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
 def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
     """Whether a body of contact k is fast enough for the energy of lifting it by ``dip`` [m] to be taken from its motion."""
     v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
-    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * dip)
+    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * contacts.pace[0] * contacts.pace[0] * dip)
 
 
 @kernel
@@ -137,7 +137,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
-        if v * h > HOP or v > PARTING:
+        if v * h > HOP or v > PARTING * contacts.pace[0]:
             contacts.target[k] = -inf
             for i in range(3):
                 contacts.impulse[k, i] = 0.0
@@ -149,7 +149,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             a, b = contacts.body[k, 0], contacts.body[k, 1]
             known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
             bend = along(row(contacts.bend, k), -0.5, known)
-            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT, 2.0 * way / h)
+            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
 

@@ -36,7 +36,7 @@ def out_of_reach(memory: Memory, a: int, b: int, h: float) -> bool:
 @kernel
 def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: float, h: float) -> float:
     """Time in begin .. h of the first event of bodies a and b on their paths; inf if there is none, -1 if not finite."""
-    islands, found = memory.islands, inf
+    islands, found, pace = memory.islands, inf, memory.contacts.pace[0]
     if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
         return found
     if out_of_reach(memory, a, b, h):
@@ -47,13 +47,13 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
             memory.counts[WORK] += SEARCH_WORK
             outcome, t = time_of_impact(
                 geometry, memory.began, islands.linear, islands.angular, memory.paths, memory.series, memory.reach, sa, sb, begin,
-                h, UNKNOWN, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
+                h, UNKNOWN, pace, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
             )
             depth = depth_to_pass(geometry, memory, sa, sb, h - t) if outcome == IMPACT else 0.0
             if depth < 0.0:
                 outcome, t = time_of_impact(
                     geometry, memory.began, islands.linear, islands.angular, memory.paths, memory.series, memory.reach, sa, sb, t,
-                    h, depth, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
+                    h, depth, pace, memory.trial, memory.a_rows, memory.b_rows, memory.edges, memory.scratch,
                 )
             if outcome == BROKEN:
                 return -1.0

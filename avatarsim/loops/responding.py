@@ -83,7 +83,8 @@ def impacts(
     head, fastest = fastest_approach(contacts, v, w)
     if head < 0 or fastest >= -SETTLED:
         return status
-    while head >= 0 and fastest < -REST_SPEED:
+    slow = REST_SPEED * contacts.pace[0]
+    while head >= 0 and fastest < -slow:
         if resolved >= patience or contacts.visits[0] > VISITS:
             status = OUT_OF_IMPACTS
             break
@@ -107,7 +108,7 @@ def impacts(
     memory.counts[WORK] += resolved * contacts.used[0] // 2
     if fastest < -SETTLED:
         # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
-        rough = hasty or fastest < -REST_SPEED
+        rough = hasty or fastest < -slow
         few = contacts.used[0] <= MANY and not rough
         settle(
             contacts, memory.strike, members, rough, 1e-12 if few else max(1e-12, -1e-6 * fastest),

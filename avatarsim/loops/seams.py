@@ -167,7 +167,7 @@ def depth_to_pass(geometry: Geometry, memory: Memory, sa: int, sb: int, left: fl
     """Of shapes sa and sb where ``memory.trial`` has them, which meet there: the gap [m] < 0 at which that is an event if one
     passes over the other at a seam, 0 if it does not."""
     contacts, islands, paths, trial = memory.contacts, memory.islands, memory.paths, memory.trial
-    pair = sa * geometry.body.shape[0] + sb
+    pair, slow = sa * geometry.body.shape[0] + sb, RESTING * contacts.pace[0]
     for side in range(2):
         b = geometry.body[sa if side == 0 else sb]
         j = memory.newest[b] if memory.moving[b] == 1 else NOTHING
@@ -183,7 +183,7 @@ def depth_to_pass(geometry: Geometry, memory: Memory, sa: int, sb: int, left: fl
                     geometry, islands.angular, paths, memory.reach, sa, sb, m, left, trial, memory.a_rows, memory.b_rows
                 )
                 gap = least_height(memory.a_rows, count_a)
-                if gap > FLUSH and max(slowest_touch(memory.a_rows, count_a), slowest_touch(memory.b_rows, count_b)) > RESTING:
+                if gap > FLUSH and max(slowest_touch(memory.a_rows, count_a), slowest_touch(memory.b_rows, count_b)) > slow:
                     return min(DIP, gap - CREEP)
             j = before(memory, b, j)
     return 0.0

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
-from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts
+from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts, pace_of
 from avatarsim.impact.masses import Masses
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
@@ -157,7 +157,8 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
         trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
-        contacts=make_contacts(touching), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
+        contacts=make_contacts(touching, pace_of(dynamics.gravity)), manifold=make_manifold(), scratch=make_scratch(),
+        linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
         wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
