@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, unsolved
-from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, impulse_of, push_along, velocity_at, weigh_after
+from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
 from avatarsim.kernel import kernel
@@ -52,9 +52,6 @@ SWEEPS = 600
 SLIPPED = 1e-8
 """The end of a slip is looked for if it would go farther than this [m] in the segment. Smaller: a sticking edge that pivots,
 whose slip is a remainder of third order, shortens its segments without end."""
-
-STOPPED = 1e-3
-"""A slip that ends below this part of what it was has stopped."""
 
 ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
@@ -154,23 +151,22 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
 
     Summed over the points of a manifold that slip at the start, because how they share the friction is not unique: less
     friction than sliding gives means that the slip ended at that part of h; a slip that reversed went through zero on the way.
-    It is the strengths that are summed. Under a box that spins the frictions point all around and cancel, and yet nothing sticks.
-    Of a point that has stopped only what opposes its slip counts: corners that stick may pull at each other besides.
+    Whether it ended, the strengths tell: under a box that spins the frictions cancel, and yet nothing sticks.
+    When, their power tells: frictions of many points strain against each other to no effect, and have no power together.
     """
     soonest = h
     count, start = contacts.used[0], 0
     while start < count:
-        end, limit, pull, touching = start, 0.0, 0.0, -1
+        end, limit, pull, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
         while end < count and contacts.key[end] // POINTS_OF_PAIR == contacts.key[start] // POINTS_OF_PAIR:
             if contacts.impulse[end, 0] > 0.0:
                 u0 = tangential_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
                 if norm(u0) * h > SLIPPED:
                     limit += contacts.friction[end] * contacts.impulse[end, 0]
-                    u1 = along(velocity_at(contacts, end, linear_end, angular_end), h, row(contacts.bend, end))
-                    if norm(tangential_velocity(axis(contacts, end, 0), u1)) > STOPPED * norm(u0):
-                        pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
-                    else:
-                        pull += max(0.0, -dot(impulse_of(contacts, end), u0) / norm(u0))
+                    pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
+                    most += contacts.friction[end] * contacts.impulse[end, 0] * norm(u0)
+                    for i in range(1, 3):
+                        power -= contacts.impulse[end, i] * dot(axis(contacts, end, i), u0)
                     touching = end
             end += 1
         if limit > 0.0:
@@ -180,6 +176,7 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
             u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
             u1 = tangential_velocity(n, u1)
             if share < 1.0 - 1e-7:
+                share = power / most if 0.0 < power < share * most else share
                 soonest = min(soonest, h * share)
             elif dot(u0, u1) < 0.0:
                 soonest = min(soonest, h * slip / (slip + norm(u1)))

@@ -1,6 +1,6 @@
 """When the paths of an island first lead to an event."""
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,8 +8,21 @@ from numpy.typing import NDArray
 from avatarsim.kernel import kernel
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
 from avatarsim.motion.path import STILL
-from avatarsim.motion.time_of_impact import BROKEN, CLEAR, TOUCH, time_of_impact
-from avatarsim.spatial.vec3 import norm, row
+from avatarsim.motion.safe_step import earliest_touch
+from avatarsim.motion.time_of_impact import (
+    BROKEN,
+    CLEAR,
+    CREEP,
+    DIP,
+    FAR_OUT,
+    LEAVING,
+    RESTING,
+    STAND_OFF,
+    TOUCH,
+    farthest,
+    time_of_impact,
+)
+from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 from avatarsim.world.geometry import Geometry
 
 Index = NDArray[np.int64]
@@ -19,17 +32,39 @@ SEARCH_WORK = 8
 
 
 @kernel
-def out_of_reach(memory: Memory, a: int, b: int, h: float) -> bool:
-    """Whether the balls around two bodies stay apart for h seconds, however far each goes on its path before it stops."""
-    islands, apart = memory.islands, 0.0
-    for i in range(3):
-        d = memory.began.position[a, i] - memory.began.position[b, i]
-        apart += d * d
-    way = 0.0
-    for body in (a, b):
-        if memory.moving[body] == 1:
-            way += h * (norm(row(islands.linear, body)) + 0.5 * h * norm(row(memory.paths.linear, body)))
-    return bool(sqrt(apart) > memory.span[a] + memory.span[b] + way + TOUCH)
+def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
+    """Position, velocity and acceleration of the centre of body b, t seconds along its path."""
+    if memory.paths.kind[b] == STILL:
+        # whoever stands or has stopped is where it was last looked at
+        return row(memory.trial.position, b), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    x, v, a = row(memory.began.position, b), row(memory.islands.linear, b), row(memory.paths.linear, b)
+    return along(along(x, t, v), 0.5 * t * t, a), along(v, t, a), a
+
+
+@kernel
+def out_of_reach(memory: Memory, a: int, b: int, begin: float, h: float) -> bool:
+    """Whether a plane stays between the balls around two bodies from ``begin`` to h seconds, at right angles to where they are.
+
+    Two bodies that are balls are out of reach already if they touch and do not come nearer: then what holds for the plane is what
+    `time_of_impact` would find.
+    """
+    (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, begin), motion_of(memory, b, begin)
+    d, left = sub(x_a, x_b), h - begin
+    apart = norm(d)
+    if not (apart > 0.0):
+        return False
+    speed, gain = dot(d, sub(v_a, v_b)) / apart, dot(d, sub(a_a, a_b)) / apart
+    gap = apart - memory.span[a] - memory.span[b]
+    if not (abs(gap) + abs(speed) + abs(gain) < inf):
+        return False
+    target = TOUCH
+    if memory.ball[a] + memory.ball[b] == 2:
+        target = max(STAND_OFF, FAR_OUT * farthest(memory.began, a, b))
+        if gap < TOUCH and speed > LEAVING:
+            target = min(target, gap)
+        elif gap < TOUCH and speed > RESTING:
+            target = min(DIP, gap - CREEP)
+    return earliest_touch(gap - target, speed, gain, left) >= left and gap >= target
 
 
 @kernel
@@ -38,7 +73,7 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
     islands, found = memory.islands, inf
     if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
         return found
-    if out_of_reach(memory, a, b, h):
+    if out_of_reach(memory, a, b, begin, h):
         return found
     for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
         for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
