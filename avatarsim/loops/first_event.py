@@ -6,23 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
+from avatarsim.loops.balls_meet import ahead_of, balls_meet
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
 from avatarsim.motion.path import STILL
 from avatarsim.motion.safe_step import earliest_touch
-from avatarsim.motion.time_of_impact import (
-    BROKEN,
-    CLEAR,
-    CREEP,
-    DIP,
-    FAR_OUT,
-    LEAVING,
-    RESTING,
-    STAND_OFF,
-    TOUCH,
-    farthest,
-    time_of_impact,
-)
-from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, TOUCH, time_of_impact
 from avatarsim.world.geometry import Geometry
 
 Index = NDArray[np.int64]
@@ -32,39 +20,12 @@ SEARCH_WORK = 8
 
 
 @kernel
-def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
-    """Position, velocity and acceleration of the centre of body b, t seconds along its path."""
-    if memory.paths.kind[b] == STILL:
-        # whoever stands or has stopped is where it was last looked at
-        return row(memory.trial.position, b), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    x, v, a = row(memory.began.position, b), row(memory.islands.linear, b), row(memory.paths.linear, b)
-    return along(along(x, t, v), 0.5 * t * t, a), along(v, t, a), a
-
-
-@kernel
 def out_of_reach(memory: Memory, a: int, b: int, begin: float, h: float) -> bool:
-    """Whether a plane stays between the balls around two bodies from ``begin`` to h seconds, at right angles to where they are.
-
-    Two bodies that are balls are out of reach already if they touch and do not come nearer: then what holds for the plane is what
-    `time_of_impact` would find.
-    """
-    (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, begin), motion_of(memory, b, begin)
-    d, left = sub(x_a, x_b), h - begin
-    apart = norm(d)
-    if not (apart > 0.0):
+    """Whether a plane stays between the balls around two bodies from ``begin`` to h seconds, across where they are."""
+    gap, rate, gain = ahead_of(memory, a, b, begin)
+    if not (TOUCH < gap < inf and abs(rate) + abs(gain) < inf):
         return False
-    speed, gain = dot(d, sub(v_a, v_b)) / apart, dot(d, sub(a_a, a_b)) / apart
-    gap = apart - memory.span[a] - memory.span[b]
-    if not (abs(gap) + abs(speed) + abs(gain) < inf):
-        return False
-    target = TOUCH
-    if memory.ball[a] + memory.ball[b] == 2:
-        target = max(STAND_OFF, FAR_OUT * farthest(memory.began, a, b))
-        if gap < TOUCH and speed > LEAVING:
-            target = min(target, gap)
-        elif gap < TOUCH and speed > RESTING:
-            target = min(DIP, gap - CREEP)
-    return earliest_touch(gap - target, speed, gain, left) >= left and gap >= target
+    return earliest_touch(gap - TOUCH, rate, gain, h - begin) >= h - begin
 
 
 @kernel
@@ -73,6 +34,11 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
     islands, found = memory.islands, inf
     if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
         return found
+    if memory.ball[a] + memory.ball[b] == 2:
+        memory.counts[SEARCHES] += 1
+        memory.counts[WORK] += 1
+        outcome, t = balls_meet(memory, a, b, begin, h)
+        return -1.0 if outcome == BROKEN else t if outcome != CLEAR else found
     if out_of_reach(memory, a, b, begin, h):
         return found
     for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):

@@ -57,10 +57,10 @@ HASTY, HASTY_VISITS = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1), 20
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Where bodies rest, or are few."""
 
-BRISK = Care(tolerance=1e-7, first=FIRST_TRY, sweeps=60, attempts=3)
+BRISK = Care(tolerance=1e-7, first=40, sweeps=60, attempts=3)
 """Of many bodies in motion: they sink by a few nanometres a frame, which is lifted again."""
 
-MANY, MOTION = 16, 1e-2
+MANY, MOTION = 8, 1e-2
 """More contact points than this are many; a body faster than this [m/s] moves."""
 
 STILLNESS = 1e-7
@@ -111,7 +111,7 @@ def impacts(
         few = contacts.used[0] <= MANY and not rough
         settle(
             contacts, memory.strike, members, rough, 1e-12 if few else max(1e-12, -1e-6 * fastest),
-            HASTY.first if rough else FIRST_TRY, SWEEPS if few else BRISK.sweeps, v, w, memory.linear_end, memory.angular_end,
+            HASTY.first if rough else BRISK.first, SWEEPS if few else BRISK.sweeps, v, w, memory.linear_end, memory.angular_end,
             memory.before, memory.direction, memory.received,
         )
     return status

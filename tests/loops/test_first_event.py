@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from avatarsim.loops.balls_meet import ahead_of, balls_meet
 from avatarsim.loops.first_event import out_of_reach
 from avatarsim.motion.path import FREE, HELD, STILL
 from avatarsim.motion.time_of_impact import BROKEN, CLEAR, time_of_impact
@@ -79,19 +80,24 @@ def test_a_path_that_is_not_finite_is_searched() -> None:
     world.memory.paths.kind[:] = FREE
     world.memory.islands.linear[1, 1] = np.nan
     assert not out_of_reach(world.memory, 0, 1, 0.0, H)
+    assert balls_meet(world.memory, 0, 1, 0.0, H)[0] == BROKEN
     assert search(world, 0.0)[0] == BROKEN
 
 
 @pytest.mark.nojit
-def test_balls_that_rest_on_each_other_need_no_search() -> None:
-    """As 150 pairs of a heap of 216 balls do in every frame; a push by a millimetre per second is searched for."""
-    world = world_of("balls")
-    m = world.memory
-    throw(world, np.random.default_rng(1), True)
-    n = m.began.position[1] - m.began.position[0]
-    n /= np.linalg.norm(n)
-    m.began.position[1] = m.began.position[0] + (m.span.sum() + 2e-8) * n
-    m.paths.kind[:], m.paths.linear[:], m.islands.linear[:] = HELD, 0.0, (1.0, 2.0, 3.0)
-    assert out_of_reach(m, 0, 1, 0.0, H)
-    m.islands.linear[1] -= 1e-3 * n
-    assert not out_of_reach(m, 0, 1, 0.0, H)
+@pytest.mark.boundscheck
+@pytest.mark.parametrize("touching", [False, True])
+def test_balls_meet_when_the_search_for_any_shapes_finds_it(touching: bool) -> None:
+    """The dumb twin is the search over poses, planes and supports."""
+    world, rng, met = world_of("balls"), np.random.default_rng(5), 0
+    for _ in range(TRIALS):
+        throw(world, rng, touching)
+        begin = float(rng.choice([0.0, 0.3 * H]))
+        outcome, t = balls_meet(world.memory, 0, 1, begin, H)
+        other, when = search(world, begin)
+        assert outcome == other
+        # the search is done at any gap within its tolerance
+        gap, rate, _ = ahead_of(world.memory, 0, 1, t)
+        assert t == pytest.approx(when, abs=1e-15 + 4e-9 / max(1e-9, abs(rate)))
+        met += outcome != CLEAR
+    assert TRIALS // 10 < met < TRIALS
