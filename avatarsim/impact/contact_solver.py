@@ -24,6 +24,9 @@ PATIENCE = 150
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
 
+POINTS_OF_FACE, PATIENCE_OF_FACE = 4, 30
+"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners."""
+
 WANDERING, WANDERS = 2e-6, 10
 """Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
 points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
@@ -81,16 +84,19 @@ def sweeps(
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
-    last_square, best, earlier, astray, worst = inf, inf, inf, 0, inf
+    last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
+    for k in range(first, last):
+        points += 1 if contacts.target[k] != -inf else 0
+    patience = PATIENCE if points > POINTS_OF_FACE else PATIENCE_OF_FACE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
         worst, _ = visit_all(contacts, masses, first, last, False, grip, linear, angular, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
-        if sweep % PATIENCE == PATIENCE - 1:
+        if sweep % patience == patience - 1:
             if not (best < 0.5 * earlier):
-                return worst, False
+                return worst, points <= POINTS_OF_FACE and worst < WANDERING
             earlier, best = best, inf
         _, square = visit_all(contacts, masses, first, last, True, grip, linear, angular, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
