@@ -24,8 +24,9 @@ PATIENCE = 150
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
 
-POINTS_OF_FACE, PATIENCE_OF_FACE = 4, 30
-"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners."""
+POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
+"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners. Not where impacts
+are solved for to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2e-6, 10
 """Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
@@ -87,7 +88,8 @@ def sweeps(
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
     for k in range(first, last):
         points += 1 if contacts.target[k] != -inf else 0
-    patience = PATIENCE if points > POINTS_OF_FACE else PATIENCE_OF_FACE
+    of_face = points <= POINTS_OF_FACE and tolerance > EXACT
+    patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
         worst, _ = visit_all(contacts, masses, first, last, False, grip, linear, angular, before)
@@ -96,7 +98,7 @@ def sweeps(
             return worst, True
         if sweep % patience == patience - 1:
             if not (best < 0.5 * earlier):
-                return worst, points <= POINTS_OF_FACE and worst < WANDERING
+                return worst, of_face and worst < WANDERING
             earlier, best = best, inf
         _, square = visit_all(contacts, masses, first, last, True, grip, linear, angular, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
