@@ -8,10 +8,11 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contacts import Contacts, push_along, speed_along
+from avatarsim.impact.contacts import Contacts, push_all, speed_along
 from avatarsim.impact.masses import Masses
+from avatarsim.impact.visit import go_on_along, visit_all
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, row
 
 Array = NDArray[np.float64]
 
@@ -22,6 +23,10 @@ PATIENCE = 150
 """Double sweeps in which the best residual must halve. Four corners of a face carry a load in many ways; when rounding alone
 prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
 and tall stacks are given up while they still converge."""
+
+POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
+"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners. Not where impacts
+are solved for to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2e-6, 10
 """Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
@@ -54,29 +59,8 @@ def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, an
 def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, angular: Array) -> None:
     """Add d (in the frame of contact k) to its impulse, velocities included."""
     for i in range(3):
-        if d[i] != 0.0:
-            contacts.impulse[k, i] += d[i]
-            push_along(contacts, masses, k, i, d[i], linear, angular)
-
-
-@kernel
-def relax(contacts: Contacts, masses: Masses, k: int, grip: bool, linear: Array, angular: Array) -> float:
-    """One contact takes what it wants, normal first, friction if ``grip``; returns the change, as a velocity [m/s]."""
-    if contacts.target[k] == -inf:
-        return 0.0
-    p = contacts.impulse
-    normal = wanted_normal(contacts, k, linear, angular)
-    dn = normal - p[k, 0]
-    moved = abs(dn) * contacts.ease[k, 0]
-    if dn != 0.0:
-        p[k, 0] = normal
-        push_along(contacts, masses, k, 0, dn, linear, angular)
-    if grip and contacts.friction[k] > 0.0 and (normal > 0.0 or p[k, 1] != 0.0 or p[k, 2] != 0.0):
-        x, y = wanted_friction(contacts, k, normal, linear, angular)
-        dx, dy = x - p[k, 1], y - p[k, 2]
-        moved = max(moved, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
-        change(contacts, masses, k, (0.0, dx, dy), linear, angular)
-    return float(moved)
+        contacts.impulse[k, i] += d[i]
+    push_all(contacts, masses, k, d, linear, angular)
 
 
 @kernel
@@ -101,41 +85,27 @@ def sweeps(
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
-    p = contacts.impulse
-    last_square, best, earlier, astray = inf, inf, inf, 0
-    worst = inf
+    last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
+    for k in range(first, last):
+        points += 1 if contacts.target[k] != -inf else 0
+    of_face = points <= POINTS_OF_FACE and tolerance > EXACT
+    patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        for k in range(first, last):
-            put_row(before, k, row(p, k))
-        worst = 0.0
-        for k in range(first, last):
-            worst = max(worst, relax(contacts, masses, k, grip, linear, angular))
+        worst, _ = visit_all(contacts, masses, first, last, False, grip, linear, angular, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
-        if sweep % PATIENCE == PATIENCE - 1:
+        if sweep % patience == patience - 1:
             if not (best < 0.5 * earlier):
-                return worst, False
+                return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        if last - first > 1:
-            for k in range(last - 1, first - 1, -1):
-                relax(contacts, masses, k, grip, linear, angular)
-        square = 0.0
-        for k in range(first, last):
-            moved = sub(row(p, k), row(before, k))
-            square += dot(moved, moved) * contacts.ease[k, 0]
+        _, square = visit_all(contacts, masses, first, last, True, grip, linear, angular, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        for k in range(first, last):
-            if contacts.target[k] == -inf:
-                continue
-            kept = scale(row(direction, k), beta) if beta > 0.0 else (0.0, 0.0, 0.0)
-            put_row(direction, k, add(kept, sub(row(p, k), row(before, k))))
-            if dot(kept, kept) > 0.0:
-                change(contacts, masses, k, kept, linear, angular)
+        go_on_along(contacts, masses, first, last, beta, linear, angular, before, direction)
     return worst, False
 
 

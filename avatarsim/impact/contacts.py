@@ -25,6 +25,9 @@ corners, each of which belongs to two."""
 POINTS_OF_PAIR = 16
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
+EARTH = 9.8
+"""Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
+
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
 
@@ -36,7 +39,8 @@ class Contacts(NamedTuple):
     face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
     gap (cap) [m]; restitution, friction (cap); bend (cap, 3) acceleration of A's point seen from B's that needs no force [m/s^2];
-    ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg];
+    ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg]; unease (cap, 2) one over it [kg];
+    drag (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
     lever_a, lever_b (cap, 3, 3) arm x axis, for each axis of the frame: its dot product with the angular velocity is what that
     adds to the point's velocity along the axis; turn_a, turn_b (cap, 3, 3) angular velocity [rad/s] per impulse [N s] along
     each axis;
@@ -46,7 +50,8 @@ class Contacts(NamedTuple):
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
     edge_a, edge_b (cap, 3) directions of the edges where two edges cross, of any length, else zero;
-    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on.
+    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on;
+    pace (1): what speeds that count as slow are multiplied by, see `pace_of`.
     """
 
     used: Index
@@ -75,9 +80,19 @@ class Contacts(NamedTuple):
     edge_b: Array
     sway_a: Array
     sway_b: Array
+    unease: Array
+    drag: Array
+    pace: Array
 
 
-def make_contacts(cap: int = ROOM) -> Contacts:
+def pace_of(gravity: Array) -> float:
+    """Part of the slow speeds of this engine that are slow under a gravity (3) [m/s^2]: a body that leaves a floor with one of
+    them rises as high as it does on Earth. Without gravity, and under a stronger one, they are what they are."""
+    pull = float(np.linalg.norm(gravity))
+    return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
+
+
+def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
     """Allocate room for ``cap`` contact points."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
@@ -88,6 +103,8 @@ def make_contacts(cap: int = ROOM) -> Contacts:
         target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)),
+        unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
+        pace=np.full(1, pace),
     )
 
 
@@ -154,6 +171,9 @@ def weigh_after(contacts: Contacts, masses: Masses, t: float) -> None:
         half, mean = 0.5 * (one - other), 0.5 * (one + other)
         # the larger eigenvalue of the 2 x 2 block: a step by its inverse never overshoots
         contacts.ease[k, 1] = mean + sqrt(half * half + both * both)
+        for i in range(2):
+            contacts.unease[k, i] = 1.0 / contacts.ease[k, i]
+            contacts.drag[k, i] = turning(contacts, k, i + 1, 0)
 
 
 @kernel
@@ -233,3 +253,17 @@ def push_along(contacts: Contacts, masses: Masses, k: int, i: int, d: float, lin
         linear[b, x] -= on_b * f[k, i, x]
         angular[a, x] += d * p[k, i, x]
         angular[b, x] -= d * q[k, i, x]
+
+
+@kernel
+def push_all(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, angular: Array) -> None:
+    """`push_along` all three axes of contact k at once."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
+    of_a, of_b = masses.inverse_mass[a], masses.inverse_mass[b]
+    for x in range(3):
+        j = d[0] * f[k, 0, x] + d[1] * f[k, 1, x] + d[2] * f[k, 2, x]
+        linear[a, x] += of_a * j
+        linear[b, x] -= of_b * j
+        angular[a, x] += d[0] * p[k, 0, x] + d[1] * p[k, 1, x] + d[2] * p[k, 2, x]
+        angular[b, x] -= d[0] * q[k, 0, x] + d[1] * q[k, 1, x] + d[2] * q[k, 2, x]

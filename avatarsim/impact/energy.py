@@ -13,8 +13,9 @@ from avatarsim.spatial.vec3 import dot, row
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-NO_GAIN = 1e-13
-"""Gains below this [J] are rounding."""
+NO_GAIN, NO_PART = 1e-13, 1e-10
+"""A gain below this [J], and below this part of the motion's energy, is rounding. The first alone lets a world of millimetres, which
+has so little energy, gain more than a part in 1e9 in a frame."""
 
 
 @kernel
@@ -50,7 +51,7 @@ def take_back(gain: float, kinetic: float, members: Index, held: Index, linear: 
 
     A common factor keeps separating contacts separating and friction in its disc.
     """
-    if not (gain > NO_GAIN) or not (kinetic > 0.0):
+    if not (gain > min(NO_GAIN, NO_PART * kinetic)) or not (kinetic > 0.0):
         return False
     kept = sqrt(max(0.0, 1.0 - gain / kinetic))
     for m in range(members.shape[0]):

@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 REST_SPEED = 1.5e-3
-"""A rebound slower than this [m/s] is rest: it would rise 1.1e-7 m. Larger: visible bounces end early; smaller: a bouncing
-ball takes more impacts to come to rest, without limit as it goes to 0."""
+"""A rebound slower than this [m/s], times the pace of the scene, is rest: it would rise 1.1e-7 m. Larger: visible bounces end
+early; smaller: a bouncing ball takes more impacts to come to rest, without limit as it goes to 0."""
 
 TIE = 1e-9
 """Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
@@ -30,6 +30,9 @@ BLOCK_TOLERANCE = 1e-15
 
 BLOCK_SWEEPS = 3000
 """Double sweeps per block; a box face needs about 25."""
+
+BLOCK_VISITS = 48000
+"""Most contact points that one block looks at in each stage of its solve; where a wall lands at once that is fewer sweeps."""
 
 ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
 """The same where many blocks follow each other at one instant: what is left of an approach is looked at again anyway."""
@@ -70,7 +73,7 @@ def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Arr
         while end < count and same_pair(contacts, start, end):
             v = speed_along(contacts, end, 0, linear, angular)
             contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
-            if contacts.target[end] <= REST_SPEED:
+            if contacts.target[end] <= REST_SPEED * contacts.pace[0]:
                 contacts.target[end] = 0.0
             if v <= fastest * (1.0 - TIE):
                 tied = True
@@ -137,7 +140,7 @@ def resolve_impact(
         first, last = head, head + 1
         put_row(contacts.impulse, head, (0.0, 0.0, 0.0))
         target = velocity_after(contacts.restitution[head], fastest)
-        contacts.target[head] = target if target > REST_SPEED else 0.0
+        contacts.target[head] = target if target > REST_SPEED * contacts.pace[0] else 0.0
         lone_impact(contacts, masses, head, True, linear, angular)
     else:
         first, last, points = choose_block(contacts, fastest, linear, angular)
@@ -150,8 +153,8 @@ def resolve_impact(
                 put_row(angular_before, b, row(angular, b))
             tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest) if precise else -ROUGH_TOLERANCE * fastest
             solve_contacts(
-                contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY, BLOCK_SWEEPS if precise else ROUGH_SWEEPS,
-                before, direction,
+                contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY,
+                min(BLOCK_SWEEPS if precise else ROUGH_SWEEPS, max(1, BLOCK_VISITS // (2 * (last - first)))), before, direction,
             )
             guarded = guard_energy(contacts, members, first, last, linear, angular, linear_before, angular_before)
     collect(contacts, first, last, received)

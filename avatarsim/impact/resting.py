@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, unsolved
+from avatarsim.impact.contact_solver import change, solve_contacts, solve_roughly, sweeps, unsolved
 from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
@@ -52,6 +52,15 @@ SWEEPS = 600
 SLIPPED = 1e-8
 """The end of a slip is looked for if it would go farther than this [m] in the segment. Smaller: a sticking edge that pivots,
 whose slip is a remainder of third order, shortens its segments without end."""
+
+PARALLEL = 1e-9
+"""Normals nearer to each other than this are of one face."""
+
+GUESSES = 8
+"""Times normals and the friction of those who slip are set in turn, before all is solved together."""
+
+ALONE = 32
+"""Most contact points for which that is done. Among more, some slip and some stick, and it leads nowhere."""
 
 ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
@@ -115,7 +124,7 @@ def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) ->
 def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
     """Whether a body of contact k is fast enough for the energy of lifting it by ``dip`` [m] to be taken from its motion."""
     v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
-    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * dip)
+    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * contacts.pace[0] * contacts.pace[0] * dip)
 
 
 @kernel
@@ -128,7 +137,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
-        if v * h > HOP or v > PARTING:
+        if v * h > HOP or v > PARTING * contacts.pace[0]:
             contacts.target[k] = -inf
             for i in range(3):
                 contacts.impulse[k, i] = 0.0
@@ -140,29 +149,49 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             a, b = contacts.body[k, 0], contacts.body[k, 1]
             known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
             bend = along(row(contacts.bend, k), -0.5, known)
-            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT, 2.0 * way / h)
+            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
 
 
 @kernel
-def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array) -> float:
+def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
+    """Whether contacts i and k are of the same shapes, or of one body and a face that nobody moves, be it of several pieces."""
+    if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
+        return True
+    if contacts.driven[i] != contacts.driven[k]:
+        return False
+    for side in range(2):
+        if contacts.body[i, side] != contacts.body[k, side]:
+            if masses.inverse_mass[contacts.body[i, side]] > 0.0 or masses.inverse_mass[contacts.body[k, side]] > 0.0:
+                return False
+    return norm(sub(axis(contacts, i, 0), axis(contacts, k, 0))) < PARALLEL
+
+
+@kernel
+def end_of_slip(
+    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
+) -> float:
     """Time <= h at which the first slip ends.
 
-    Summed over the points of a manifold that slip at the start, because how they share the friction is not unique: less
+    Summed over the points of a face that slip at the start, because how they share the friction is not unique: less
     friction than sliding gives means that the slip ended at that part of h; a slip that reversed went through zero on the way.
-    It is the strengths that are summed. Under a box that spins the frictions point all around and cancel, and yet nothing sticks.
+    Whether it ended, strengths tell: under a box that spins the frictions point all around and cancel, and yet nothing sticks.
+    When it ended, power tells: frictions of many points strain against each other to no effect, and have no power together.
     """
     soonest = h
     count, start = contacts.used[0], 0
     while start < count:
-        end, limit, pull, touching = start, 0.0, 0.0, -1
-        while end < count and contacts.key[end] // POINTS_OF_PAIR == contacts.key[start] // POINTS_OF_PAIR:
+        end, limit, pull, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
+        while end < count and one_face(contacts, masses, start, end):
             if contacts.impulse[end, 0] > 0.0:
                 u0 = tangential_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
                 if norm(u0) * h > SLIPPED:
                     limit += contacts.friction[end] * contacts.impulse[end, 0]
                     pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
+                    most += contacts.friction[end] * contacts.impulse[end, 0] * norm(u0)
+                    for i in range(1, 3):
+                        power -= contacts.impulse[end, i] * dot(axis(contacts, end, i), u0)
                     touching = end
             end += 1
         if limit > 0.0:
@@ -172,11 +201,26 @@ def end_of_slip(contacts: Contacts, h: float, linear: Array, angular: Array, lin
             u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
             u1 = tangential_velocity(n, u1)
             if share < 1.0 - 1e-7:
+                share = power / most if 0.0 < power < share * most else share
                 soonest = min(soonest, h * share)
             elif dot(u0, u1) < 0.0:
                 soonest = min(soonest, h * slip / (slip + norm(u1)))
         start = end
     return soonest
+
+
+@kernel
+def slip_on(
+    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
+) -> None:
+    """Give all who slip at the start of a segment of h seconds the friction of those who slip all the time."""
+    for k in range(contacts.used[0]):
+        u = tangential_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+        slip = norm(u)
+        if contacts.driven[k] == NOT_DRIVEN and contacts.impulse[k, 0] > 0.0 and slip * h > SLIPPED:
+            pull = contacts.friction[k] * contacts.impulse[k, 0] / slip
+            x, y = -pull * dot(axis(contacts, k, 1), u), -pull * dot(axis(contacts, k, 2), u)
+            change(contacts, masses, k, (0.0, x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]), linear_end, angular_end)
 
 
 @kernel
@@ -227,6 +271,13 @@ def hold(
             for i in range(3):
                 push_along(contacts, masses, k, i, contacts.impulse[k, i], linear_end, angular_end)
         residual = unsolved(contacts, 0, count, linear_end, angular_end)
+        for _ in range(GUESSES if attempt > 0 and count <= ALONE else 0):
+            # where a slip is just about to end, friction is where the solver is slowest, and known
+            if not (residual > 10.0 * care.tolerance):
+                break
+            slip_on(contacts, masses, h, linear, angular, linear_end, angular_end)
+            sweeps(contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, False, before, direction)
+            residual = unsolved(contacts, 0, count, linear_end, angular_end)
         if residual > 10.0 * care.tolerance or not (residual >= 0.0):
             if care.attempts == 1:
                 residual = solve_roughly(
@@ -241,7 +292,7 @@ def hold(
             if not (residual <= 10.0 * care.tolerance):
                 # the end of a slip cannot be found with forces that are not known
                 break
-        shorter = end_of_slip(contacts, h, linear, angular, linear_end, angular_end)
+        shorter = end_of_slip(contacts, masses, h, linear, angular, linear_end, angular_end)
         if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == care.attempts - 1:
             break
         for k in range(count):

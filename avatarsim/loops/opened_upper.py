@@ -38,7 +38,7 @@ def opened_contacts(o: Opening) -> Contacts:
         index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], matrices(o)[0], vectors(o)[0],
         vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], matrices(o)[0], matrices(o)[0],
         matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0],
-        vectors(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
     )
 
 
@@ -88,7 +88,8 @@ def opened_memory(o: Opening) -> Memory:
         vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], grid(o)[0], opened_filter(o), opened_sweep(o),
         index_grid(o)[0], grid(o)[0], grid(o)[0], opened_last(o), index_line(o)[0], vectors(o)[0], vectors(o)[0],
         index_line(o)[0], opened_poses(o), opened_islands(o), index_line(o)[0], line(o)[0], line(o)[0], index_line(o)[0],
-        index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0],
+        index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], index_line(o)[0],
+        index_grid(o)[0],
     )
 
 

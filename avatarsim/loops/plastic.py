@@ -70,26 +70,28 @@ def go_or_stop(
             new = True
     if new:
         return AGAIN
+    next_, t = -1, h
+    for p in range(count):
+        if when[first + p] < t:
+            next_, t = p, when[first + p]
     for _ in range(members.shape[0]):
-        next_, t = -1, h
-        for p in range(count):
-            if when[first + p] < t:
-                next_, t = p, when[first + p]
         memory.counts[WORK] += count // 16
         if next_ < 0:
             break
+        one, other, now = pairs[next_, 0], pairs[next_, 1], t
         for side in range(2):
             if kind[pairs[next_, side]] != STILL:
-                stop(geometry, poses, velocities, memory, pairs[next_, side], t)
-        one, other = pairs[next_, 0], pairs[next_, 1]
+                stop(geometry, poses, velocities, memory, pairs[next_, side], now)
+        next_, t = -1, h
         for p in range(count):
             a, b = pairs[p, 0], pairs[p, 1]
-            if kind[a] == STILL and kind[b] == STILL:
-                when[first + p] = inf
-            elif a == one or a == other or b == one or b == other:
-                when[first + p] = event_of_pair(geometry, memory, a, b, t, h)
+            if a == one or a == other or b == one or b == other:
+                # of two that stand there is no event
+                when[first + p] = event_of_pair(geometry, memory, a, b, now, h)
                 if when[first + p] < 0.0:
                     return NOT_FINITE
+            if when[first + p] < t:
+                next_, t = p, when[first + p]
     for m in range(members.shape[0]):
         b = members[m]
         if islands.stops[b] < inf:

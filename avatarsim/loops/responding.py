@@ -44,23 +44,28 @@ RISE, FEW = 8e-7, 2
 """Spin x gravity x h^3 [m] of a segment, a body that stands on so few points: it rises by a quarter of that (h^3 / 12 times three
 times spin x twist x arm), and from a micrometre on it flies, lands and loses energy."""
 
-SETTLED = 1e-10
-"""Approach [m/s] that needs no impulse."""
+SETTLED, BRISKLY_SETTLED = 1e-10, 1e-8
+"""Approach [m/s] that needs no impulse, and that of many bodies in motion: forces brake it within a nanometre."""
 
-PRECISE, VISITS = 24, 20000
+PRECISE, VISITS, LOOKS = 24, 20000, 80000
 """Impacts of one instant that are solved for to rounding; visits of contact points by the solver after which all other impacts of
-this instant are taken together."""
+this instant are taken together; points looked at to find out who is next, after which they are too."""
 
 HASTY, HASTY_VISITS = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1), 20000
 """Of a plastic step, with fewer sweeps where they would look at more contact points than that."""
 
+SOLVE_VISITS, CAREFUL_VISITS, LATE = 24000, 60000, 100000
+"""The same of any other solve, for each of its stages, of bodies in motion and at rest: what a budget of sweeps would cost grows
+with the contacts without end. About one and two milliseconds; less for those at rest, and a wall of a hundred boxes that stands
+does not find the forces that hold it, and creeps. Once the work of a frame is above the last, its plastic steps get a quarter."""
+
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Where bodies rest, or are few."""
 
-BRISK = Care(tolerance=1e-7, first=FIRST_TRY, sweeps=60, attempts=3)
+BRISK = Care(tolerance=1e-7, first=40, sweeps=60, attempts=3)
 """Of many bodies in motion: they sink by a few nanometres a frame, which is lifted again."""
 
-MANY, MOTION = 16, 1e-2
+MANY, MOTION = 8, 1e-2
 """More contact points than this are many; a body faster than this [m/s] moves."""
 
 STILLNESS = 1e-7
@@ -81,10 +86,12 @@ def impacts(
     status, resolved, patience = DONE, 0, 0 if hasty else IMPACTS_ALONE + IMPACTS_PER_POINT * contacts.used[0]
     weigh(contacts, memory.strike)
     head, fastest = fastest_approach(contacts, v, w)
-    if head < 0 or fastest >= -SETTLED:
+    calm = BRISKLY_SETTLED if is_brisk(memory, velocities, members) else SETTLED
+    if head < 0 or fastest >= -calm:
         return status
-    while head >= 0 and fastest < -REST_SPEED:
-        if resolved >= patience or contacts.visits[0] > VISITS:
+    slow = REST_SPEED * contacts.pace[0]
+    while head >= 0 and fastest < -slow:
+        if resolved >= patience or contacts.visits[0] > VISITS or resolved * contacts.used[0] > LOOKS:
             status = OUT_OF_IMPACTS
             break
         a, b = contacts.body[head, 0], contacts.body[head, 1]
@@ -105,29 +112,45 @@ def impacts(
         head, fastest = fastest_approach(contacts, v, w)
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
-    if fastest < -SETTLED:
+    if fastest < -calm:
         # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
-        rough = hasty or fastest < -REST_SPEED
+        rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
         few = contacts.used[0] <= MANY and not rough
+        care = care_for(memory, velocities, members, rough)
         settle(
-            contacts, memory.strike, members, rough, 1e-12 if few else max(1e-12, -1e-6 * fastest),
-            HASTY.first if rough else FIRST_TRY, SWEEPS if few else BRISK.sweeps, v, w, memory.linear_end, memory.angular_end,
-            memory.before, memory.direction, memory.received,
+            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else max(calm, -1e-6 * fastest), care.first,
+            care.sweeps, v, w, memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
         )
     return status
 
 
 @kernel
 def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
-    """How exactly the forces on these bodies are worth solving for."""
-    count = memory.contacts.used[0]
+    """How exactly the contacts of these bodies are worth solving for: the more there are, the fewer sweeps.
+
+    Who cannot afford even the first try keeps the friction that he has so far, instead of one that begins at nothing again.
+    """
+    count = max(1, memory.contacts.used[0])
+    care, visits = CAREFUL, CAREFUL_VISITS
     if hasty:
-        return Care(HASTY.tolerance, HASTY.first, min(HASTY.sweeps, HASTY_VISITS // (2 * count)), HASTY.attempts)
-    if count > MANY:
+        late = memory.counts[WORK] + memory.contacts.visits[0] > LATE
+        care, visits = HASTY, HASTY_VISITS // 4 if late else HASTY_VISITS
+    elif is_brisk(memory, velocities, members):
+        care, visits = BRISK, SOLVE_VISITS
+    most = max(1, visits // (2 * count))
+    if hasty or most < care.first:
+        return Care(max(care.tolerance, HASTY.tolerance), min(HASTY.first, most), min(HASTY.sweeps, most), HASTY.attempts)
+    return Care(care.tolerance, care.first, min(care.sweeps, most), care.attempts)
+
+
+@kernel
+def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
+    """Whether these are many contacts of bodies of which one moves."""
+    if memory.contacts.used[0] > MANY:
         for m in range(members.shape[0]):
             if norm(row(velocities.linear, members[m])) > MOTION:
-                return BRISK
-    return CAREFUL
+                return True
+    return False
 
 
 @kernel

@@ -10,6 +10,7 @@ from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, add_contact
 from avatarsim.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
+from avatarsim.loops.seams import forget, level_seams, note
 from avatarsim.loops.upper_memory import WORK, Memory
 from avatarsim.motion.edge_plane import lone_edge
 from avatarsim.motion.manifold import manifold
@@ -59,6 +60,7 @@ def find_contacts(
     worst, outcome = inf, FOUND
     shapes, vertices = geometry.shapes, poses.vertices
     pieces = geometry.body.shape[0]
+    forget(memory, pairs)
     for p in range(pairs.shape[0]):
         a, b = pairs[p, 0], pairs[p, 1]
         if memory.moving[a] + memory.moving[b] == 0:
@@ -104,4 +106,7 @@ def find_contacts(
                     contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
                     contacts.friction[k] = dynamics.friction[dynamics.material[a], dynamics.material[b]]
                     contacts.key[k] = (sa * pieces + sb) * POINTS_OF_PAIR + k - before
+                if contacts.used[0] > before:
+                    note(geometry, poses, memory, sa, sb, before)
+    level_seams(geometry, poses, velocities, memory)
     return outcome, worst

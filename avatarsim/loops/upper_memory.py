@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
-from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts
+from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts, pace_of
 from avatarsim.impact.masses import Masses
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
@@ -73,7 +73,8 @@ class Memory(NamedTuple):
     the start of each body's last segment. joins (nb) 1 for who holds islands together; corrected (nb) time of the last correction
     of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
-    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`.
+    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`.
     """
 
     received: Array
@@ -120,6 +121,8 @@ class Memory(NamedTuple):
     edges: Array
     tail_end: Array
     tail_speed: Array
+    newest: Index
+    older: Index
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -154,7 +157,8 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
         trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
-        contacts=make_contacts(touching), manifold=make_manifold(), scratch=make_scratch(), linear_end=np.zeros((n, 3)),
+        contacts=make_contacts(touching, pace_of(dynamics.gravity)), manifold=make_manifold(), scratch=make_scratch(),
+        linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
         wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
@@ -165,4 +169,5 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         corrected=np.zeros(n), when=np.zeros(room), everybody=np.arange(n, dtype=np.int64),
         blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
+        newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
     )

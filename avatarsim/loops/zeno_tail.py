@@ -41,7 +41,7 @@ def begin_tail(contacts: Contacts, dynamics: Dynamics, memory: Memory, k: int, b
     memory.tail_end[a], memory.tail_end[b] = NONE, NONE
     e = contacts.restitution[k]
     rebound = velocity_after(e, before)
-    if memory.moving[a] + memory.moving[b] != 1 or not (0.0 < rebound <= REST_SPEED) or e >= 1.0:
+    if memory.moving[a] + memory.moving[b] != 1 or not (0.0 < rebound <= REST_SPEED * contacts.pace[0]) or e >= 1.0:
         return
     ball, sign = (a, 1.0) if memory.moving[a] == 1 else (b, -1.0)
     n, g = axis(contacts, k, 0), dynamics.gravity

@@ -51,6 +51,9 @@ LEAVING, RESTING = 1e-4, -1.5e-3
 ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
+UNKNOWN = 0.0
+"""Of a pair of which it is not known that it passes over a seam."""
+
 STALLED = 1e-13
 """A safe step shorter than this [s] is none: even at 1 km/s nothing gets on by a tenth of a nanometre."""
 
@@ -194,13 +197,16 @@ def edge_time(
 @kernel
 def time_of_impact(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, sa: int, sb: int,
-    begin: float, h: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array, scratch: Scratch,
+    begin: float, h: float, depth: float, pace: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array,
+    scratch: Scratch,
 ) -> tuple[int, float]:
     """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, as the upper loop wants it.
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
         reach: (nb) largest distance of a body's points from its centre of mass, rounding radii left out [m].
+        depth: the gap [m] < 0 at which they have an event if they are known to pass over each other; else UNKNOWN.
+        pace: what LEAVING and RESTING are multiplied by.
         trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 6), edges: (2, 6) working memory.
 
     Returns:
@@ -210,7 +216,7 @@ def time_of_impact(
     a, b = geometry.body[sa], geometry.body[sb]
     t, n = begin, (0.0, 0.0, 0.0)
     stand_off = max(STAND_OFF, FAR_OUT * farthest(start, a, b))
-    target, event = stand_off, IMPACT
+    target, event = (stand_off, IMPACT) if depth == UNKNOWN else (depth, DIPPED)
     for rounds in range(ROUNDS):
         move_along(geometry, start, linear, angular, paths, series, a, t, trial)
         move_along(geometry, start, linear, angular, paths, series, b, t, trial)
@@ -224,13 +230,13 @@ def time_of_impact(
         if rounds > 0 and gap <= target + TOLERANCE:
             return event, t
         count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
-        if rounds == 0 and gap < TOUCH:
+        if rounds == 0 and gap < TOUCH and depth == UNKNOWN:
             slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
-            if slowest <= RESTING:
+            if slowest <= RESTING * pace:
                 slowest = max(slowest, slowest_edge(geometry, angular, paths, sa, sb, n, on_a, on_b, trial, edges))
-            if slowest > LEAVING:
+            if slowest > LEAVING * pace:
                 target = min(stand_off, gap)
-            elif slowest > RESTING:
+            elif slowest > RESTING * pace:
                 target, event = min(DIP, gap - CREEP), DIPPED
         step = safe_time(
             geometry, angular, paths, reach, sa, sb, n, target, left, horizon, trial, a_rows, b_rows, count_a, count_b

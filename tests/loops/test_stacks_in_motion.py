@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.loops.upper_memory import PLASTIC, WORK
+from avatarsim.loops.upper_memory import CONTACTS, DONE, OUT_OF_IMPACTS, OUT_OF_SEGMENTS, PLASTIC, WORK
 from avatarsim.scene.shape import Box
 from tests.loops.upper_world import World, ball, slab, thing
 
@@ -38,3 +38,25 @@ def test_a_dropped_tower_rests(lift: float) -> None:
         assert world.gap() >= -1e-6
     assert not world.velocities.linear.any() and not world.velocities.angular.any()
     assert world.memory.counts[PLASTIC] == 0
+
+
+def test_a_wall_that_lands_keeps_its_budget() -> None:
+    """Sixteen rows of bricks, each a centimetre above the one below: a thousand contacts at once, for which no frame has time."""
+    bricks = [
+        thing(f"brick_{row}_{k}", Box((0.2, 0.1, 0.1)), (0.202 * (k + 0.5 * row), 0.0, 0.11 * (row + 1) - 0.05), 2.0)
+        for row in range(16) for k in range(16 - row)
+    ]
+    world = World([slab(), *bricks], 0.3, 0.5)
+    energy, least, most, contacts = world.energy(), 0.0, 0, 0
+    for k in range(24):
+        status = world.frame(record=False, sleeping=False)
+        assert status in (DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS)
+        assert (status != DONE) or world.memory.counts[PLASTIC] == 0
+        assert world.energy() <= energy + 1e-9 * abs(energy)
+        energy, most = world.energy(), max(most, int(world.memory.counts[WORK]))
+        contacts = max(contacts, int(world.memory.counts[CONTACTS]))
+        least = min(least, world.gap()) if k % 6 == 5 else least
+    assert contacts > 1000
+    # sweeps without such a bound took two millions
+    assert most < 500000
+    assert least >= -1e-6

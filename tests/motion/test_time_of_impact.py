@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.motion.path import FREE, STILL
 from avatarsim.motion.safe_step import earliest_touch
-from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, time_of_impact
+from avatarsim.motion.time_of_impact import CLEAR, IMPACT, STAND_OFF, TOLERANCE, UNKNOWN, time_of_impact
 from avatarsim.scene.shape import Box, Ellipsoid, Sphere
 from tests.loops.upper_world import World, ball, slab, thing
 
@@ -31,7 +31,7 @@ def search(world: World, h: float) -> tuple[int, float]:
     m.paths.time[:] = -1.0
     return time_of_impact(
         world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0, h,
-        m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
+        UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
 
 
@@ -59,7 +59,7 @@ def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sph
     m.paths.kind[0], m.paths.time[:] = STILL, -1.0
     outcome, t = time_of_impact(
         world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0,
-        0.2, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
+        0.2, UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
     assert outcome == IMPACT
     assert t == pytest.approx(np.sqrt(2.0 * (gap - STAND_OFF) / 10.0), abs=1e-6)

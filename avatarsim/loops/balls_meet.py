@@ -1,0 +1,77 @@
+"""When two balls first meet: `motion.time_of_impact` for bodies whose turning moves no surface, without their poses."""
+
+from math import inf
+
+from avatarsim.kernel import kernel
+from avatarsim.loops.upper_memory import Memory
+from avatarsim.motion.path import STILL
+from avatarsim.motion.safe_step import earliest_touch
+from avatarsim.motion.time_of_impact import (
+    BROKEN,
+    CLEAR,
+    CREEP,
+    DIP,
+    DIPPED,
+    FAR_OUT,
+    IMPACT,
+    LEAVING,
+    RESTING,
+    ROUNDS,
+    SPENT,
+    STALLED,
+    STAND_OFF,
+    TOLERANCE,
+    TOUCH,
+    farthest,
+)
+from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
+
+
+@kernel
+def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
+    """Position, velocity and acceleration of the centre of body b, t seconds along its path."""
+    if memory.paths.kind[b] == STILL:
+        # whoever stands or has stopped is where it was last looked at
+        return row(memory.trial.position, b), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    x, v, a = row(memory.began.position, b), row(memory.islands.linear, b), row(memory.paths.linear, b)
+    return along(along(x, t, v), 0.5 * t * t, a), along(v, t, a), a
+
+
+@kernel
+def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, float]:
+    """Gap [m] between the balls around bodies a and b at t, and its rate and gain along where they are then; nan or inf if any
+    number is."""
+    (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, t), motion_of(memory, b, t)
+    d = sub(x_a, x_b)
+    apart = norm(d)
+    rate, gain = dot(d, sub(v_a, v_b)) / apart, dot(d, sub(a_a, a_b)) / apart
+    return apart - memory.span[a] - memory.span[b], rate, gain
+
+
+@kernel
+def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[int, float]:
+    """First event of two balls on their paths from ``begin`` to h seconds: (outcome, time) as `time_of_impact` has them.
+
+    The plane between them stands still, so that the gap is at least what it is along the line of the centres: each round goes to
+    where that ends, and two or three find the impact.
+    """
+    t, target, event = begin, max(STAND_OFF, FAR_OUT * farthest(memory.began, a, b)), IMPACT
+    spin = norm(row(memory.islands.angular, a)) + norm(row(memory.islands.angular, b))
+    for rounds in range(ROUNDS):
+        gap, rate, gain = ahead_of(memory, a, b, t)
+        if not (abs(gap) + abs(rate) + abs(gain) + spin < inf):
+            return BROKEN, 0.0
+        if rounds > 0 and gap <= target + TOLERANCE:
+            return event, t
+        if rounds == 0 and gap < TOUCH:
+            if rate > LEAVING * memory.contacts.pace[0]:
+                target = min(target, gap)
+            elif rate > RESTING * memory.contacts.pace[0]:
+                target, event = min(DIP, gap - CREEP), DIPPED
+        step = earliest_touch(gap - target, rate, gain, h - t)
+        if t + step >= h:
+            return CLEAR, h
+        if step < STALLED and rounds > 0:
+            return event, t
+        t += step
+    return SPENT, t

@@ -1,0 +1,103 @@
+"""What is called out of reach has no impact in the frame: the quick answer against the search itself."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from avatarsim.loops.balls_meet import ahead_of, balls_meet
+from avatarsim.loops.first_event import out_of_reach
+from avatarsim.motion.path import FREE, HELD, STILL
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, time_of_impact
+from avatarsim.scene.shape import Box
+from avatarsim.world.geometry import place
+from tests.loops.upper_world import World, ball, thing
+
+H, TRIALS = 1.0 / 60.0, 300
+
+
+def world_of(kind: str) -> World:
+    """Two bodies with numbers 0 and 1: balls of different size, a ball and a box, or two boxes."""
+    of = {
+        "balls": [ball("a", (0.0, 0.0, 0.0)), ball("b", (1.0, 0.0, 0.0), 0.03)],
+        "ball and box": [ball("a", (0.0, 0.0, 0.0)), thing("b", Box((0.1, 0.05, 0.2)), (1.0, 0.0, 0.0))],
+        "boxes": [thing("a", Box((0.2, 0.1, 0.1)), (0.0, 0.0, 0.0)), thing("b", Box((0.1, 0.05, 0.2)), (1.0, 0.0, 0.0))],
+    }
+    return World(of[kind])
+
+
+def throw(world: World, rng: np.random.Generator, touching: bool) -> None:
+    """Put both bodies on paths at random, b at some gap from a, or as near as what rests."""
+    m, direction = world.memory, rng.normal(size=3)
+    gap = rng.uniform(-3e-7, 3e-7) if touching else 10.0 ** rng.uniform(-7, 0)
+    m.began.position[0] = rng.normal(size=3)
+    m.began.position[1] = m.began.position[0] + (m.span.sum() + gap) * direction / np.linalg.norm(direction)
+    size = 10.0 ** rng.uniform(-7, 2)
+    for b in range(2):
+        m.moving[b], m.paths.time[b] = 1, -1.0
+        m.paths.kind[b] = rng.choice([STILL, FREE, HELD], p=[0.2, 0.4, 0.4])
+        m.islands.linear[b], m.islands.angular[b] = size * rng.normal(size=(2, 3))
+        m.paths.linear[b], m.paths.angular[b] = rng.choice([0.0, 1.0, 60.0]) * size * rng.normal(size=(2, 3))
+        m.began.rotation[b] = Rotation.random(random_state=rng).as_matrix()
+        m.trial.position[b], m.trial.rotation[b] = m.began.position[b], m.began.rotation[b]
+        place(world.geometry, m.trial, b)
+    if rng.random() < 0.5:
+        m.islands.linear[1] = -size * direction
+
+
+def search(world: World, begin: float) -> tuple[int, float]:
+    """The search itself."""
+    m = world.memory
+    return time_of_impact(
+        world.geometry, m.began, m.islands.linear, m.islands.angular, m.paths, m.series, m.reach, 0, 1, begin, H, m.trial,
+        m.a_rows, m.b_rows, m.edges, m.scratch,
+    )
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+@pytest.mark.parametrize("kind", ["balls", "ball and box", "boxes"])
+@pytest.mark.parametrize("touching", [False, True])
+def test_what_is_out_of_reach_has_no_impact(kind: str, touching: bool) -> None:
+    """Free and held paths, bodies that stand, and those that begin within the frame; touching ones too."""
+    world, rng, quick, both = world_of(kind), np.random.default_rng(3), 0, 0
+    for _ in range(TRIALS):
+        throw(world, rng, touching)
+        begin = float(rng.choice([0.0, 0.3 * H]))
+        near = out_of_reach(world.memory, 0, 1, begin, H)
+        outcome, t = search(world, begin)
+        assert outcome != BROKEN
+        quick, both = quick + near, both + (outcome == CLEAR)
+        assert not near or (outcome == CLEAR and t == H)
+    # it is worth asking: most pairs that do not meet are answered
+    assert kind == "boxes" or touching or 2 * quick > both
+    assert both < TRIALS
+
+
+@pytest.mark.nojit
+def test_a_path_that_is_not_finite_is_searched() -> None:
+    world = world_of("balls")
+    throw(world, np.random.default_rng(0), False)
+    world.memory.paths.kind[:] = FREE
+    world.memory.islands.linear[1, 1] = np.nan
+    assert not out_of_reach(world.memory, 0, 1, 0.0, H)
+    assert balls_meet(world.memory, 0, 1, 0.0, H)[0] == BROKEN
+    assert search(world, 0.0)[0] == BROKEN
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+@pytest.mark.parametrize("touching", [False, True])
+def test_balls_meet_when_the_search_for_any_shapes_finds_it(touching: bool) -> None:
+    """The dumb twin is the search over poses, planes and supports."""
+    world, rng, met = world_of("balls"), np.random.default_rng(5), 0
+    for _ in range(TRIALS):
+        throw(world, rng, touching)
+        begin = float(rng.choice([0.0, 0.3 * H]))
+        outcome, t = balls_meet(world.memory, 0, 1, begin, H)
+        other, when = search(world, begin)
+        assert outcome == other
+        # the search is done at any gap within its tolerance
+        gap, rate, _ = ahead_of(world.memory, 0, 1, t)
+        assert t == pytest.approx(when, abs=1e-15 + 4e-9 / max(1e-9, abs(rate)))
+        met += outcome != CLEAR
+    assert TRIALS // 10 < met < TRIALS
