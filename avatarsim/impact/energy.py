@@ -14,8 +14,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 NO_GAIN, NO_PART = 1e-13, 1e-10
-"""A gain below this [J], and below this part of the motion's energy, is rounding. The first alone lets a world of millimetres, which
-has so little energy, gain more than a part in 1e9 in a frame."""
+"""A gain below this [J], and below this part of the motion's energy, is rounding. The first alone lets a world of millimetres,
+which has so little energy, gain more than a part in 1e9 in a frame."""
 
 
 @kernel

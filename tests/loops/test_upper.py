@@ -55,7 +55,7 @@ def test_slide_to_roll(rate: float) -> None:
 
 
 @pytest.mark.parametrize("degrees", [0.0, 22.5, 45.0])
-@pytest.mark.parametrize("rate", [30.0, 240.0])
+@pytest.mark.parametrize("rate", [30.0, 60.0, 240.0])
 def test_stop_distance(degrees: float, rate: float) -> None:
     """A box at 3 m/s, mu = .5: v^2 / 2 mu g, in its own direction, then rest."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
