@@ -11,14 +11,16 @@ from types import TracebackType
 from typing import Self
 
 from scenarios.job import Job
-from scenarios.timing import WARM_FRAMES, Clocked, Seat, Turns
+from scenarios.timing import Clocked, Seat, Turns
 
 MANY = 12
 """Scenes in a comparison from which on one that is not an everyday scene gets a glance only, unless full lengths are asked for:
 measured at their own lengths in fresh processes, a hundred scenes take a quarter of an hour."""
-SLICE = 0.3
+WARM_FRAMES = 10
+"""Frames run before: a process that has run other scenes is warm, and only the buffers of this one are new."""
+SLICE = 0.2
 """Time [s] that one round of all engines through a scene should take; it decides how many frames are timed, the same for all."""
-LEAST, MOST = 20, 360
+LEAST, MOST = 20, 180
 """Frames timed at least and at most: fewer have no percentiles worth the name, more would hold up the other scenes."""
 ROUNDS = 2
 """Repeats of each; with one, a disturbance could not be told from a frame's own cost."""
