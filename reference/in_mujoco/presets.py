@@ -89,8 +89,9 @@ SCENES: Mapping[str, Preset] = {
                                                       "77 mm in a second, at 2 by 0.6 mm (the one that slides hops 9 mm)")},
     "dzhanibekov": {"integrator": Chosen("RK4", "nothing touches: no damper needs one step, and flips come 1.6 ms late under "
                                                 "IMPLICITFAST")},
-    "teleport": {"weld_time": Chosen(0.06, "a tracker that jumps by metres: at 0.02 the weld's pull ends in poses that are no numbers "
-                                           "and in steps of 70 ms, at 0.06 nothing overlaps, at the smallest offset of six settings")},
+    "teleport": {"weld_time": Chosen(0.06, "a tracker that jumps by metres: at 0.02 the weld's pull ends in poses that are no "
+                                           "numbers and in steps of 70 ms, at 0.06 nothing overlaps, and of six settings it "
+                                           "has the smallest offset")},
     "slender_spin": {"integrator": Chosen("RK4", "nothing touches; IMPLICITFAST loses all of the angular momentum")},
 }
 """What is best in one scene only, by its name."""
