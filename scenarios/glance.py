@@ -7,11 +7,10 @@ processes that ran one scene only.
 from collections.abc import Sequence
 from dataclasses import replace
 from math import nan
-from types import TracebackType
-from typing import Self
 
 from scenarios.job import Job
-from scenarios.timing import Clocked, Seat, Turns
+from scenarios.seats import Seats
+from scenarios.timing import Clocked, Turns
 
 MANY = 12
 """Scenes in a comparison from which on one that is not an everyday scene gets a glance only, unless full lengths are asked for:
@@ -28,39 +27,18 @@ PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 
 
-class Glances:
-    """The processes that serve scene after scene; use as a context."""
-
-    def __init__(self) -> None:
-        self.seats: dict[str, Seat] = {}
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        for seat in self.seats.values():
-            seat.leave(at_once=kind is not None)
-
-    def at(self, jobs: Sequence[Job]) -> list[Clocked]:
-        """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames."""
-        table = [Turns(job, self._seat(job.run)) for job in jobs]
+def glance(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
+    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames."""
+    table = [Turns(job, seats.at(job.run)) for job in jobs]
+    for turns in table:
+        turns.seat.ask(turns.job, WARM_FRAMES)
+    cost = sum(turns.warmed() for turns in table)
+    frames = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
+    for _ in range(ROUNDS):
         for turns in table:
-            turns.seat.ask(turns.job, WARM_FRAMES)
-        cost = sum(turns.warmed() for turns in table)
-        frames = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
-        for _ in range(ROUNDS):
-            for turns in table:
-                if not turns.note:
-                    turns.turn(frames)
-        return [_without_warm_up(turns.clocked()) for turns in table]
-
-    def _seat(self, run: str) -> Seat:
-        """The process of one engine and preset; another one when it has ended."""
-        if run in self.seats and self.seats[run].gone:
-            self.seats.pop(run).leave()
-        if run not in self.seats:
-            self.seats[run] = Seat(PATIENCE)
-        return self.seats[run]
+            if not turns.note:
+                turns.turn(frames)
+    return [_without_warm_up(turns.clocked()) for turns in table]
 
 
 def _without_warm_up(clocked: Clocked) -> Clocked:

@@ -12,7 +12,7 @@ from scenarios import results
 from scenarios.effects_said import lapse_said
 from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
-from scenarios.glance import MANY, Glances
+from scenarios.glance import MANY, PATIENCE, glance
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
 from scenarios.processes import Died, Pool
@@ -20,6 +20,7 @@ from scenarios.progress import Progress
 from scenarios.results import Results, Row
 from scenarios.run import accuracy, described
 from scenarios.scenario import Scenario
+from scenarios.seats import Seats
 from scenarios.timing import Clocked, timed_pass
 
 OFTEN = 3.0
@@ -113,13 +114,13 @@ class Run:
         ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
-        with Progress("timing", len(sound), sys.stderr) as progress, Glances() as glances:
+        with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
             names = list(dict.fromkeys(job.scenario for job in sound))
             at_length = {name for name in names if full or len(names) < MANY or self.scenarios[name].everyday}
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    for clocked in timed_pass(chosen, full) if scene in at_length else glances.at(chosen):
+                    for clocked in timed_pass(chosen, full) if scene in at_length else glance(chosen, seats):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
                     self.write_now_and_then()

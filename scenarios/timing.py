@@ -160,18 +160,19 @@ class Turns:
 
 
 def timed_pass(
-    jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None
+    jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
+    seats: Sequence[Seat] = (),
 ) -> list[Clocked]:
-    """Time all `jobs` of one scene, each in a fresh process. They warm up side by side; then one at a time, turn by turn, REPEATS
-    times round.
+    """Time all `jobs` of one scene, each in a fresh process, or in those of `seats`, one each, which go on. They warm up side by
+    side; then one at a time, turn by turn, REPEATS times round.
 
     `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES with `full`,
     else SHORT_FRAMES)."""
     counts = [MOST_FRAMES if full else SHORT_FRAMES] * len(jobs) if frames is None else frames
     table: list[Turns] = []
     try:
-        for job in jobs:
-            table.append(Turns(job, Seat()))
+        for k, job in enumerate(jobs):
+            table.append(Turns(job, seats[k] if seats else Seat()))
             table[-1].seat.ask(job, WARM_FRAMES)
         for at in table:
             at.warmed()
@@ -180,10 +181,11 @@ def timed_pass(
                 if not at.note and (full or at.spent < ENOUGH):
                     at.turn(count)
     except BaseException:
-        for at in table:
+        for at in table if not seats else ():
             at.seat.leave(at_once=True)
         raise
     for at in table:
-        at.seat.leave()
+        if not seats:
+            at.seat.leave()
         done()
     return [at.clocked() for at in table]

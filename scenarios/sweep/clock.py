@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from scenarios.found.store import Entry
+from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
 from scenarios.timing import Clocked, timed_pass
 
@@ -26,10 +27,16 @@ def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
     return [dealt[k : k + AT_ONE_TABLE] for k in range(0, len(dealt), AT_ONE_TABLE)]
 
 
-def times(cells: Sequence[Cell], done: Callable[[Cell, Entry], None]) -> None:
+def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None]) -> None:
     """Time all `cells` of one scene; `done` gets the entry of each as soon as its group has ended."""
     for group in tables(cells):
-        clocked = timed_pass([cell.job for cell in group], True, frames=[cell.timed_frames for cell in group])
+        # the first, second ... of an engine at a table have the same process at all tables: starting anew takes longer than timing
+        engines = [cell.setting.engine for cell in group]
+        chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
+        clocked = timed_pass(
+            [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
+            seats=[seats.at(chair) for chair in chairs],
+        )
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut))
 

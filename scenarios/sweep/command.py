@@ -18,6 +18,7 @@ from scenarios.gate import INCOMPLETE, STOPPED
 from scenarios.harness import Offer, offers
 from scenarios.own_settings import OwnSettings, read
 from scenarios.scenario import Scenario
+from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.sweep import clock, limit, measure
 from scenarios.sweep.cell import Cell
@@ -83,8 +84,9 @@ class Sweep:
             self.times[cell] = entry
             said.step(f"{cell.scenario} {cell.setting.run}")
 
-        for scenario in dict.fromkeys(cell.scenario for cell in todo):
-            clock.times([cell for cell in todo if cell.scenario == scenario], done)
+        with Seats() as seats:
+            for scenario in dict.fromkeys(cell.scenario for cell in todo):
+                clock.times([cell for cell in todo if cell.scenario == scenario], seats, done)
 
     def rows(self) -> list[Row]:
         """All that is known so far."""

@@ -5,21 +5,22 @@ import os
 import numpy as np
 import pytest
 
-from scenarios import glance
-from scenarios.glance import LEAST, MOST, ROUNDS, Glances
+from scenarios import glance as module
+from scenarios.glance import LEAST, MOST, ROUNDS
 from scenarios.job import Job
+from scenarios.seats import Seats
 from tests.scenarios.bad_engines import joined
 
 BAD = ("dies", "raises", "tunnels")
 
 
 def test_scenes_share_processes_and_every_engine_has_the_same_frames() -> None:
-    with Glances() as glances:
-        first = glances.at([Job("ball_drop", engine, "default") for engine in ("avatarsim", "mujoco")])
-        processes = {run: seat.child.pid for run, seat in glances.seats.items()}
-        second = glances.at([Job("zeno", engine, "default") for engine in ("avatarsim", "mujoco")])
-        assert {run: seat.child.pid for run, seat in glances.seats.items()} == processes and len(processes) == 2
-        children = [seat.child for seat in glances.seats.values()]
+    with Seats() as seats:
+        first = module.glance([Job("ball_drop", engine, "default") for engine in ("avatarsim", "mujoco")], seats)
+        processes = {run: seat.child.pid for run, seat in seats.taken.items()}
+        second = module.glance([Job("zeno", engine, "default") for engine in ("avatarsim", "mujoco")], seats)
+        assert {run: seat.child.pid for run, seat in seats.taken.items()} == processes and len(processes) == 2
+        children = [seat.child for seat in seats.taken.values()]
     assert not any(child.is_alive() for child in children)
     for found in (first, second):
         shapes = {clocked.timed.around_ns.shape for clocked in found if clocked.timed is not None}
@@ -34,24 +35,24 @@ def test_who_dies_says_so_and_the_next_scene_gets_a_new_process(
     tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
-    with Glances() as glances:
+    with Seats() as seats:
         for scene in ("ball_drop", "zeno"):
-            dies, raises, lives = glances.at([Job(scene, engine, "default", frames=9) for engine in BAD])
+            dies, raises, lives = module.glance([Job(scene, engine, "default", frames=9) for engine in BAD], seats)
             assert dies.timed is None and "killed by signal 9" in dies.note
             assert raises.timed is None and "the solver has lost its way" in raises.note
             assert lives.timed is not None
 
 
 def test_somebody_who_stops_it_waits_for_nobody() -> None:
-    with pytest.raises(KeyboardInterrupt), Glances() as glances:
-        glances.at([Job("ball_drop", "avatarsim", "default", frames=9)])
-        child = glances.seats["avatarsim/default"].child
+    with pytest.raises(KeyboardInterrupt), Seats() as seats:
+        module.glance([Job("ball_drop", "avatarsim", "default", frames=9)], seats)
+        child = seats.taken["avatarsim/default"].child
         raise KeyboardInterrupt
     assert not child.is_alive()
 
 
 def test_slow_engines_are_timed_over_fewer_frames(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(glance, "SLICE", 1e-9)
-    with Glances() as glances:
-        [clocked] = glances.at([Job("ball_drop", "avatarsim", "default")])
+    monkeypatch.setattr(module, "SLICE", 1e-9)
+    with Seats() as seats:
+        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], seats)
     assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, LEAST)

@@ -5,8 +5,9 @@ import pytest
 
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
+from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.clock import AT_ONE_TABLE, rendered, tables, time_entry
+from scenarios.sweep.clock import AT_ONE_TABLE, rendered, tables, time_entry, times
 from scenarios.sweep.grid import BY_ENGINE, Setting
 from scenarios.timing import Clocked
 
@@ -36,3 +37,15 @@ def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> No
     cut = Setting("avatarsim", "default frame=1/240", "default", cut=4)
     assert Cell("stop_distance", cut).timed_frames == 4 * Cell("stop_distance", Setting("mujoco", "tuned", "tuned")).timed_frames
     assert Cell("hand_grasp", cut).timed_frames == 960 and Cell("hand_grasp", cut, frames=5).timed_frames == 20
+
+
+def test_processes_go_on_from_table_to_table() -> None:
+    cells = [Cell("stop_distance", Setting("avatarsim", preset, preset), frames=4) for preset in ("default", "paper")]
+    kept: dict[str, dict[str, object]] = {}
+    processes: list[dict[str, object]] = []
+    with Seats() as seats:
+        for _ in range(2):
+            times(cells, seats, lambda cell, entry: kept.update({cell.job.preset: dict(entry)}))
+            processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
+    assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
+    assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())

@@ -36,7 +36,7 @@ class Counted:
         values = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0}
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": values, "missing": {}}
 
-    def clock(self, jobs: list[Job], full: bool, frames: list[int]) -> list[object]:
+    def clock(self, jobs: list[Job], full: bool, frames: list[int], seats: list[object]) -> list[object]:
         import numpy as np
 
         from scenarios.measure.timing import Timed
