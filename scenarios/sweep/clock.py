@@ -30,7 +30,7 @@ def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
 def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None]) -> None:
     """Time all `cells` of one scene; `done` gets the entry of each as soon as its group has ended."""
     for group in tables(cells):
-        # the first, second ... of an engine at a table have the same process at all tables: starting anew takes longer than timing
+        # the first of an engine at a table has one process at all tables, the second another: starting takes longer than timing
         engines = [cell.setting.engine for cell in group]
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         clocked = timed_pass(
