@@ -31,6 +31,10 @@ EARTH = 9.8
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
 
+SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER = 0, 1, 2, 4
+"""What is smooth where two shapes touch, as a sum: nothing, A, B; the last says besides that the normal is that of a third body's
+face, which does not turn."""
+
 
 class Contacts(NamedTuple):
     """Contact points k < used[0]; those of one pair of bodies stand together.
@@ -49,8 +53,11 @@ class Contacts(NamedTuple):
     impulse (cap, 3) along the rows of frame [N s];
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
-    edge_a, edge_b (cap, 3) directions of the edges where two edges cross, of any length, else zero;
-    sway_a, sway_b (cap, 3) rate of the arms [m/s] where the same points of both bodies stay in touch, zero where balls roll on;
+    edge_a, edge_b (cap, 3) directions of the edges where two edges cross or one touches what is smooth, of any length, or zero;
+    sway_a, sway_b (cap, 3) rates of the arms [m/s], zero where a body is driven;
+    smooth (cap) see above; radii_a, radii_b (cap, 3, 3) radii of curvature [m]: how far the point of a smooth surface moves per
+    turn of its normal; zero for corners, without meaning along an edge;
+    turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): what speeds that count as slow are multiplied by, see `pace_of`.
     """
 
@@ -80,6 +87,10 @@ class Contacts(NamedTuple):
     edge_b: Array
     sway_a: Array
     sway_b: Array
+    smooth: Index
+    radii_a: Array
+    radii_b: Array
+    turns: Array
     unease: Array
     drag: Array
     pace: Array
@@ -102,7 +113,8 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
         lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
-        sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)),
+        sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
+        radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
         pace=np.full(1, pace),
     )
@@ -125,6 +137,7 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     contacts.body[k, 1] = b
     contacts.driven[k] = driven
     contacts.face[k] = 0
+    contacts.smooth[k] = SHARP
     t = perpendicular(n)
     put_row(contacts.frame[k], 0, n)
     put_row(contacts.frame[k], 1, t)

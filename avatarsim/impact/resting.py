@@ -12,7 +12,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import add, along, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, sub
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -74,50 +74,6 @@ class Care(NamedTuple):
     first: int
     sweeps: int
     attempts: int
-
-
-@kernel
-def curvature(contacts: Contacts, ball: Index, linear: Array, angular: Array) -> None:
-    """Fill ``bend``: how A's contact point accelerates as seen from B's [m/s^2] without any force.
-
-    A corner that pivots moves on a circle, w x (w x r), and two balls that roll on each other on another: |v_t|^2 / distance
-    along n. What slides with u over a face that turns with w meets or leaves it by 2 (w x n) . u (Coriolis).
-    """
-    for k in range(contacts.used[0]):
-        a, b = contacts.body[k, 0], contacts.body[k, 1]
-        bend = (0.0, 0.0, 0.0)
-        if ball[a] == 0:
-            w = row(angular, a)
-            bend = cross(w, cross(w, row(contacts.arm_a, k)))
-        if ball[b] == 0:
-            w = row(angular, b)
-            bend = sub(bend, cross(w, cross(w, row(contacts.arm_b, k))))
-        if ball[a] == 1 and ball[b] == 1:
-            n = axis(contacts, k, 0)
-            across = norm(tangential_velocity(n, sub(row(linear, a), row(linear, b))))
-            distance = norm(row(contacts.arm_a, k)) + norm(row(contacts.arm_b, k)) + contacts.gap[k]
-            bend = scale(n, across * across / distance)
-        if ball[a] + ball[b] == 0 and contacts.driven[k] == NOT_DRIVEN:
-            put_row(contacts.sway_a, k, cross(row(angular, a), row(contacts.arm_a, k)))
-            put_row(contacts.sway_b, k, cross(row(angular, b), row(contacts.arm_b, k)))
-        e, f = row(contacts.edge_a, k), row(contacts.edge_b, k)
-        wide = norm(cross(e, f))
-        if wide > 0.0:
-            # the plane along both edges turns: N'' of `motion.edge_plane` without the points' own acceleration
-            n, u = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
-            turns = add(cross(cross(row(angular, a), e), f), cross(e, cross(row(angular, b), f)))
-            sign = 1.0 if dot(cross(e, f), n) > 0.0 else -1.0
-            bend = along(bend, sign * 2.0 * dot(turns, u) / wide, n)
-        if contacts.face[k] != 0:
-            n, w = axis(contacts, k, 0), row(angular, a if contacts.face[k] == 1 else b)
-            if ball[a] + ball[b] == 1:
-                # a ball's spin does not move its contact point: its centre is what the face meets or leaves
-                u, d = sub(row(linear, a), row(linear, b)), sub(row(contacts.arm_b, k), row(contacts.arm_a, k))
-                bend = scale(n, 2.0 * dot(cross(w, n), u) + dot(cross(w, cross(w, n)), d))
-            else:
-                slip = tangential_velocity(n, velocity_at(contacts, k, linear, angular))
-                bend = along(bend, 2.0 * dot(cross(w, n), slip), n)
-        put_row(contacts.bend, k, bend)
 
 
 @kernel

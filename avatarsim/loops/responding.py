@@ -1,14 +1,17 @@
 """What contacts do at one instant of the upper loop: impacts first, then forces and paths until the next event."""
 
+from math import ceil
+
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import FIRST_TRY
 from avatarsim.impact.contact_time import time_to_contact
-from avatarsim.impact.contacts import weigh
+from avatarsim.impact.contacts import SHARP, Contacts, weigh
 from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, resolve_impact, settle
-from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, curvature, hold
+from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold
+from avatarsim.impact.rolling import curvature
 from avatarsim.kernel import kernel
 from avatarsim.loops.clocks import witness
 from avatarsim.loops.last_forces import recall_forces, remember_forces
@@ -26,7 +29,8 @@ from avatarsim.loops.upper_memory import (
 )
 from avatarsim.loops.zeno_tail import begin_tail
 from avatarsim.motion.path import FREE, HELD, STILL
-from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
+from avatarsim.spatial.tangent import columns, turned
+from avatarsim.spatial.vec3 import cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 
@@ -97,7 +101,7 @@ def impacts(
         a, b = contacts.body[head, 0], contacts.body[head, 1]
         met = now
         if switches.record:
-            curvature(contacts, memory.ball, v, w)
+            curvature(contacts, v, w)
             met += time_to_contact(contacts, head, v, w, memory.paths.linear, memory.paths.angular)
             witness(geometry, events, APPROACH, met, now, a, b, poses, velocities, memory)
         guarded = resolve_impact(
@@ -154,6 +158,19 @@ def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
 
 
 @kernel
+def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: int, side: int) -> float:
+    """How fast contact k changes as its body on this side turns [rad/s], or that body's own spin does without torque."""
+    b = contacts.body[k, side]
+    fastest = float(contacts.turns[k, side])
+    if contacts.smooth[k] != SHARP and memory.round[b] == 0:
+        w = row(velocities.angular, b)
+        momentum = turned(columns(memory.inertia, b), w)
+        if dot(momentum, momentum) > 0.0:
+            fastest = max(fastest, norm(cross(w, momentum)) / norm(momentum))
+    return fastest
+
+
+@kernel
 def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool) -> float:
     """Forces and paths of the members for at most ``left`` seconds; returns for how long they hold."""
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
@@ -163,17 +180,20 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members:
     contacts.standing[0] = 1
     if count > 0:
         pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+        curvature(contacts, velocities.linear, velocities.angular)
         for k in range(count):
             for i in range(2):
                 b = contacts.body[k, i]
-                spin = norm(row(velocities.angular, b))
-                if moving[b] == 1 and memory.ball[b] == 0 and not hasty:
+                spin = turns_with(contacts, memory, velocities, k, i)
+                if moving[b] == 1 and not hasty:
                     if spin * h > GENTLE_TURN:
                         h = GENTLE_TURN / spin
                     if count <= FEW and spin * pull * h * h * h > RISE:
                         h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+        if h < left:
+            # what is left over at the end would be a stretch so short that a nanometre to come down is a speed
+            h = left / ceil(left / h)
         recall_forces(contacts, memory.last)
-        curvature(contacts, memory.ball, velocities.linear, velocities.angular)
         care = care_for(memory, velocities, members, hasty)
         h, residual = hold(
             contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,

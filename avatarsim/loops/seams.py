@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.support import gap_along, reach
-from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, velocity_at
+from avatarsim.impact.contacts import NORMAL_OF_ANOTHER, NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
 from avatarsim.kernel import kernel
+from avatarsim.loops.rounded import put_radius
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import CREEP, DIP, RESTING, follow_both, slowest_touch
 from avatarsim.spatial.tangent import columns, turned, turned_back
@@ -151,6 +152,11 @@ def lean(contacts: Contacts, first: int, pair: int, m: Vec3, radius_a: float, ra
         put_row(contacts.edge_a, k, (0.0, 0.0, 0.0))
         put_row(contacts.edge_b, k, (0.0, 0.0, 0.0))
         contacts.face[k] = 1 if owner == contacts.body[k, 0] else (2 if owner == contacts.body[k, 1] else 0)
+        if contacts.smooth[k] != SHARP:
+            put_radius(radius_a, m, contacts.radii_a[k])
+            put_radius(radius_b, m, contacts.radii_b[k])
+            if contacts.face[k] == 0:
+                contacts.smooth[k] |= NORMAL_OF_ANOTHER
 
 
 @kernel

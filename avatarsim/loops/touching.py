@@ -10,6 +10,7 @@ from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, add_contact
 from avatarsim.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
+from avatarsim.loops.rounded import is_smooth, note_smooth
 from avatarsim.loops.seams import forget, level_seams, note
 from avatarsim.loops.upper_memory import WORK, Memory
 from avatarsim.motion.edge_plane import lone_edge
@@ -32,7 +33,7 @@ DRIVEN_TOUCH = 2.0 * PostureSettings().stand_off
 QUERY_WORK = 8
 """Work of one contact query, see `upper_memory.WORK`."""
 
-SIMULATED, DRIVEN = 1, 2
+FIXED, SIMULATED, DRIVEN = 0, 1, 2
 """Values of `Role` that matter here."""
 
 
@@ -80,12 +81,15 @@ def find_contacts(
                 if not (gap < reach):
                     continue
                 raw, before = n, contacts.used[0]
+                smooth = is_smooth(shapes, sa) or is_smooth(shapes, sb)
+                # one point for both keeps angular momentum to rounding; balls, and what rolls on what nobody moves, keep their
+                # exact laws of friction
+                own = memory.ball[a] + memory.ball[b] > 0 or (smooth and dynamics.role[a] * dynamics.role[b] == FIXED)
                 count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
                 worst = min(worst, gap)
                 for i in range(count):
                     p_a, p_b = row(found.on_a, i), row(found.on_b, i)
-                    if memory.ball[a] + memory.ball[b] == 0:
-                        # one point for both keeps angular momentum to rounding; balls keep their exact friction laws
+                    if not own:
                         p_a = p_b = scale((p_a[0] + p_b[0], p_a[1] + p_b[1], p_a[2] + p_b[2]), 0.5)
                     arm_a, arm_b = sub(p_a, row(poses.position, a)), sub(p_b, row(poses.position, b))
                     k = contacts.used[0]
@@ -93,7 +97,9 @@ def find_contacts(
                         outcome = NO_ROOM
                         break
                     contacts.face[k] = found.face[0]
-                if found.face[0] == 0 and count == 1 and memory.ball[a] + memory.ball[b] == 0:
+                if smooth:
+                    note_smooth(vertices, shapes, contacts, poses, sa, sb, raw, before)
+                elif found.face[0] == 0 and count == 1:
                     of_a, _, e = lone_edge(vertices, shapes, sa, neg(raw))
                     of_b, _, f = lone_edge(vertices, shapes, sb, raw)
                     if of_a and of_b and contacts.used[0] > before:

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from avatarsim.loops.balls_meet import ahead_of, balls_meet
 from avatarsim.loops.first_event import out_of_reach
 from avatarsim.motion.path import FREE, HELD, STILL
-from avatarsim.motion.time_of_impact import BROKEN, CLEAR, time_of_impact
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, UNKNOWN, time_of_impact
 from avatarsim.scene.shape import Box
 from avatarsim.world.geometry import place
 from tests.loops.upper_world import World, ball, thing
@@ -48,8 +48,8 @@ def search(world: World, begin: float) -> tuple[int, float]:
     """The search itself."""
     m = world.memory
     return time_of_impact(
-        world.geometry, m.began, m.islands.linear, m.islands.angular, m.paths, m.series, m.reach, 0, 1, begin, H, m.trial,
-        m.a_rows, m.b_rows, m.edges, m.scratch,
+        world.geometry, m.began, m.islands.linear, m.islands.angular, m.paths, m.series, m.reach, 0, 1, begin, H,
+        UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
 
 
