@@ -31,9 +31,9 @@ EARTH = 9.8
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
 
-SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER = 0, 1, 2, 4
-"""What is smooth where two shapes touch, as a sum: nothing, A, B; the last says besides that the normal is that of a third body's
-face, which does not turn."""
+SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
+"""What is smooth where two shapes touch, as a sum: nothing, A, B; that the normal is that of a third body's face, which does not
+turn. Or, alone, that both bodies are balls."""
 
 
 class Contacts(NamedTuple):

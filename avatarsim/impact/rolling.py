@@ -8,7 +8,17 @@ of a ball on a floor, whose normal does not turn, r' = 0. How n turns follows fr
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contacts import NORMAL_OF_ANOTHER, NOT_DRIVEN, ROUND_A, ROUND_B, SHARP, Contacts, axis, velocity_at
+from avatarsim.impact.contacts import (
+    NORMAL_OF_ANOTHER,
+    NOT_DRIVEN,
+    ROUND_A,
+    ROUND_B,
+    SHARP,
+    TWO_BALLS,
+    Contacts,
+    axis,
+    velocity_at,
+)
 from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import Columns, columns, turned
@@ -105,6 +115,10 @@ def curvature(contacts: Contacts, linear: Array, angular: Array) -> None:
     Gap' = n . (v_a + w_a x r_a - v_b - w_b x r_b), so gap'' = n . (w_a x r_a' - w_b x r_b') + n' . u and what forces do.
     """
     for k in range(contacts.used[0]):
+        if contacts.smooth[k] == TWO_BALLS:
+            put_row(contacts.bend, k, bend_of_balls(contacts, k, linear, angular))
+            contacts.turns[k, 0], contacts.turns[k, 1] = 0.0, 0.0
+            continue
         a, b = contacts.body[k, 0], contacts.body[k, 1]
         n, w_a, w_b = axis(contacts, k, 0), row(angular, a), row(angular, b)
         if contacts.smooth[k] == SHARP:
@@ -122,6 +136,18 @@ def curvature(contacts: Contacts, linear: Array, angular: Array) -> None:
             contacts.turns[k, 0] = pace_of_arm(row(contacts.arm_a, k), sway_a, turns) if round_a else norm(w_a)
             contacts.turns[k, 1] = pace_of_arm(row(contacts.arm_b, k), sway_b, turns) if round_b else norm(w_b)
         put_row(contacts.bend, k, bend)
+
+
+@kernel
+def bend_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
+    """``bend`` of two balls: |v_t|^2 / distance along n, and across it what spins about n carries along as n turns."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    n, across = axis(contacts, k, 0), sub(row(linear, a), row(linear, b))
+    across = tangential_velocity(n, across)
+    radius_a, radius_b = norm(row(contacts.arm_a, k)), norm(row(contacts.arm_b, k))
+    turns = scale(across, 1.0 / (radius_a + radius_b + contacts.gap[k]))
+    spin = dot(n, along(scale(row(angular, a), radius_a), radius_b, row(angular, b)))
+    return along(scale(n, dot(across, turns)), -spin, cross(n, turns))
 
 
 @kernel

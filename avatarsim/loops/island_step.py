@@ -69,7 +69,7 @@ def all_keep(poses: Poses, velocities: Velocities, memory: Memory, members: Inde
     for m in range(members.shape[0]):
         if not keeps_promise(
             poses.hulls, poses.position, memory.span, members[m], velocities.linear, velocities.angular, memory.paths, h,
-            memory.boxes,
+            memory.margin[0], memory.boxes,
         ):
             return False
     return True

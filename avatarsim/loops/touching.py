@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, add_contact
+from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact
 from avatarsim.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
 from avatarsim.loops.rounded import is_smooth, note_smooth
@@ -97,7 +97,11 @@ def find_contacts(
                         outcome = NO_ROOM
                         break
                     contacts.face[k] = found.face[0]
-                if smooth:
+                if memory.ball[a] + memory.ball[b] == 2:
+                    # heaps of balls are many contacts; theirs is a closed form
+                    for k in range(before, contacts.used[0]):
+                        contacts.smooth[k] = TWO_BALLS
+                elif smooth:
                     note_smooth(vertices, shapes, contacts, poses, sa, sb, raw, before)
                 elif found.face[0] == 0 and count == 1:
                     of_a, _, e = lone_edge(vertices, shapes, sa, neg(raw))

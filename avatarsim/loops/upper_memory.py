@@ -13,6 +13,7 @@ from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.manifold import Manifold, make_manifold
+from avatarsim.motion.near import margin_for
 from avatarsim.motion.path import Paths, make_paths
 from avatarsim.motion.two_bodies import ROUND
 from avatarsim.scene.body import Role
@@ -74,7 +75,8 @@ class Memory(NamedTuple):
     of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
-    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`.
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`;
+    margin (1) [m] see `motion.near`.
     """
 
     received: Array
@@ -123,6 +125,7 @@ class Memory(NamedTuple):
     tail_speed: Array
     newest: Index
     older: Index
+    margin: Array
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -170,4 +173,5 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
+        margin=np.full(1, margin_for(span, simulated, bool((dynamics.role == Role.DRIVEN.value).any()))),
     )

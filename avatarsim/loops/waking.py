@@ -73,7 +73,7 @@ def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, memo
             same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
     if same:
         return
-    wake_beside(trial.hulls, poses.hulls, b, memory.wanted, memory.asleep, memory.moving)
+    wake_beside(trial.hulls, poses.hulls, b, memory.margin[0], memory.wanted, memory.asleep, memory.moving)
     put_row(memory.began.position, b, row(poses.position, b))
     put_row(trial.position, b, row(poses.position, b))
     put_columns(trial.rotation, b, columns(poses.rotation, b))
@@ -92,7 +92,7 @@ def regroup(
     memory.counts[SWEEPS] += 1
     status, count = near_pairs(
         poses.hulls, poses.position, memory.span, who, memory.moving, memory.asleep, velocities.linear, velocities.angular,
-        dynamics.gravity, dt - now, memory.wanted, memory.boxes, memory.sweep, memory.pairs,
+        dynamics.gravity, dt - now, memory.margin[0], memory.wanted, memory.boxes, memory.sweep, memory.pairs,
     )
     if status == SWEEP_NOT_FINITE:
         return NOT_FINITE

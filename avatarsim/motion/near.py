@@ -12,23 +12,34 @@ from avatarsim.world.pair_filter import PairFilter, may_meet
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-MARGIN = 5e-4
+MARGIN, NARROW, PART = 5e-4, 1e-5, 0.05
 """Added to every box [m]. Above the bands in which bodies touch (1e-6, driven ones 4e-4); smaller: more sweeps for bodies that
-tremble; larger: more pairs."""
+tremble; larger: more pairs. Where nobody is driven and somebody is smaller than a centimetre, it is the last part of the smallest
+one's radius, but at least the second: or neighbours ten radii apart are one island."""
 
 SMALL_TURN = 0.3
 """Turns below this [rad] grow the box by the way of the farthest point; larger ones by the whole ball around the body."""
 
 
+def margin_for(span: Array, simulated: Flags, driven: bool) -> float:
+    """What to add to every box of a world [m]; ``simulated`` (nb) says who is, ``driven`` whether anybody is driven."""
+    if driven or not simulated.any():
+        return MARGIN
+    return min(MARGIN, max(NARROW, PART * float(span[simulated].min())))
+
+
 @kernel
-def grow(hulls: Array, position: Array, span: Array, b: int, v: Array, a: Array, turn: float, t: float, boxes_out: Array) -> None:
+def grow(
+    hulls: Array, position: Array, span: Array, b: int, v: Array, a: Array, turn: float, t: float, margin: float, boxes_out: Array
+) -> None:
     """Box around body b for t seconds with velocity v[b] and constant acceleration a (3), turning by at most ``turn`` [rad].
 
     ``span`` (nb): largest distance of a point of the body from its centre of mass, radii included [m].
     """
     for k in range(3):
-        way = t * (abs(v[b, k]) + 0.5 * t * abs(a[k])) + MARGIN
+        way = t * (abs(v[b, k]) + 0.5 * t * abs(a[k])) + margin
         low, high = position[b, k] - span[b], position[b, k] + span[b]
         if turn < SMALL_TURN:
             low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
@@ -44,22 +55,23 @@ def turn_within(w: float, t: float) -> float:
 @kernel
 def promise(
     hulls: Array, position: Array, span: Array, who: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
-    left: float, boxes_out: Array,
+    left: float, margin: float, boxes_out: Array,
 ) -> None:
     """Boxes that every body in ``who`` promises to stay in for ``left`` seconds, if nothing hits it."""
     for m in range(who.shape[0]):
         b = who[m]
         if moving[b] == 1:
             turn = turn_within(norm(row(angular, b)), left)
-            grow(hulls, position, span, b, linear, gravity, turn, left, boxes_out)
+            grow(hulls, position, span, b, linear, gravity, turn, left, margin, boxes_out)
         else:
             for k in range(3):
-                boxes_out[b, k], boxes_out[b, 3 + k] = hulls[b, k] - MARGIN, hulls[b, 3 + k] + MARGIN
+                boxes_out[b, k], boxes_out[b, 3 + k] = hulls[b, k] - margin, hulls[b, 3 + k] + margin
 
 
 @kernel
 def keeps_promise(
-    hulls: Array, position: Array, span: Array, b: int, linear: Array, angular: Array, paths: Paths, t: float, boxes: Array
+    hulls: Array, position: Array, span: Array, b: int, linear: Array, angular: Array, paths: Paths, t: float, margin: float,
+    boxes: Array,
 ) -> bool:
     """Whether the path of body b stays in its promised box for t seconds."""
     if paths.kind[b] == STILL:
@@ -67,7 +79,7 @@ def keeps_promise(
     w = norm(row(angular, b))
     turn = turn_within(w, t) if paths.kind[b] == FREE else t * (w + 0.5 * t * norm(row(paths.angular, b)))
     for k in range(3):
-        way = t * (abs(linear[b, k]) + 0.5 * t * abs(paths.linear[b, k])) + 0.5 * MARGIN
+        way = t * (abs(linear[b, k]) + 0.5 * t * abs(paths.linear[b, k])) + 0.5 * margin
         low, high = position[b, k] - span[b], position[b, k] + span[b]
         if turn < SMALL_TURN:
             low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
@@ -80,13 +92,13 @@ def keeps_promise(
 @kernel
 def near_pairs(
     hulls: Array, position: Array, span: Array, who: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
-    gravity: Array, left: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
+    gravity: Array, left: float, margin: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
     """Sweep the promised boxes, those of ``who`` made anew; whoever sleeps near a moving body wakes.
 
     Returns (status of the sweep, number of pairs).
     """
-    promise(hulls, position, span, who, moving, linear, angular, gravity, left, boxes)
+    promise(hulls, position, span, who, moving, linear, angular, gravity, left, margin, boxes)
     while True:
         status, count = sweep_and_prune(boxes, wanted, sweep, pairs)
         woken = 0
@@ -95,26 +107,27 @@ def near_pairs(
             for sleeper, other in ((i, k), (k, i)):
                 if asleep[sleeper] == 1 and moving[other] == 1:
                     asleep[sleeper], moving[sleeper] = 0, 1
-                    grow(hulls, position, span, sleeper, linear, gravity, 0.0, left, boxes)
+                    grow(hulls, position, span, sleeper, linear, gravity, 0.0, left, margin, boxes)
                     woken += 1
         if woken == 0:
             return status, count
 
 
 @kernel
-def boxes_near(a: Array, b: Array, i: int, k: int) -> bool:
+def boxes_near(a: Array, b: Array, i: int, k: int, margin: float) -> bool:
     """Whether box a[i] comes within the margin of box b[k]."""
     for x in range(3):
-        if a[i, x] - MARGIN > b[k, 3 + x] or b[k, x] - MARGIN > a[i, 3 + x]:
+        if a[i, x] - margin > b[k, 3 + x] or b[k, x] - margin > a[i, 3 + x]:
             return False
     return True
 
 
 @kernel
-def wake_beside(old: Array, new: Array, b: int, wanted: PairFilter, asleep: Index, moving: Index) -> None:
+def wake_beside(old: Array, new: Array, b: int, margin: float, wanted: PairFilter, asleep: Index, moving: Index) -> None:
     """Wake who sleeps near body b, which somebody moved: where it was (hulls ``old``) or where it is (``new``)."""
     for s in range(asleep.shape[0]):
-        if asleep[s] == 1 and s != b and (boxes_near(old, new, b, s) or boxes_near(new, new, b, s)) and may_meet(wanted, s, b):
+        beside = asleep[s] == 1 and s != b and (boxes_near(old, new, b, s, margin) or boxes_near(new, new, b, s, margin))
+        if beside and may_meet(wanted, s, b):
             asleep[s], moving[s] = 0, 1
 
 

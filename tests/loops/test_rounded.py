@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.impact.contacts import SHARP
+from avatarsim.impact.contacts import SHARP, TWO_BALLS
 from avatarsim.impact.rolling import curvature
 from avatarsim.loops.touching import FOUND, find_contacts
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
@@ -51,6 +51,7 @@ def laid(world: World, rng: np.random.Generator) -> tuple[Array, Array]:
     return start, turns
 
 
+@pytest.mark.boundscheck
 @pytest.mark.parametrize("other", ["ball", "capsule", "thin", "egg", "box", "hull"])
 @pytest.mark.parametrize("one", ["ball", "capsule", "egg"])
 def test_point_contacts_move_as_the_next_query_says(one: str, other: str) -> None:
@@ -84,6 +85,17 @@ def test_point_contacts_move_as_the_next_query_says(one: str, other: str) -> Non
             continue
         tried += 1
         assert contacts.bend[0] @ n == pytest.approx(bend, abs=2e-3 * scale)
+        across = np.eye(3) - np.outer(n, n)
+        slips = [
+            linear[0] + np.cross(angular[0], x[2] - start[0] - s * MOMENT * linear[0])
+            - linear[1] - np.cross(angular[1], x[3] - start[1] - s * MOMENT * linear[1])
+            for s, x in ((-1.0, before), (1.0, after))
+        ]
+        np.testing.assert_allclose(
+            across @ contacts.bend[0], across @ (slips[1] - slips[0]) / (2.0 * MOMENT), atol=2e-3 * scale
+        )
+        if contacts.smooth[0] == TWO_BALLS:
+            continue
         np.testing.assert_allclose(contacts.sway_a[0] + linear[0], rates[1], atol=2e-3 * scale)
         np.testing.assert_allclose(contacts.sway_b[0] + linear[1], contacts.sway_a[0] + linear[0], atol=1e-12)
     assert tried >= TRIALS // 3
