@@ -4,7 +4,7 @@ from avatarsim.collide.scratch import Scratch, scratch_at
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import Springs
 from avatarsim.posture.way_memory import Way
-from avatarsim.posture.workspace import Goal, Memory, PairMemory, Rows
+from avatarsim.posture.workspace import Closeness, Goal, Memory, PairMemory, Rows
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.world.arena import (
     Opening,
@@ -15,6 +15,7 @@ from avatarsim.world.arena import (
     index_grid,
     index_line,
     line,
+    matrices,
     real,
     stack,
     vectors,
@@ -30,10 +31,21 @@ def opened_scratch(o: Opening) -> Scratch:
 
 
 @kernel
+def opened_closeness(o: Opening) -> Closeness:
+    """The next Closeness."""
+    return Closeness(
+        index_grid(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0],
+        line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
+        line(o)[0], line(o)[0],
+    )
+
+
+@kernel
 def opened_goal(o: Opening) -> Goal:
     """The next Goal."""
     return Goal(
-        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o), line(o)[0]
+        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o), line(o)[0],
+        opened_posture(o), line(o)[0], opened_closeness(o),
     )
 
 

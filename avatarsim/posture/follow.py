@@ -6,7 +6,9 @@ from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
+    ASKED,
     CALM,
+    CLOSE,
     COUNT,
     FRAME,
     HELD_STILL,
@@ -18,14 +20,18 @@ from avatarsim.posture.workspace import (
     PRESSED,
     RESTED,
     SLOW,
+    SOUGHT,
     SPEED,
     STEPPED,
     TRACKER_SPEED,
+    TRAVELS,
     UNDER_WAY,
     UNTIED,
+    WORN,
     Memory,
 )
 from avatarsim.settings import PostureSettings
+from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
@@ -34,7 +40,12 @@ ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
 JUMP = 0.2
-"""[rad or m] a tracker that moves more than this within a frame has jumped: the way to it is a new one."""
+"""[rad or m] a tracker that moves more than this within a frame has jumped: the way to it is a new one, and it is followed joint
+by joint until the avatar is there or its posture is found to be not free: on a long way the nearest posture is no guide."""
+
+CROWD = 4
+"""Near pairs of the last trial beyond which each joint goes its own way too: fingers that press on many things spend the budget
+on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 8: one that grasps comes home late."""
 
 NEAR_ENOUGH = 0.1
 """[rad or m] an avatar nearer than this to the tracker's posture in every joint needs no other way."""
@@ -87,7 +98,7 @@ def notice_others(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memor
     changed = False
     for b in range(skel.first):
         changed = notice(geo, poses, b, memory_out) or changed
-    look_again(changed, memory_out)
+    look_again(skel, poses, changed, memory_out)
     return changed
 
 
@@ -98,13 +109,16 @@ def notice_movers(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, me
     for b in range(skel.first):
         if moving[b] == 1:
             changed = notice(geo, poses, b, memory_out) or changed
-    look_again(changed, memory_out)
+    look_again(skel, poses, changed, memory_out)
     return changed
 
 
 @kernel
-def look_again(changed: bool, memory_out: Memory) -> None:
+def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) -> None:
     """A frame begins: directions remembered are a frame old, and if somebody moved the list of who is near is made anew."""
+    here = memory_out.goal.closeness.here
+    for link in range(here.shape[0]):
+        put_row(here, link, row(poses.position, skel.first + link))
     memory_out.pairs.marks[NOW] += 1
     if changed:
         # an empty reach makes the list anew
@@ -120,7 +134,8 @@ def walk(
     largest = 0.0
     aim(skel, posture_out, settings, memory_out.goal)
     frame = int(memory_out.flags[FRAME])
-    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal)
+    # where the nearest posture is sought its merit is known once there is a contact
+    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal) if memory_out.flags[CLOSE] == 0.0 else 0.0
     memory_out.flags[FRAME] = frame + 1
     for _ in range(steps):
         if memory_out.flags[PRESSED] > 0.0:
@@ -141,8 +156,10 @@ def judge_progress(memory_out: Memory) -> None:
     After `unstick`, which has aimed from where the frame ends.
     """
     flags, goal = memory_out.flags, memory_out.goal
-    now, place = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES
-    flags[SLOW] = flags[SLOW] + 1.0 if farthest(goal) > NEAR_ENOUGH and now > NEARER * flags[place] else 0.0
+    now, place, far = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH
+    flags[SLOW] = flags[SLOW] + 1.0 if far and now > NEARER * flags[place] else 0.0
+    if not far:
+        flags[TRAVELS] = 0.0
     flags[place] = now
 
 
@@ -166,12 +183,19 @@ def follow(
     flags[UNTIED], flags[SPEED] = 0.0, speed
     if speed > JUMP:
         # whoever jumps wants to go elsewhere
-        flags[LED] = 0.0
+        flags[LED], flags[TRAVELS] = 0.0, 1.0
         flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
     if flags[LED] == UNDER_WAY:
         flags[SLOW] += 1.0
-        flags[RESTED] = 0.0
+        flags[RESTED], flags[CLOSE] = 0.0, 0.0
         return
+    memory_out.goal.closeness.mode[WORN] += speed
+    # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
+    crowded = memory_out.pairs.marks[ASKED] > CROWD
+    close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not crowded else 0.0
+    if close != flags[CLOSE]:
+        flags[CLOSE] = close
+        memory_out.goal.window[:] = 0.0
     flags[CALM] = flags[CALM] + 1.0 if speed < CALM_SPEED else 0.0
     flags[RESTED] = flags[RESTED] + 1.0 if speed < CALM_SPEED and not changed else 0.0
     if speed >= PUSHING:

@@ -3,74 +3,133 @@
 from math import sqrt
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.closeness import merit_of
 from avatarsim.posture.limits import has_cone, inside_cone
-from avatarsim.posture.workspace import Goal
+from avatarsim.posture.workspace import BEST, BEYOND, LOCATED, Goal
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, step_between
-from avatarsim.spatial.vec3 import norm
+from avatarsim.spatial.vec3 import norm, row, sub
+from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
 @kernel
 def clip_to_limits(skel: Skeleton, tracker: Posture, goal_out: Goal) -> None:
-    """Copy the tracker's posture into the goal, each joint at the nearest place inside its limits."""
-    inside = goal_out.tracker
+    """Copy the tracker's posture into the goal: as it is, and each joint at the nearest place inside its limits."""
+    g, beyond = goal_out, 0.0
+    inside, own, mode = g.tracker, g.own, g.closeness.mode
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]
         for k in range(3):
             inside.root[link, k] = tracker.root[link, k]
+            own.root[link, k] = tracker.root[link, k]
         turn = columns(tracker.turn, link)
+        put_columns(own.turn, link, turn)
         if kind == BALL and has_cone(skel, link):
-            turn = inside_cone(skel, link, turn)
+            kept = inside_cone(skel, link, turn)
+            if kept != turn:
+                beyond = 1.0
+            turn = kept
         put_columns(inside.turn, link, turn)
         if kind == HINGES:
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                own.angle[j] = tracker.angle[j]
                 inside.angle[j] = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
+                if inside.angle[j] != own.angle[j]:
+                    beyond = 1.0
+    mode[BEYOND], mode[LOCATED], mode[BEST] = beyond, 0.0, -1.0
 
 
 @kernel
-def aim(skel: Skeleton, posture: Posture, settings: PostureSettings, goal_out: Goal) -> tuple[float, float]:
-    """Fill full, step, low and high of the goal; return the largest rotation [rad] and translation [m] still to go.
-
-    `step` is capped per joint by its trust; `low` and `high` keep a contact from throwing a joint further than
-    `stray_turn` off its own way.
-    """
-    g = goal_out
+def ways(skel: Skeleton, start: Posture, end: Posture, way_out: Array) -> tuple[float, float]:
+    """The way (nd) from one posture to another in the tangent space; its largest rotation [rad] and translation [m]."""
     farthest_turn, farthest_move = 0.0, 0.0
     for link in range(skel.kind.shape[0]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
+            way = sub(row(end.root, link), row(start.root, link))
             for k in range(3):
-                g.full[d + k] = g.tracker.root[link, k] - posture.root[link, k]
-            way = sqrt(g.full[d] ** 2 + g.full[d + 1] ** 2 + g.full[d + 2] ** 2)
-            farthest_move = max(farthest_move, way)
-            cap(g, d, d + 3, way, settings.move_cap, settings.stray_move)
+                way_out[d + k] = way[k]
+            farthest_move = max(farthest_move, norm(way))
             d += 3
         if kind == FREE or kind == BALL:
-            turn = step_between(columns(posture.turn, link), columns(g.tracker.turn, link))
+            turn = step_between(columns(start.turn, link), columns(end.turn, link))
             for k in range(3):
-                g.full[d + k] = turn[k]
+                way_out[d + k] = turn[k]
             farthest_turn = max(farthest_turn, norm(turn))
-            cap(g, d, d + 3, norm(turn), settings.turn_cap, settings.stray_turn)
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
-                g.full[j] = g.tracker.angle[j] - posture.angle[j]
-                farthest_turn = max(farthest_turn, abs(g.full[j]))
-                cap(g, j, j + 1, abs(g.full[j]), settings.turn_cap, settings.stray_turn)
-                g.low[j] = max(g.low[j], skel.limits[j, 0] - posture.angle[j])
-                g.high[j] = min(g.high[j], skel.limits[j, 1] - posture.angle[j])
+                way_out[j] = end.angle[j] - start.angle[j]
+                farthest_turn = max(farthest_turn, abs(way_out[j]))
     return farthest_turn, farthest_move
 
 
 @kernel
-def cap(goal_out: Goal, first: int, last: int, way: float, most: float, stray: float) -> None:
-    """Shorten `full` to `most` times the joint's trust, together for the degrees first .. last; bounds around it."""
-    trust = goal_out.trust[first]
-    share = 1.0 if way <= most * trust else most * trust / way
+def aim(skel: Skeleton, posture: Posture, settings: PostureSettings, goal_out: Goal) -> tuple[float, float]:
+    """Fill full, step, low and high of the goal, and wanted where it is used; return the largest rotation [rad] and translation
+    [m] still to go."""
+    g = goal_out
+    farthest_turn, farthest_move = ways(skel, posture, g.tracker, g.full)
+    if g.closeness.mode[LOCATED] > 0.0:
+        want(skel, posture, g)
+    shorten(skel, posture, settings, g.full, g)
+    return farthest_turn, farthest_move
+
+
+@kernel
+def want(skel: Skeleton, posture: Posture, goal_out: Goal) -> None:
+    """Fill wanted: the way to the tracker's own posture. Beyond limits it is asked for only in frames with a contact."""
+    g = goal_out
+    for j in range(g.full.shape[0]):
+        g.wanted[j] = g.full[j]
+    if g.closeness.mode[BEYOND] == 0.0:
+        return
+    for link in range(skel.kind.shape[0]):
+        d, kind = skel.first_dof[link], skel.kind[link]
+        if kind == BALL:
+            end = columns(g.own.turn, link)
+            if end != columns(g.tracker.turn, link):
+                turn = step_between(columns(posture.turn, link), end)
+                for k in range(3):
+                    g.wanted[d + k] = turn[k]
+        elif kind == HINGES:
+            for j in range(d, skel.first_dof[link + 1]):
+                g.wanted[j] = g.own.angle[j] - posture.angle[j]
+
+
+@kernel
+def shorten(skel: Skeleton, posture: Posture, settings: PostureSettings, way: Array, goal_out: Goal) -> None:
+    """Fill step, low and high for a way (nd): it is capped per joint by its trust, and a contact does not throw a joint further
+    than `stray_turn` off it."""
+    g = goal_out
+    for link in range(skel.kind.shape[0]):
+        d, kind = skel.first_dof[link], skel.kind[link]
+        if kind == FREE:
+            cap(way, g.trust[d], d, d + 3, settings.move_cap, settings.stray_move, g.step, g.low, g.high)
+            d += 3
+        if kind == FREE or kind == BALL:
+            cap(way, g.trust[d], d, d + 3, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
+        elif kind == HINGES:
+            for j in range(d, skel.first_dof[link + 1]):
+                cap(way, g.trust[j], j, j + 1, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
+                g.low[j] = max(g.low[j], skel.limits[j, 0] - posture.angle[j])
+                g.high[j] = min(g.high[j], skel.limits[j, 1] - posture.angle[j])
+
+
+@kernel
+def cap(
+    way: Array, trust: float, first: int, last: int, most: float, stray: float, step_out: Array, low_out: Array, high_out: Array
+) -> None:
+    """Shorten a way to `most` times the joint's trust, together for the degrees first .. last; bounds around it."""
+    square = 0.0
     for j in range(first, last):
-        goal_out.step[j] = goal_out.full[j] * share
-        goal_out.low[j] = min(0.0, goal_out.step[j]) - stray * trust
-        goal_out.high[j] = max(0.0, goal_out.step[j]) + stray * trust
+        square += way[j] * way[j]
+    far = sqrt(square)
+    share = 1.0 if far <= most * trust else most * trust / far
+    for j in range(first, last):
+        step_out[j] = way[j] * share
+        low_out[j] = min(0.0, step_out[j]) - stray * trust
+        high_out[j] = max(0.0, step_out[j]) + stray * trust
 
 
 @kernel
@@ -105,8 +164,11 @@ def merit(goal: Goal) -> float:
 
 @kernel
 def farthest(goal: Goal) -> float:
-    """Largest part of the way to the tracker's posture [rad or m]."""
-    most = 0.0
+    """Largest part of the way to the tracker's posture inside the limits [rad or m]; nothing where that was found to be no nearer
+    to the tracker's own than what is shown."""
+    c, most = goal.closeness, 0.0
+    if c.mode[BEYOND] > 0.0 and c.mode[BEST] >= 0.0 and merit_of(c, c.here, goal.wanted) <= c.mode[BEST]:
+        return 0.0
     for part in goal.full:
         most = max(most, abs(part))
     return most

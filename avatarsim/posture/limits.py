@@ -10,11 +10,14 @@ from math import atan2, cos, sin
 from avatarsim.kernel import kernel
 from avatarsim.posture.reach_cone import has_reach, is_in_reach, nearest_in_reach, reach_excess
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
-from avatarsim.spatial.vec3 import Vec3, cross, dot, norm, scale, unit
+from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, scale, unit
 from avatarsim.world.skeleton import Skeleton
 
 UNLIMITED_COSINE = -2.0
 """Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
+
+SURELY = 1e-10
+"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller, and rounding could let one out."""
 
 INWARD = 1e-9
 """Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
@@ -63,6 +66,38 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
     excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
     return max(excess, reach_excess(skel, link, limb_of(skel, link, turn))) if has_reach(skel, link) else excess
+
+
+@kernel
+def surely_inside(skel: Skeleton, link: int, turn: Columns) -> bool:
+    """Whether the rotation of a ball is inside its limits beyond rounding: `cone_excess` without angles, as nearly every ball of
+    every trial is. False where that is to be asked."""
+    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    edge, twists = (skel.cone[link, 6], skel.cone[link, 7]), (skel.cone[link, 8], skel.cone[link, 9])
+    if not surely_in_cone(limb, centre, edge, twists, columns(skel.untwist, link), turn):
+        return False
+    return not has_reach(skel, link) or is_in_reach(skel, link, limb)
+
+
+@kernel
+def surely_in_cone(
+    limb: Vec3, centre: Vec3, edge: tuple[float, float], twists: tuple[float, float], untwist: Columns, turn: Columns
+) -> bool:
+    """The same of the swing, whose largest has cosine and sine `edge`, and of the twist, between two angles [rad].
+
+    It is given numbers and no skeleton: to hand over the skeleton takes longer than to answer.
+    """
+    back, cosine = cross(limb, centre), dot(limb, centre)
+    sine = norm(back)
+    # the sine of the angle that is left to the edge of the cone
+    if not (edge[1] * cosine - edge[0] * sine > SURELY and sine > SURELY):
+        return False
+    back, probe = scale(back, 1.0 / sine), any_normal(centre)
+    swung = turned(turn, turned(untwist, probe))
+    # turned back by the swing, whose sine and cosine are known
+    left = add(add(scale(swung, cosine), scale(cross(back, swung), sine)), scale(back, (1.0 - cosine) * dot(back, swung)))
+    twist = atan2(dot(centre, cross(probe, left)), dot(probe, left))
+    return bool(twists[0] + SURELY < twist < twists[1] - SURELY)
 
 
 @kernel

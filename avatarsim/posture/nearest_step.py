@@ -5,7 +5,9 @@ most of them never are.
 """
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.workspace import BUILT, COUNT, Goal, Rows
+from avatarsim.posture.closeness import solve_down, solve_up
+from avatarsim.posture.workspace import BOUND, BUILT, COUNT, COUPLED, Goal, Rows
+from avatarsim.world.geometry import Array, Index
 
 SOFTNESS = 1e-6
 """Added to the diagonal of the Gram matrix: parallel rows then share the load instead of dividing by zero."""
@@ -27,24 +29,16 @@ OUTSIDE = 1e-9
 def nearest_step(goal: Goal, rows_out: Rows, sweeps: int, tolerance: float) -> int:
     """Solve for rows_out.x; violated bounds join the rows. Return the sweeps used; `tolerance` [m] ends the ascent."""
     r, nd, used, count = rows_out, goal.step.shape[0], 0, rows_out.size[COUNT]
+    coupled = goal.closeness.mode[COUPLED] > 0.0
+    if coupled:
+        # a step that is not along each joint's own way breaks limits of hinges of itself
+        count += add_broken_bounds(goal.low, goal.high, goal.step, r, count)
     for _ in range(BOUND_ROUNDS):
         build_gram(goal, r, count)
-        used += ascend(goal, r, count, sweeps, tolerance)
-        for j in range(nd):
-            r.x[j] = goal.step[j]
-        for k in range(count):
-            if r.multiplier[k] > 0.0:
-                for j in range(nd):
-                    r.x[j] += r.weighted[k, j] * r.multiplier[k]
-        added = 0
-        for j in range(nd):
-            if count == 0 or count == r.bound.shape[0] or added == BOUNDS_PER_ROUND:
-                break
-            below, above = r.x[j] < goal.low[j] - OUTSIDE, r.x[j] > goal.high[j] + OUTSIDE
-            if (below or above) and not has_bound(r, count, j):
-                add_bound(r, count, j, 1.0 if below else -1.0, goal.low[j] if below else -goal.high[j])
-                count += 1
-                added += 1
+        used += ascend(goal.step, r, count, sweeps, tolerance)
+        assemble(goal, r, count)
+        added = add_broken_bounds(goal.low, goal.high, r.x, r, count) if count > 0 or coupled else 0
+        count += added
         if added == 0:
             break
     for j in range(nd):
@@ -54,10 +48,41 @@ def nearest_step(goal: Goal, rows_out: Rows, sweeps: int, tolerance: float) -> i
 
 
 @kernel
-def has_bound(rows: Rows, count: int, j: int) -> bool:
+def add_broken_bounds(low: Array, high: Array, x: Array, rows_out: Rows, count: int) -> int:
+    """Rows from `count` on for bounds that a step (nd) breaks and that have none yet; returns their number."""
+    added = 0
+    for j in range(x.shape[0]):
+        if count + added == rows_out.bound.shape[0] or added == BOUNDS_PER_ROUND:
+            break
+        below, above = x[j] < low[j] - OUTSIDE, x[j] > high[j] + OUTSIDE
+        if (below or above) and not has_bound(rows_out.pair, count + added, j):
+            add_bound(rows_out, count + added, j, 1.0 if below else -1.0, low[j] if below else -high[j])
+            added += 1
+    return added
+
+
+@kernel
+def assemble(goal: Goal, rows_out: Rows, count: int) -> None:
+    """x = e + W^-1 J^T multipliers."""
+    r, nd, pushed = rows_out, goal.step.shape[0], False
+    for j in range(nd):
+        r.x[j] = 0.0
+    for k in range(count):
+        if r.multiplier[k] > 0.0:
+            pushed = True
+            for j in range(nd):
+                r.x[j] += r.weighted[k, j] * r.multiplier[k]
+    if pushed and goal.closeness.mode[COUPLED] > 0.0:
+        solve_down(goal.closeness, r.x)
+    for j in range(nd):
+        r.x[j] += goal.step[j]
+
+
+@kernel
+def has_bound(pair: Index, count: int, j: int) -> bool:
     """Whether one of the rows is the bound of degree j."""
     for q in range(count):
-        if rows.pair[q, 0] == -1 and rows.pair[q, 1] == j:
+        if pair[q, 0] == BOUND and pair[q, 1] == j:
             return True
     return False
 
@@ -70,28 +95,34 @@ def add_bound(rows_out: Rows, k: int, j: int, sign: float, bound: float) -> None
     rows_out.jacobian[k, j] = sign
     rows_out.bound[k] = bound
     rows_out.multiplier[k] = 0.0
-    rows_out.pair[k, 0] = -1
+    rows_out.pair[k, 0] = BOUND
     rows_out.pair[k, 1] = j
 
 
 @kernel
 def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
-    """Extend the Gram matrix by the rows that came since it was last built."""
-    r, nd = rows_out, goal.step.shape[0]
+    """Extend the Gram matrix by the rows that came since it was last built.
+
+    Weighted rows are W^-1 J^T; where the metric is M = L^T L they are L^-T J^T, and half of the way is left to `assemble`.
+    """
+    r, nd, coupled = rows_out, goal.step.shape[0], goal.closeness.mode[COUPLED] > 0.0
     for k in range(r.size[BUILT], count):
         for j in range(nd):
-            r.weighted[k, j] = r.jacobian[k, j] * goal.inverse_weight[j]
+            r.weighted[k, j] = r.jacobian[k, j] if coupled else r.jacobian[k, j] * goal.inverse_weight[j]
+        if coupled:
+            solve_up(goal.closeness, r.weighted[k])
+        other = r.weighted if coupled else r.jacobian
         for q in range(k + 1):
             t = 0.0
             for j in range(nd):
-                t += r.weighted[k, j] * r.jacobian[q, j]
+                t += r.weighted[k, j] * other[q, j]
             r.gram[k, q] = t
             r.gram[q, k] = t
     r.size[BUILT] = count
 
 
 @kernel
-def ascend(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> int:
+def ascend(wanted: Array, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> int:
     """Coordinate ascent on the multipliers, residuals kept up to date; return the sweeps used.
 
     The residual of row k is J_k x - c_k with x = e + W^-1 J^T multipliers.
@@ -99,8 +130,8 @@ def ascend(goal: Goal, rows_out: Rows, count: int, sweeps: int, tolerance: float
     r = rows_out
     for k in range(count):
         t = -r.bound[k]
-        for j in range(goal.step.shape[0]):
-            t += r.jacobian[k, j] * goal.step[j]
+        for j in range(wanted.shape[0]):
+            t += r.jacobian[k, j] * wanted[j]
         for q in range(count):
             t += r.gram[k, q] * r.multiplier[q]
         r.residual[k] = t

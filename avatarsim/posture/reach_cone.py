@@ -34,11 +34,13 @@ def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
 def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
     """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
     sight = row(skel.sight, link)
-    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-        start, end, inward = edge(skel, link, k)
-        between = dot(cross(sight, start), limb) >= -ROUNDING and dot(cross(end, sight), limb) >= -ROUNDING
-        if between and dot(inward, limb) >= -ROUNDING:
-            return True
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    for k in range(first, last):
+        start, end = row(skel.reach_corner, k), row(skel.reach_corner, k + 1 if k + 1 < last else first)
+        if dot(cross(sight, start), limb) >= -ROUNDING and dot(cross(end, sight), limb) >= -ROUNDING:
+            normal = cross(start, end)
+            if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
+                return True
     return False
 
 
@@ -46,6 +48,13 @@ def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
 def angle_between(a: Vec3, b: Vec3) -> float:
     """Angle [rad] of two unit vectors."""
     return atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def chord(a: Vec3, b: Vec3) -> float:
+    """Squared distance of two unit vectors: it grows as their angle does and costs no arc tangent."""
+    way = sub(a, b)
+    return dot(way, way)
 
 
 @kernel
@@ -89,10 +98,10 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
         return limb
     centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     best = row(skel.sight, link)
-    least = angle_between(best, limb)
+    least = chord(best, limb)
     candidate = nearest_on_circle(centre, most, limb)
-    if angle_between(candidate, limb) < least and is_in_reach(skel, link, candidate):
-        best, least = candidate, angle_between(candidate, limb)
+    if chord(candidate, limb) < least and is_in_reach(skel, link, candidate):
+        best, least = candidate, chord(candidate, limb)
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
         start, end, inward = edge(skel, link, k)
         # the end of an edge is the start of another
@@ -105,7 +114,7 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
                 crosses, candidate = crossing(start, end, inward, centre, most, which == 2)
                 if not crosses:
                     continue
-            away = angle_between(candidate, limb)
+            away = chord(candidate, limb)
             if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
                 best, least = candidate, away
     return best

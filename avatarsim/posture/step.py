@@ -12,11 +12,15 @@ from avatarsim.posture.goal import aim, merit
 from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
+from avatarsim.posture.wanted_step import hindered, keep_limits, loses_merit, scale_step, seek_the_nearest
 from avatarsim.posture.workspace import (
     ADDING,
     ASKED,
     BACKED,
+    BEYOND,
+    CLOSE,
     COUNT,
+    COUPLED,
     FAILED,
     FORWARDS,
     HELD,
@@ -29,7 +33,8 @@ from avatarsim.posture.workspace import (
     STEPS,
     SUPPORTS,
     SWEEPS,
-    TRACKER_SPEED,
+    TOUCHED,
+    WORN,
     Memory,
 )
 from avatarsim.settings import PostureSettings
@@ -78,11 +83,14 @@ def try_step(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory
 
 @kernel
 def check(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, within: bool, memory_out: Memory
 ) -> int:
-    """Certificates and ball limits of the trial: number of failures; links at fault are touched."""
+    """Certificates and ball limits of the trial: number of failures; links at fault are touched.
+
+    within: whether the trial is known to be inside the limits.
+    """
     memory_out.touched[:] = False
-    beyond = beyond_limits(skel, posture, memory_out)
+    beyond = 0 if within else beyond_limits(skel, posture, memory_out)
     failed = certify(geo, skel, poses, settings, memory_out)
     for k in range(memory_out.pairs.marks[FAILED]):
         for side in range(2):
@@ -122,42 +130,41 @@ def distrust_failing(skel: Skeleton, first: int, memory_out: Memory) -> None:
 
 
 @kernel
-def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
-    """Whether the step moves more than the tracker does and yet does not bring the posture nearer to it.
-
-    Without this test limbs circle for ever around an obstacle before a resting tracker.
-    """
-    goal, x = memory.goal, memory.rows.x
-    gain, square, largest = 0.0, 0.0, 0.0
-    for j in range(x.shape[0]):
-        gain += (goal.full[j] - 0.5 * x[j]) * x[j] / goal.inverse_weight[j]
-        square += x[j] * x[j] / goal.inverse_weight[j]
-        largest = max(largest, abs(x[j]))
-    worst = 0.0
-    for value in goal.window:
-        worst = max(worst, value)
-    small = largest <= 1e-4 + 2.0 * memory.flags[TRACKER_SPEED]
-    return not small and memory.flags[MERIT_NOW] - gain + settings.merit * square > worst
-
-
-@kernel
 def attempt(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
 ) -> tuple[int, bool]:
     """Solve and certify with growing rows; return failures and whether the budget is spent."""
     r = memory_out.rows
     rows_of_listed(geo, skel, poses, settings, memory_out)
     spent, failed, tolerance = False, 0, 0.1 * settings.least_gap
+    goal = memory_out.goal
+    mode = goal.closeness.mode
+    mode[COUPLED] = 0.0
     for round_ in range(settings.corrections + 1):
+        # beyond limits the way to the tracker's own posture goes on from step to step, or one would go back to the clipped one
+        goes_on = mode[BEYOND] > 0.0 and mode[TOUCHED] > 0.0
+        if mode[COUPLED] == 0.0 and memory_out.flags[CLOSE] > 0.0 and (goes_on or hindered(goal.step, r)):
+            # where nothing is in the way the straight way is taken: it ends at the tracker's posture, and no metric is needed
+            seek_the_nearest(skel, posture, settings, shorter, memory_out)
+            if mode[BEYOND] > 0.0:
+                keep_limits(skel, posture, memory_out)
         memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
         memory_out.counts[ITERATIONS] += 1
+        within = False
+        if mode[COUPLED] > 0.0:
+            # what pushes one joint turns others, over limits too: known before anything is placed or certified
+            memory_out.flags[ADDING] = 1.0
+            within = beyond_limits(skel, posture, memory_out) == 0
+            if not within:
+                memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
         try_step(geo, skel, posture, memory_out)
         if creeps(memory_out):
             slow_down(geo, skel, posture, poses, memory_out)
+            within = False
         spent = work_done(memory_out) > budget(settings, memory_out)
         last = spent or round_ == settings.corrections
         memory_out.flags[ADDING] = 0.0 if last else 1.0
-        failed = check(geo, skel, posture, poses, settings, memory_out)
+        failed = check(geo, skel, posture, poses, settings, within, memory_out)
         if failed == 0 or last:
             break
     return failed, spent
@@ -175,7 +182,7 @@ def back_off(
         try_step(geo, skel, posture, memory_out)
         if creeps(memory_out):
             slow_down(geo, skel, posture, poses, memory_out)
-        if check(geo, skel, posture, poses, settings, memory_out) == 0:
+        if check(geo, skel, posture, poses, settings, False, memory_out) == 0:
             return
     stay(geo, skel, posture, memory_out)
 
@@ -193,10 +200,11 @@ def adopt(geo: Geometry, skel: Skeleton, posture_out: Posture, poses_out: Poses,
     """Make the trial the checked state."""
     memory_out.pairs.marks[NOW] += 1
     take(skel, posture_out, memory_out.rows.x)
-    trial = memory_out.trial
+    trial, here = memory_out.trial, memory_out.goal.closeness.here
     for b in range(skel.first, trial.position.shape[0]):
         for i in range(3):
             poses_out.position[b, i] = trial.position[b, i]
+            here[b - skel.first, i] = trial.position[b, i]
             for k in range(3):
                 poses_out.rotation[b, i, k] = trial.rotation[b, i, k]
         for i in range(6):
@@ -225,14 +233,11 @@ def step(
     for round_ in range(settings.attempts):
         to_turn, to_move = aim(skel, posture, settings, goal)
         memory_out.flags[MERIT_NOW] = merit(goal)
-        if shorter < 1.0:
-            for j in range(r.x.shape[0]):
-                goal.step[j] *= shorter
-                goal.low[j] *= shorter
-                goal.high[j] *= shorter
+        scale_step(shorter, goal)
         memory_out.flags[SOFT] = 1.0 if round_ > 0 else 0.0
-        failed, spent = attempt(geo, skel, posture, poses, settings, memory_out)
-        if failed == 0 and not (r.size[COUNT] > 0 and settings.merit > 0.0 and loses_merit(settings, memory_out)):
+        failed, spent = attempt(geo, skel, posture, poses, settings, shorter, memory_out)
+        weighed = settings.merit > 0.0 and (r.size[COUNT] > 0 or goal.closeness.mode[COUPLED] > 0.0)
+        if failed == 0 and not (weighed and loses_merit(settings, memory_out)):
             accepted = True
             for j in range(r.x.shape[0]):
                 goal.trust[j] = min(1.0, 2.0 * goal.trust[j])
@@ -243,7 +248,7 @@ def step(
             distrust_failing(skel, first, memory_out)
         if spent:
             break
-    list_rows(first, memory_out)
+    goal.closeness.mode[TOUCHED] = goal.closeness.mode[COUPLED] if list_rows(first, memory_out) else 0.0
     if not accepted:
         if failed == 0:
             stay(geo, skel, posture, memory_out)
@@ -252,15 +257,18 @@ def step(
     largest = 0.0
     for j in range(r.x.shape[0]):
         largest = max(largest, abs(r.x[j]))
+    goal.closeness.mode[WORN] += largest
     forget_idle_pairs(first, IDLE_STEPS, memory_out)
     adopt(geo, skel, posture, poses, memory_out)
     return largest, to_turn, to_move
 
 
 @kernel
-def list_rows(first: int, memory_out: Memory) -> None:
-    """List the pairs whose rows were active: they get a row in the next step before anything fails."""
-    r = memory_out.rows
+def list_rows(first: int, memory_out: Memory) -> bool:
+    """List the pairs whose rows were active: they get a row in the next step before anything fails. Whether there was any."""
+    r, listed = memory_out.rows, False
     for k in range(r.size[COUNT]):
         if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
             list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)
+            listed = True
+    return listed

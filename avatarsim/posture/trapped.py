@@ -41,10 +41,12 @@ from avatarsim.posture.workspace import (
     LED_STEPS,
     PRESSED,
     SLOW,
+    SOUGHT,
     SPEED,
     STEPPED,
     TRAPPED,
     TRAPPED_FRAMES,
+    TRAVELS,
     UNDER_WAY,
     WALLED,
     WALLED_FRAMES,
@@ -149,7 +151,7 @@ def set_free(memory_out: Memory, way_out: Way) -> None:
     """Nobody is trapped, and nothing is searched."""
     let_go(IDLE, memory_out, way_out)
     way_out.state[REST] = FIRST_REST
-    memory_out.flags[TRAPPED], memory_out.flags[WALLED] = 0.0, 0.0
+    memory_out.flags[TRAPPED], memory_out.flags[WALLED], memory_out.flags[SOUGHT] = 0.0, 0.0, 0.0
 
 
 @kernel
@@ -245,9 +247,9 @@ def seek(
     if due or (mode != LEADING and int(flags[SLOW]) % LOOK_EVERY == settings.search_after % LOOK_EVERY):
         if not look(geo, skel, settings, poses, memory_out, s):
             set_free(memory_out, s)
-            flags[PRESSED] = 1.0
+            flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
             return
-        flags[PRESSED] = 0.0
+        flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
         if mode == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:

@@ -30,7 +30,7 @@ def straight_to(
         memory_out.rows.x[j] = memory_out.goal.full[j]
     try_step(geo, skel, posture_out, memory_out)
     memory_out.flags[ADDING] = 0.0
-    if check(geo, skel, posture_out, poses_out, settings, memory_out) > 0:
+    if check(geo, skel, posture_out, poses_out, settings, False, memory_out) > 0:
         return False
     adopt(geo, skel, posture_out, poses_out, memory_out)
     return True

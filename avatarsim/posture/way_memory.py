@@ -66,6 +66,8 @@ def make_way(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, show
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     memory = make_memory(geo, skel, poses)
     memory.goal.inverse_weight[:] = shown.goal.inverse_weight
+    memory.goal.closeness.turn_weight[:] = shown.goal.closeness.turn_weight
+    memory.goal.closeness.far[:] = shown.goal.closeness.far
     here, waypoint, goal = (Posture(*(array.copy() for array in posture)) for _ in range(3))
     before, path, spare = (np.zeros(NODES, dtype=np.int64) for _ in range(3))
     state = np.zeros(17, dtype=np.int64)

@@ -26,6 +26,13 @@ FAILED_CAP = 64
 LEAST_WEIGHT = 1e-6
 """Weights are divided by: 0 would give steps that are no numbers."""
 
+TURN_SHARE = 1.0
+"""What angles weigh beside link origins: 1: as their means in metres, a radian being a link's mean reach. 0.7: offsets a tenth
+smaller where limbs are pressed on, angles larger, and limbs get caught more often."""
+
+FAR = 4.0
+"""Mean reaches of a link beyond which an origin pulls no harder; larger, and limbs stretch to a far tracker."""
+
 MERIT_WINDOW = 8
 """Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
 
@@ -38,11 +45,50 @@ COUNT_NAMES = (
 )
 
 
+class Closeness(NamedTuple):
+    """The measure of nearness to the tracker's posture (`closeness.py`): what it is of, and its second derivatives, factored.
+
+    path (nd, w) degrees that carry degree j, from the root on, itself at place depth[j]; root (nl) of a link's tree; turn_weight
+    (nd) [m^2] of a squared angle, 0 for translations; here, there (nl, 3) [m] link origins of the checked and the tracker's
+    posture; frame (nl, 3, 3) of the latter; number (nl), first, way (nl, 3), second, moment (nl, 3, 3) see `gather`; motion
+    (nd, 6) see `note_motions`; factor (nd, w); pull (nd) the step to the least merit; far (1) [m] distance beyond which an
+    origin pulls no harder; mode, see the places below
+    """
+
+    path: Index
+    depth: Index
+    root: Index
+    turn_weight: Array
+    here: Array
+    there: Array
+    frame: Array
+    number: Array
+    first: Array
+    way: Array
+    second: Array
+    moment: Array
+    motion: Array
+    factor: Array
+    pull: Array
+    far: Array
+    mode: Array
+
+
+# places in Closeness.mode: 1 if the rows of this step are weighed by the factor; 1 if the tracker is beyond its limits; 1 if
+# `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody has asked in this frame; way
+# [rad or m] of avatar and tracker since the factor was made; 1 if something was touched in the last step and the
+# nearest posture sought
+COUPLED, BEYOND, LOCATED, BEST, WORN, TOUCHED = range(6)
+
+BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
+
+
 class Goal(NamedTuple):
     """The way to the tracker's posture in the tangent space.
 
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
-    tracker Posture inside the limits; previous tracker posture; merit window
+    tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
+    (nd) the way there; closeness the measure of nearness
     """
 
     full: Array
@@ -54,6 +100,9 @@ class Goal(NamedTuple):
     tracker: Posture
     before: Posture
     window: Array
+    own: Posture
+    wanted: Array
+    closeness: Closeness
 
 
 class Rows(NamedTuple):
@@ -129,8 +178,8 @@ COUNT, BUILT = range(2)
 # places in Memory.flags
 (
     MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, PAST,
-) = range(18)
+    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, PAST,
+) = range(21)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
@@ -176,13 +225,49 @@ def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: P
     return floored
 
 
+def _closeness(skel: Skeleton) -> Closeness:
+    """Arrays of the measure, angles weighing as if every link reached 1 m."""
+    nl, nd = len(skel.kind), int(skel.first_dof[-1])
+    owner = np.repeat(np.arange(nl), np.diff(skel.first_dof))
+    paths = [[i for i in range(j + 1) if skel.related[owner[j], owner[i]]] for j in range(nd)]
+    depth = np.array([len(path) - 1 for path in paths], dtype=np.int64)
+    path = np.zeros((nd, max((len(path) for path in paths), default=1)), dtype=np.int64)
+    for j, degrees in enumerate(paths):
+        path[j, : len(degrees)] = degrees
+    root = np.arange(nl)
+    for link in np.flatnonzero(skel.parent >= 0).tolist():
+        root[link] = root[skel.parent[link]]
+    turning = np.ones(nd)
+    for link in np.flatnonzero(skel.kind == FREE).tolist():
+        turning[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
+    return Closeness(
+        path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
+        np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 0.0]),
+    )
+
+
+def mean_reach(geo: Geometry, skel: Skeleton, poses: Poses) -> float:
+    """How far [m] an average link reaches from its joint; 1 where nothing does."""
+    reaches = []
+    for link in range(len(skel.kind)):
+        b = skel.first + link
+        far = [
+            float(np.linalg.norm(poses.vertices[geo.shapes.start[s] : geo.shapes.start[s + 1]] - poses.position[b], axis=1).max())
+            + float(geo.shapes.radius[s])
+            for s in range(geo.first_shape[b], geo.first_shape[b + 1])
+        ]
+        reaches += [max(far)] if far else []
+    return float(np.mean(reaches)) if reaches else 1.0
+
+
 def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     """Fresh memory for a world whose bodies stand at `poses`."""
     nl, nd, ns, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.body), len(geo.first_shape) - 1
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
-        np.full(MERIT_WINDOW, UNLIMITED),
+        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
@@ -208,4 +293,8 @@ def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, 
     memory = make_memory(geo, skel, poses)
     forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
     memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
+    measure, reach = memory.goal.closeness, mean_reach(geo, skel, poses)
+    joints = int((np.diff(skel.first_dof) > 0).sum())
+    measure.turn_weight[:] *= TURN_SHARE * reach**2 * len(skel.kind) / max(joints, 1)
+    measure.far[0] = FAR * reach
     return memory

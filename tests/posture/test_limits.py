@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.posture.limits import any_normal, cone_excess, has_cone, inside_cone, swing_and_twist, wrapped
+from avatarsim.posture.limits import any_normal, cone_excess, has_cone, inside_cone, surely_inside, swing_and_twist, wrapped
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Ball, Free, SwingTwist
 from avatarsim.scene.mass import solid
@@ -146,3 +146,25 @@ def test_a_nan_rotation_is_not_inside_its_limits() -> None:
 def test_the_shortest_turn_of_the_tests_is_the_engines() -> None:
     a, b = np.array([0.6, 0.8, 0.0]), np.array([0.0, -0.6, 0.8])
     assert rotation.to_matrix(rotation.between(a, b)) == pytest.approx(shortest(a, b).as_matrix())
+
+
+@given(st.sampled_from(sorted(KINDS)), SEEDS)
+def test_whoever_is_surely_inside_has_no_excess(name: str, seed: int) -> None:
+    turn = tuples(Rotation.random(random_state=seed))
+    excess = cone_excess(SKELETONS[name], 1, turn)
+    if surely_inside(SKELETONS[name], 1, turn):
+        assert excess <= 0.0
+    else:
+        assert excess >= -1e-8, "that is asked of the exact angles in vain"
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, -1e-9, 1e-13, 1e-9, 1e-6])
+@given(st.sampled_from(["tilted", "wide", "opposite", "one-sided"]), SEEDS)
+def test_at_an_edge_only_who_is_inside_is_surely_inside(beyond: float, name: str, seed: int) -> None:
+    limits, rng = KINDS[name], np.random.default_rng(seed)
+    low, high = limits.twist
+    edge, bearing, middle = rng.integers(3), rng.uniform(-3.0, 3.0), 0.5 * (low + high)
+    swing = limits.swing + beyond if edge == 0 else 0.5 * limits.swing
+    twist = (middle, low - beyond, high + beyond)[edge]
+    turn = tuples(composed(limits, swing, bearing, twist))
+    assert surely_inside(SKELETONS[name], 1, turn) == (beyond < -1e-10)

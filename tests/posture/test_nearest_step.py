@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize
 
 from avatarsim.posture.nearest_step import MULTIPLIER_CAP, nearest_step
-from avatarsim.posture.workspace import COUNT, Goal, Rows, make_memory
+from avatarsim.posture.workspace import COUNT, COUPLED, Goal, Rows, make_memory
 from avatarsim.scene.scene import Scene
 from avatarsim.world.world import build
 from tests.stability.hostile import hinged_avatar
@@ -39,17 +39,32 @@ def solve(goal: Goal, rows: Rows, jacobian: np.ndarray, bound: np.ndarray, sweep
     return int(rows.size[COUNT]), used
 
 
-def slow(goal: Goal, jacobian: np.ndarray, bound: np.ndarray) -> np.ndarray:
+def slow(goal: Goal, jacobian: np.ndarray, bound: np.ndarray, metric: np.ndarray | None = None) -> np.ndarray:
     """The same problem by scipy."""
-    weight = 1.0 / goal.inverse_weight
+    weight = np.diag(1.0 / goal.inverse_weight) if metric is None else metric
     found = minimize(
-        lambda x: 0.5 * ((x - goal.step) ** 2 * weight).sum(), np.zeros(len(weight)), jac=lambda x: (x - goal.step) * weight,
+        lambda x: 0.5 * (x - goal.step) @ weight @ (x - goal.step), np.zeros(len(weight)), jac=lambda x: weight @ (x - goal.step),
         method="SLSQP", bounds=list(zip(goal.low, goal.high, strict=True)),
         constraints=[{"type": "ineq", "fun": lambda x: jacobian @ x - bound, "jac": lambda x: jacobian}],
         options={"ftol": 1e-14, "maxiter": 500},
     )
     assert found.success
     return np.asarray(found.x)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_metric_that_couples_degrees(seed: int) -> None:
+    """The metric M = L^T L of `closeness.py` beside the same problem by scipy, bounds included."""
+    rng = np.random.default_rng(seed)
+    goal, rows = arrays(8, rng)
+    factor = np.tril(rng.normal(0.0, 0.2, (8, 8)), -1) + np.diag(rng.uniform(0.7, 2.0, 8))
+    measure = goal.closeness._replace(path=np.tile(np.arange(8), (8, 1)), depth=np.arange(8), factor=factor)
+    measure.mode[COUPLED] = 1.0
+    goal = goal._replace(closeness=measure, low=np.full(8, -0.8), high=np.full(8, 0.8))
+    jacobian, bound = rng.normal(size=(3, 8)), rng.uniform(-1.0, 0.0, 3)
+    for m in (3, 0):
+        solve(goal, rows, jacobian[:m], bound[:m], 3000, 1e-13)
+        assert rows.x == pytest.approx(slow(goal, jacobian[:m], bound[:m], factor.T @ factor), abs=1e-5)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -1,0 +1,246 @@
+"""How near a posture is to the tracker's, in the two figures a user sees: link origins [m], and joint angles weighed as metres.
+
+merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints.
+The tracker's posture is taken as it is, limits or not: limits are conditions of the step, as contacts are.
+
+To first order its rates are those of a tree of unit masses at the link origins whose joints have a rotor each, so its second
+derivatives are that tree's mass matrix: composite masses (Walker and Orin), and a factor without fill-in (Featherstone).
+"""
+
+from math import sqrt
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.workspace import WORN, Closeness
+from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
+from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.world.geometry import Array, Index
+from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
+
+WORN_OUT = 0.1
+"""[rad or m] way of avatar and tracker after which the second derivatives are taken anew. 0: every step, 10 us more per frame
+of a human in contact; 1: limbs overshoot."""
+
+
+@kernel
+def locate(skel: Skeleton, posture: Posture, closeness_out: Closeness) -> None:
+    """Where the link origins of the tracker's posture are: forward kinematics without shapes."""
+    there, frames = closeness_out.there, closeness_out.frame
+    for link in range(skel.kind.shape[0]):
+        kind, parent = skel.kind[link], skel.parent[link]
+        if kind == FREE:
+            put_row(there, link, row(posture.root, link))
+            put_columns(frames, link, columns(posture.turn, link))
+            continue
+        if parent >= 0:
+            carrier = columns(frames, parent)
+            put_row(there, link, add(row(there, parent), turned(carrier, row(skel.anchor, link))))
+            frame = product(carrier, columns(skel.rest, link))
+        else:
+            put_row(there, link, row(skel.anchor, link))
+            frame = columns(skel.rest, link)
+        if kind == BALL:
+            frame = product(frame, columns(posture.turn, link))
+        elif kind == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                axis, angle = turned(frame, row(skel.axis, j)), posture.angle[j]
+                frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
+        put_columns(frames, link, frame)
+
+
+@kernel
+def gather(skel: Skeleton, masses: bool, closeness_out: Closeness) -> None:
+    """Of each link with all it carries, about its own origin: number of origins, their first and second moments, the sum of
+    their ways to the tracker's, and the moments of these ways. masses: whether the second moments are asked for."""
+    c = closeness_out
+    for link in range(skel.kind.shape[0]):
+        # a far one pulls no harder than one at `far`, or limbs would stretch
+        way = sub(row(c.there, link), row(c.here, link))
+        n = c.far[0] / max(c.far[0], norm(way))
+        c.number[link] = n
+        put_row(c.way, link, scale(way, n))
+        for i in range(3):
+            c.first[link, i] = 0.0
+            for k in range(3):
+                c.second[link, i, k] = 0.0
+                c.moment[link, i, k] = 0.0
+    for link in range(skel.kind.shape[0] - 1, -1, -1):
+        parent = skel.parent[link]
+        if parent < 0:
+            continue
+        arm, n = sub(row(c.here, link), row(c.here, parent)), c.number[link]
+        c.number[parent] += n
+        for i in range(3):
+            c.first[parent, i] += c.first[link, i] + n * arm[i]
+            c.way[parent, i] += c.way[link, i]
+            for k in range(3):
+                c.moment[parent, i, k] += c.moment[link, i, k] + arm[i] * c.way[link, k]
+                if not masses:
+                    continue
+                c.second[parent, i, k] += (
+                    c.second[link, i, k] + arm[i] * c.first[link, k] + c.first[link, i] * arm[k] + n * arm[i] * arm[k]
+                )
+
+
+@kernel
+def couple(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
+    """The step `pull` that would bring the merit to its least if nothing were in the way: M pull = slope.
+
+    full (nd) is the way to the tracker's posture. M is factored anew only when it is worn: the slope alone decides where the
+    merit is least, and M only how the way there is shared out.
+    """
+    c = closeness_out
+    worn = c.mode[WORN] > WORN_OUT
+    gather(skel, worn, c)
+    slope(skel, axes, full, c)
+    if worn:
+        bend(skel, axes, c)
+        decompose(c.path, c.depth, c.factor)
+        c.mode[WORN] = 0.0
+    solve(c, c.pull)
+
+
+@kernel
+def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
+    """How fast the merit falls with each degree of freedom, into pull (nd)."""
+    c = closeness_out
+    b = c.moment
+    for m in range(skel.kind.shape[0]):
+        first, way = skel.first_dof[m], row(c.way, m)
+        moves = first + 3 if skel.kind[m] == FREE else first
+        twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
+        for j in range(first, skel.first_dof[m + 1]):
+            c.pull[j] = dot(row(axes, j), twist) + c.turn_weight[j] * full[j] if j >= moves else dot(row(axes, j), way)
+
+
+@kernel
+def note_motions(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
+    """Of each degree of freedom the motion of its tree: turning, and velocity of the place where the root is."""
+    c = closeness_out
+    for m in range(skel.kind.shape[0]):
+        first = skel.first_dof[m]
+        moves = first + 3 if skel.kind[m] == FREE else first
+        arm = sub(row(c.here, c.root[m]), row(c.here, m))
+        for j in range(first, skel.first_dof[m + 1]):
+            turn, way = row(axes, j), cross(row(axes, j), arm)
+            for k in range(3):
+                c.motion[j, k] = turn[k] if j >= moves else 0.0
+                c.motion[j, 3 + k] = way[k] if j >= moves else turn[k]
+
+
+@kernel
+def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
+    """Second derivatives of the merit, a row per degree of freedom, from what its motion asks of the masses that it carries.
+
+    What bends the merit further up than to first order joins the diagonal: without it a limb that is pressed together
+    overshoots, step by step.
+    """
+    c = closeness_out
+    t, b = c.second, c.moment
+    note_motions(skel, axes, c)
+    for m in range(skel.kind.shape[0]):
+        first, moved, n = skel.first_dof[m], row(c.first, m), c.number[m]
+        moves = first + 3 if skel.kind[m] == FREE else first
+        trace, spread = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2], b[m, 0, 0] + b[m, 1, 1] + b[m, 2, 2]
+        out = sub(row(c.here, m), row(c.here, c.root[m]))
+        for j in range(first, skel.first_dof[m + 1]):
+            axis, extra = row(axes, j), 0.0
+            if j < moves:
+                force, torque = scale(axis, n), cross(moved, axis)
+            else:
+                force = cross(axis, moved)
+                torque = (
+                    trace * axis[0] - t[m, 0, 0] * axis[0] - t[m, 0, 1] * axis[1] - t[m, 0, 2] * axis[2],
+                    trace * axis[1] - t[m, 1, 0] * axis[0] - t[m, 1, 1] * axis[1] - t[m, 1, 2] * axis[2],
+                    trace * axis[2] - t[m, 2, 0] * axis[0] - t[m, 2, 1] * axis[1] - t[m, 2, 2] * axis[2],
+                )
+                along_axis = 0.0
+                for i in range(3):
+                    along_axis += axis[i] * (b[m, i, 0] * axis[0] + b[m, i, 1] * axis[1] + b[m, i, 2] * axis[2])
+                extra = c.turn_weight[j] + max(0.0, spread - along_axis)
+            torque = add(torque, cross(out, force))
+            for d in range(c.depth[j] + 1):
+                i = c.path[j, d]
+                c.factor[j, d] = (
+                    c.motion[i, 0] * torque[0] + c.motion[i, 1] * torque[1] + c.motion[i, 2] * torque[2]
+                    + c.motion[i, 3] * force[0] + c.motion[i, 4] * force[1] + c.motion[i, 5] * force[2]
+                )
+            c.factor[j, c.depth[j]] += extra
+
+
+@kernel
+def decompose(path: Index, depth: Index, factor_out: Array) -> None:
+    """M = L^T L in place, from the leaves to the roots: entries exist only between a degree and those that carry it."""
+    f = factor_out
+    for k in range(depth.shape[0] - 1, -1, -1):
+        deep = depth[k]
+        root = sqrt(f[k, deep])
+        f[k, deep] = root
+        for d in range(deep):
+            f[k, d] /= root
+        for d in range(deep):
+            i, part = path[k, d], f[k, d]
+            for e in range(d + 1):
+                f[i, e] -= part * f[k, e]
+
+
+@kernel
+def solve(closeness: Closeness, vector_out: Array) -> None:
+    """Replace vector (nd) by M^-1 vector."""
+    solve_up(closeness, vector_out)
+    solve_down(closeness, vector_out)
+
+
+@kernel
+def solve_up(closeness: Closeness, vector_out: Array) -> None:
+    """Replace vector (nd) by L^-T vector: from the leaves to the roots, only along the limbs that the vector is of."""
+    c = closeness
+    for k in range(c.depth.shape[0] - 1, -1, -1):
+        if vector_out[k] != 0.0:
+            deep = c.depth[k]
+            part = vector_out[k] / c.factor[k, deep]
+            vector_out[k] = part
+            for d in range(deep):
+                vector_out[c.path[k, d]] -= c.factor[k, d] * part
+
+
+@kernel
+def solve_down(closeness: Closeness, vector_out: Array) -> None:
+    """Replace vector (nd) by L^-1 vector: from the roots to the leaves."""
+    c = closeness
+    for k in range(c.depth.shape[0]):
+        deep = c.depth[k]
+        left = vector_out[k]
+        for d in range(deep):
+            left -= c.factor[k, d] * vector_out[c.path[k, d]]
+        vector_out[k] = left / c.factor[k, deep]
+
+
+@kernel
+def gain_of(closeness: Closeness, wish: Array, step: Array) -> tuple[float, float]:
+    """By how much a step (nd) lowers the merit, to second order, and its squared length: y . z - y . y / 2 with y = L step,
+    z = L wish, the wish being the unhindered step."""
+    c, gain, square = closeness, 0.0, 0.0
+    for k in range(c.depth.shape[0]):
+        y, z = 0.0, 0.0
+        for d in range(c.depth[k] + 1):
+            i = c.path[k, d]
+            y += c.factor[k, d] * step[i]
+            z += c.factor[k, d] * wish[i]
+        gain += y * (z - 0.5 * y)
+        square += y * y
+    return gain, square
+
+
+@kernel
+def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
+    """Half the squared distance [m^2] to the tracker's posture of one with link origins `here` that is `full` (nd) away.
+
+    See the head of this file; an origin farther than `far` counts by its distance and not by the square."""
+    c, total = closeness, 0.0
+    for link in range(here.shape[0]):
+        way = sub(row(c.there, link), row(here, link))
+        square, far = dot(way, way), c.far[0]
+        total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
+    for j in range(full.shape[0]):
+        total += 0.5 * c.turn_weight[j] * full[j] * full[j]
+    return total

@@ -1,0 +1,191 @@
+"""The measure of nearness against dense algebra and against differences of the measure itself."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
+from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
+from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.workspace import BEST, BEYOND, LOCATED, WORN, Closeness, mean_reach
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import rest
+from avatarsim.world.skeleton import FREE, Posture
+from avatarsim.world.world import posture_of
+from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, random_sample
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+SCENE = Scene("s", (), (mixed_avatar(), replace(mixed_avatar(), name="n")))
+
+
+def towards(seed: int, far: float = 1e9) -> Little:
+    """A world whose goal is a random posture, limits or not, a little away, with everything about it known."""
+    found = little(SCENE)
+    skel, posture = found.world.skeleton, found.world.posture
+    start = posture_of(skel, found.world.hinges, random_sample(SCENE.avatars, seed))
+    for mine, other in zip(posture, start, strict=True):
+        mine[:] = other
+    # inside, so that small steps both ways are taken whole
+    posture.angle[:] = np.clip(posture.angle, skel.limits[:, 0] + 0.2, skel.limits[:, 1] - 0.2)
+    c = found.memory.goal.closeness
+    c.turn_weight[c.turn_weight > 0.0] = 0.07
+    c.far[0] = far
+    stand(found)
+    target = Posture(*(array.copy() for array in posture))
+    take(skel, target, np.random.default_rng(seed + 50).normal(0.0, 0.15, len(c.pull)))
+    for mine, other in zip(found.memory.goal.tracker, target, strict=True):
+        mine[:] = other
+    locate(skel, target, c)
+    c.mode[LOCATED] = 1.0
+    aim(skel, posture, SETTINGS, found.memory.goal)
+    return found
+
+
+def stand(found: Little) -> None:
+    """Forward kinematics of the posture: axes, and where its link origins are."""
+    geo, skel, posture, poses = found.parts
+    found.memory.rows.x[:] = 0.0
+    forward(geo, skel, posture, found.memory.rows.x, poses, found.memory.axes)
+    found.memory.goal.closeness.here[:] = poses.position[skel.first :]
+
+
+def merit_after(found: Little, step: np.ndarray) -> float:
+    """The measure after a step, by forward kinematics."""
+    skel, posture = found.world.skeleton, found.world.posture
+    kept = [array.copy() for array in posture]
+    take(skel, posture, step)
+    stand(found)
+    aim(skel, posture, SETTINGS, found.memory.goal)
+    value = merit_of(found.memory.goal.closeness, found.memory.goal.closeness.here, found.memory.goal.wanted)
+    for mine, other in zip(posture, kept, strict=True):
+        mine[:] = other
+    stand(found)
+    aim(skel, posture, SETTINGS, found.memory.goal)
+    return value
+
+
+def dense(found: Little) -> np.ndarray:
+    """J^T J of all link origins, pulls beyond `far` weaker, plus turn_weight on the diagonal: M without what bends up."""
+    skel, c, nd = found.world.skeleton, found.memory.goal.closeness, len(found.memory.goal.closeness.pull)
+    total = np.diag(c.turn_weight.copy())
+    for link in range(len(skel.kind)):
+        rates = np.zeros((3, nd))
+        for j in range(nd):
+            m = int(np.searchsorted(skel.first_dof, j, side="right")) - 1
+            if skel.related[link, m]:
+                shift = skel.kind[m] == FREE and j < skel.first_dof[m] + 3
+                axis = found.memory.axes[j]
+                rates[:, j] = axis if shift else np.cross(axis, c.here[link] - c.here[m])
+        total += rates.T @ rates * min(1.0, c.far[0] / np.linalg.norm(c.there[link] - c.here[link]))
+    return total
+
+
+def factored(c: Closeness) -> np.ndarray:
+    """M as the factor has it."""
+    lower = np.zeros((len(c.depth), len(c.depth)))
+    for j, deep in enumerate(c.depth):
+        lower[j, c.path[j, : deep + 1]] = c.factor[j, : deep + 1]
+    return lower.T @ lower
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_origins_are_those_of_forward_kinematics(seed: int) -> None:
+    found = towards(seed)
+    c = found.memory.goal.closeness
+    locate(found.world.skeleton, found.world.posture, c)
+    assert c.there == pytest.approx(c.here, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("far", [1e9, 0.05])
+def test_the_factor_is_that_of_the_dense_matrix_and_what_bends_up_joins_the_diagonal(seed: int, far: float) -> None:
+    found = towards(seed, far)
+    c = found.memory.goal.closeness
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    more = factored(c) - dense(found)
+    assert more - np.diag(np.diag(more)) == pytest.approx(0.0, abs=1e-10)
+    assert (np.diag(more) >= -1e-10).all() and np.diag(more).max() > 1e-3
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("far", [1e9, 0.05])
+def test_the_pull_is_down_the_slope_of_the_measure(seed: int, far: float) -> None:
+    found = towards(seed, far)
+    c = found.memory.goal.closeness
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    slope = factored(c) @ c.pull
+    for j, h in enumerate(np.eye(len(slope)) * 1e-6):
+        assert (merit_after(found, -h) - merit_after(found, h)) / 2e-6 == pytest.approx(slope[j], abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_solve_and_gain_beside_dense_algebra(seed: int) -> None:
+    found = towards(seed)
+    c, rng = found.memory.goal.closeness, np.random.default_rng(seed)
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    whole, vector = factored(c), rng.normal(size=len(c.pull))
+    solved = vector.copy()
+    solve(c, solved)
+    assert whole @ solved == pytest.approx(vector, abs=1e-10)
+    gain, square = gain_of(c, c.pull, vector)
+    assert square == pytest.approx(vector @ whole @ vector) and gain == pytest.approx(vector @ whole @ (c.pull - 0.5 * vector))
+
+
+def test_the_slope_is_of_now_and_the_factor_is_kept_until_it_is_worn() -> None:
+    found = towards(1)
+    c, skel = found.memory.goal.closeness, found.world.skeleton
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
+    factor, slope = c.factor.copy(), factored(c) @ c.pull
+    c.mode[WORN], c.there[:] = 0.9 * WORN_OUT, c.there + 0.1
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
+    assert (c.factor == factor).all() and np.abs(factored(c) @ c.pull - slope).max() > 0.05
+    c.mode[WORN] = 1.1 * WORN_OUT
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
+    assert (c.factor != factor).any() and c.mode[WORN] == 0.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
+    """The goal is at the limit, the wish beyond; `farthest` says that nothing is left where no posture inside was nearer."""
+    found = little(SCENE)
+    skel, posture, goal = found.world.skeleton, found.world.posture, found.memory.goal
+    tracker = posture_of(skel, found.world.hinges, at(rest(SCENE.avatars), (0.0, 0.0, 0.0)))
+    clip_to_limits(skel, tracker, goal)
+    assert goal.closeness.mode[BEYOND] == 0.0
+    hinge = int(np.flatnonzero(skel.limits[:, 1] < 100.0)[seed % 3])
+    tracker.angle[hinge] = skel.limits[hinge, 1] + 0.4
+    clip_to_limits(skel, tracker, goal)
+    assert goal.closeness.mode[BEYOND] == 1.0 and goal.tracker.angle[hinge] == skel.limits[hinge, 1]
+    # shown: the tracker's posture with each joint clipped
+    for mine, inside in zip(posture, goal.tracker, strict=True):
+        mine[:] = inside
+    posture.root[0] += 0.3
+    stand(found)
+    aim(skel, posture, SETTINGS, goal)
+    want(skel, posture, goal)
+    assert goal.wanted[hinge] == pytest.approx(0.4) and goal.full[hinge] == 0.0
+    # until somebody has asked how near the posture inside is, the way there counts
+    assert farthest(goal) == pytest.approx(0.3)
+    locate(skel, goal.own, goal.closeness)
+    here = merit_of(goal.closeness, goal.closeness.here, goal.wanted)
+    goal.closeness.mode[BEST] = 0.5 * here
+    assert farthest(goal) == pytest.approx(0.3)
+    # a shown posture nearer to the tracker's own than the clipped one has nothing left to go
+    goal.closeness.mode[BEST] = 2.0 * here
+    assert farthest(goal) == 0.0
+
+
+def test_a_far_origin_counts_by_its_distance_and_not_by_the_square() -> None:
+    c = little(SCENE).memory.goal.closeness
+    c.far[0], c.there[:] = 0.2, c.here
+    c.there[0, 0] += 5.0
+    assert merit_of(c, c.here, np.zeros(len(c.pull))) == pytest.approx(0.2 * (5.0 - 0.1))
+
+
+def test_the_mean_reach_of_links_is_measured_from_their_joints() -> None:
+    found = little(SCENE)
+    geo, skel, _, poses = found.parts
+    # capsules of 0.3 and 0.1 m from the joint, with caps of 0.04 m; hull: twice its half length; box and ball: the ball's top
+    expected = [0.34, 0.3, 0.4, 0.14, 0.34]
+    assert mean_reach(geo, skel, poses) == pytest.approx(np.mean(expected), rel=0.03)
