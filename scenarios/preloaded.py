@@ -3,7 +3,6 @@
 A module at fault is left to the child that needs it, which fails where it is used and says so.
 """
 
-from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 
@@ -33,8 +32,10 @@ def sources_read() -> None:
 
 def preload() -> None:
     """All of it, each part as far as it goes."""
-    parts: list[Callable[[], object]] = [lambda name=name: import_module(name) for name in NEEDED]  # type: ignore[misc]
-    for part in (*parts, every_scene, targets_in_use, sources_read):
+    for name in NEEDED:
+        with suppress(Exception):
+            import_module(name)
+    for part in (every_scene, targets_in_use, sources_read):
         with suppress(Exception):
             part()
 
