@@ -14,6 +14,7 @@ from reference.judge_near import near_pairs
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 LENGTH_OF_A_ROTATION = 1e-6
 """How far from 1 the length of a quaternion may be. Beyond, the pose is no rotation and its verdict is not a number."""
@@ -45,6 +46,10 @@ class Verdict:
     gap: float = np.inf
     faults: tuple[str, ...] = ()
     decided: int = 0
+
+
+FREE = Verdict(0.0, None)
+"""What stands in a state's place until it is judged."""
 
 
 class Judge:
@@ -87,11 +92,11 @@ class Judge:
         ], dtype=np.float64)
 
     def _block(self, positions: Array, orientations: Array, reach: float) -> list[Verdict]:
-        verdicts = [
-            Verdict(np.nan, None, faults=self.faults(at, turned), gap=np.nan)
-            for at, turned in zip(positions, orientations, strict=True)
-        ]
-        sound = [k for k, verdict in enumerate(verdicts) if not verdict.faults]
+        verdicts = [FREE] * len(positions)
+        good = self._sound(positions, orientations).all(axis=1)
+        for k in np.flatnonzero(~good):
+            verdicts[k] = Verdict(np.nan, None, faults=self.faults(positions[k], orientations[k]), gap=np.nan)
+        sound = np.flatnonzero(good)
         at, turned = self._placed(positions[sound], orientations[sound])
         near = near_pairs(self._may_meet, *self.pieces.boxes(at, turned), reach)
         measured = self.between.each(at, turned, near)
@@ -102,7 +107,10 @@ class Judge:
     def _verdict(self, first: Indices, second: Indices, distances: Array, decided: int) -> Verdict:
         """What the distances (k,) [m] of pairs of pieces say of the bodies."""
         names, owner = self.scene.names, self.pieces.owner
-        if np.isnan(distances).any():
+        gap = float(distances.min()) if len(distances) else np.inf
+        if gap >= 0.0:
+            return Verdict(0.0, None, gap=gap, decided=decided)
+        if np.isnan(gap):
             lost = int(np.flatnonzero(np.isnan(distances))[0])
             a, b = names[owner[first[lost]]], names[owner[second[lost]]]
             return Verdict(np.nan, None, gap=np.nan, faults=(f"no distance was found for {a} and {b}",), decided=decided)
@@ -112,9 +120,6 @@ class Judge:
             key = (min(one, other), max(one, other))
             depths[key] = max(depths.get(key, 0.0), -float(distances[k]))
         pairs = sorted(((names[one], names[other], depth) for (one, other), depth in depths.items()), key=lambda found: -found[2])
-        gap = float(distances.min()) if len(distances) else np.inf
-        if not pairs:
-            return Verdict(0.0, None, gap=gap, decided=decided)
         return Verdict(pairs[0][2], pairs[0][:2], tuple(pairs), gap, decided=decided)
 
     def distances(self, positions: Array, orientations: Array, reach: float = 0.0) -> tuple[Indices, Indices, Array]:
@@ -129,15 +134,17 @@ class Judge:
 
     def faults(self, positions: Array, orientations: Array) -> tuple[str, ...]:
         """One sentence per body whose pose is not finite or whose quaternion is not of length 1."""
-        n = len(self.scene.names)
-        for thing, value, width in (("positions", positions, 3), ("orientations", orientations, 4)):
-            if np.shape(value) != (n, width):
-                raise InvalidInput(f"shape of {thing}", np.shape(value), f"{(n, width)}, one row per body of the scene")
         lengths = np.linalg.norm(orientations, axis=1)
-        sound = (np.abs(positions) <= FARTHEST).all(axis=1) & (np.abs(lengths - 1.0) <= LENGTH_OF_A_ROTATION)
-        if sound.all():
-            return ()
         return tuple(
             f"{self.scene.names[k]} is at {np.asarray(positions[k]).tolist()}, its quaternion has length {float(lengths[k])!r}"
-            for k in np.flatnonzero(~sound)
+            for k in np.flatnonzero(~self._sound(positions, orientations))
         )
+
+    def _sound(self, positions: Array, orientations: Array) -> Flags:
+        """(..., n) True where a body's pose is finite, not absurdly far, and a rotation. Raises InvalidInput for another shape."""
+        n = len(self.scene.names)
+        for thing, value, width in (("positions", positions, 3), ("orientations", orientations, 4)):
+            if np.shape(value)[-2:] != (n, width):
+                raise InvalidInput(f"shape of {thing}", np.shape(value)[-2:], f"{(n, width)}, one row per body of the scene")
+        lengths = np.linalg.norm(orientations, axis=-1)
+        return np.asarray((np.abs(positions) <= FARTHEST).all(axis=-1) & (np.abs(lengths - 1.0) <= LENGTH_OF_A_ROTATION))

@@ -1,5 +1,7 @@
 """The pieces of a scene as the judge sees them: coal geometries, where they sit, and boxes round them as arrays."""
 
+from functools import lru_cache
+
 import coal
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,12 @@ from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
+MOST_KEPT = 1024
+"""Shapes whose geometry and outline are kept: equal ones, and those of a scene that is judged again, need not be made again.
+Fewer than the pieces of one scene would keep nothing."""
 
+
+@lru_cache(maxsize=MOST_KEPT)
 def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
     """`shape` as coal's own kind of it; hulls vertex for vertex, and boxes as hulls of their corners.
 
@@ -103,10 +110,16 @@ class Outline:
         self.offsets = self.reach(self.faces)
 
     def reach(self, axes: Array) -> Array:
-        """Highest coordinate (k,) [m] of the shape along unit `axes` (k, 3), in the shape's own frame."""
+        """Highest coordinate (...) [m] of the shape along unit `axes` (..., 3), in the shape's own frame."""
         if self._radii is not None:
-            return np.asarray(np.sqrt(((axes * self._radii) ** 2).sum(axis=1)))
-        return np.asarray((axes @ self.points.T).max(axis=1) + self.radius)
+            return np.asarray(np.sqrt(((axes * self._radii) ** 2).sum(axis=-1)))
+        return np.asarray((axes @ self.points.T).max(axis=-1) + self.radius)
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def outline(shape: Shape) -> Outline:
+    """The outline of `shape`, which nobody changes."""
+    return Outline(shape)
 
 
 class Pieces:
@@ -118,7 +131,7 @@ class Pieces:
         self.owner = np.array([k for k, _ in pieces])
         self.shapes = tuple(piece.shape for _, piece in pieces)
         self.geometries = tuple(coal_geometry(shape) for shape in self.shapes)
-        self.outlines = tuple(Outline(shape) for shape in self.shapes)
+        self.outlines = tuple(outline(shape) for shape in self.shapes)
         self.positions = np.array([piece.position for _, piece in pieces])
         self.turns = rotation.to_matrix(np.array([piece.orientation for _, piece in pieces]))
         boxes = [_box_round(shape) for shape in self.shapes]

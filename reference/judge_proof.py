@@ -14,10 +14,17 @@ from reference.judge_geometry import Outline
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
 
 PROVEN = 1e-8
 """Metres by which a claim may differ from its proof: the accuracy that the judge promises. Below 1e-9, the tolerance of
 the iterations themselves, sound claims would be refuted."""
+
+AT_ONCE = 1_000_000
+"""Numbers computed in one go; more would fill memory and not be faster."""
+
+SMALLEST = 1e-300
+"""Length that no cross product of two edges has but 0; keeps a division by 0 out."""
 
 
 def separations(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array, axes: Array) -> Array:
@@ -28,16 +35,39 @@ def separations(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_
     return axes @ from_b_to_a - a.reach(-axes @ turn_a) - b.reach(axes @ turn_b)
 
 
-def largest_over_faces(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array) -> float:
-    """Largest separation [m] over the face normals of a and b; -inf when neither has faces. Same arguments."""
-    best = -np.inf
+def largest_over_faces(a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Array:
+    """(k,) largest separation [m] over the face normals of a and b; -inf when neither has faces. Same arguments, k of each."""
+    best = np.full(len(from_b_to_a), -np.inf)
     if len(a.faces):
-        out_of_a = a.faces @ turn_a.T
-        best = float((-(out_of_a @ from_b_to_a) - a.offsets - b.reach(-out_of_a @ turn_b)).max())
+        out_of_a = a.faces @ turns_a.swapaxes(1, 2)
+        gaps = -_along(out_of_a, from_b_to_a) - a.offsets - b.reach(-out_of_a @ turns_b)
+        best = gaps.max(axis=1)
     if len(b.faces):
-        out_of_b = b.faces @ turn_b.T
-        best = max(best, float((out_of_b @ from_b_to_a - b.offsets - a.reach(-out_of_b @ turn_a)).max()))
-    return best
+        out_of_b = b.faces @ turns_b.swapaxes(1, 2)
+        gaps = _along(out_of_b, from_b_to_a) - b.offsets - a.reach(-out_of_b @ turns_a)
+        best = np.maximum(best, gaps.max(axis=1))
+    return np.asarray(best)
+
+
+def _along(axes: Array, from_b_to_a: Array) -> Array:
+    """(k, m) how far each offset (k, 3) [m] goes along each of its axes (k, m, 3)."""
+    return np.asarray((axes @ from_b_to_a[:, :, None])[:, :, 0])
+
+
+def largest_over_axes(a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Array:
+    """(k,) signed distance [m] of two polytopes where it is negative, else a lower bound of it, by the separating axis test.
+
+    The facets of a difference of polytopes are their faces, and what one edge of each spans: where they overlap, the depth is
+    that of the nearest of these. Any other axis is harmless, so that no edges need to be told from the diagonals of faces.
+    """
+    crossed = np.cross((a.edges @ turns_a.swapaxes(1, 2))[:, :, None], (b.edges @ turns_b.swapaxes(1, 2))[:, None])
+    crossed = crossed.reshape(len(from_b_to_a), -1, 3)
+    lengths = np.linalg.norm(crossed, axis=2, keepdims=True)
+    # parallel edges span no facet: in their place stands an axis that is any
+    crossed = np.where(lengths > 0.0, crossed / np.maximum(lengths, SMALLEST), (0.0, 0.0, 1.0))
+    axes = np.concatenate([crossed, -crossed], axis=1)
+    gaps = _along(axes, from_b_to_a) - a.reach(-axes @ turns_a) - b.reach(axes @ turns_b)
+    return np.maximum(gaps.max(axis=1), largest_over_faces(a, turns_a, b, turns_b, from_b_to_a))
 
 
 def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Flags:
@@ -50,9 +80,17 @@ def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, 
     gaps = (normals * from_b_to_a).sum(axis=1) - reach_a - reach_b
     # a claim that is no number is not proven
     proven = np.abs(gaps - claims) <= PROVEN
-    for k in np.flatnonzero(proven & (claims < 0.0)):
-        proven[k] = largest_over_faces(a, turns_a[k], b, turns_b[k], from_b_to_a[k]) <= claims[k] + PROVEN
+    deep = np.flatnonzero(proven & (claims < 0.0))
+    for some in in_parts(deep, len(a.faces) * len(b.points) + len(b.faces) * len(a.points)):
+        faces = largest_over_faces(a, turns_a[some], b, turns_b[some], from_b_to_a[some])
+        proven[some] = faces <= claims[some] + PROVEN
     return np.asarray(proven)
+
+
+def in_parts(rows: Indices, size: int) -> list[Indices]:
+    """`rows` in runs of which each, at `size` numbers a row, stays below AT_ONCE."""
+    step = max(1, AT_ONCE // max(1, size))
+    return [rows[start : start + step] for start in range(0, len(rows), step)]
 
 
 def by_directions(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array) -> float:
@@ -64,7 +102,8 @@ def by_directions(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_t
     def value(axes: Array) -> Array:
         return separations(a, turn_a, b, turn_b, from_b_to_a, axes.reshape(-1, 3)).reshape(axes.shape[:-1])
 
-    largest = max(largest_over_faces(a, turn_a, b, turn_b, from_b_to_a), float(_on_the_sphere(value)))
+    faces = largest_over_faces(a, turn_a[None], b, turn_b[None], from_b_to_a[None])
+    largest = max(float(faces[0]), float(_on_the_sphere(value)))
     edges = np.concatenate([a.edges @ turn_a.T, b.edges @ turn_b.T])
     return max(largest, float(_across(edges, value))) if len(edges) else largest
 
