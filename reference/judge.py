@@ -141,7 +141,7 @@ class Judge:
         )
 
     def _sound(self, positions: Array, orientations: Array) -> Flags:
-        """(..., n) True where a body's pose is finite, not absurdly far, and a rotation. Raises InvalidInput for another shape."""
+        """(..., n) True where a body's pose is finite, not absurdly far, and a rotation. Raises InvalidInput for other shapes."""
         n = len(self.scene.names)
         for thing, value, width in (("positions", positions, 3), ("orientations", orientations, 4)):
             if np.shape(value)[-2:] != (n, width):

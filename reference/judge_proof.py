@@ -67,7 +67,7 @@ def largest_over_axes(a: Outline, turns_a: Array, b: Outline, turns_b: Array, fr
     crossed = np.where(lengths > 0.0, crossed / np.maximum(lengths, SMALLEST), (0.0, 0.0, 1.0))
     axes = np.concatenate([crossed, -crossed], axis=1)
     gaps = _along(axes, from_b_to_a) - a.reach(-axes @ turns_a) - b.reach(axes @ turns_b)
-    return np.maximum(gaps.max(axis=1), largest_over_faces(a, turns_a, b, turns_b, from_b_to_a))
+    return np.asarray(np.maximum(gaps.max(axis=1), largest_over_faces(a, turns_a, b, turns_b, from_b_to_a)))
 
 
 def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Flags:

@@ -10,7 +10,7 @@ from math import nan
 
 from scenarios.job import Job
 from scenarios.seats import Seats
-from scenarios.timing import Clocked, Turns
+from scenarios.timing import Clocked, Turns, loaded, warmed
 
 MANY = 12
 """Scenes in a comparison from which on one that is not an everyday scene gets a glance only, unless full lengths are asked for:
@@ -28,16 +28,14 @@ PATIENCE = 60.0
 
 
 def glance(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
-    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames."""
+    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames. Loading, which for many
+    scenes takes longer than the frames, is done side by side."""
     table = [Turns(job, seats.at(job.run)) for job in jobs]
-    for turns in table:
-        turns.seat.ask(turns.job, WARM_FRAMES)
-    cost = sum(turns.warmed() for turns in table)
+    cost = sum(warmed(table, WARM_FRAMES))
     frames = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
     for _ in range(ROUNDS):
-        for turns in table:
-            if not turns.note:
-                turns.turn(frames)
+        for turns in loaded(table, [frames] * len(table)):
+            turns.turn()
     return [_without_warm_up(turns.clocked()) for turns in table]
 
 

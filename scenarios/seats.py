@@ -3,7 +3,7 @@
 from types import TracebackType
 from typing import Self
 
-from scenarios.timing import PATIENCE, Seat
+from scenarios.seat import PATIENCE, Seat
 
 
 class Seats:

@@ -1,20 +1,13 @@
 """The timing pass: serial, one thread, warm, nothing recorded, the engines of a scene taking turns repeat by repeat."""
 
-import time
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 
 import numpy as np
 
-from avatarsim.engine import Engine
-from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.processes import begin, ended, quiet
-from scenarios.run import described
+from scenarios.seat import Repeat, Seat
 
 MOST_FRAMES = 600
 """Frames timed at full length: ten seconds of motion hold every kind of frame a scene has."""
@@ -26,12 +19,6 @@ WARM_FRAMES = 30
 """Frames run before anything is timed: compiles, fills caches, grows buffers."""
 ENOUGH = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row says how many it had."""
-PATIENCE = 300.0
-"""Longest one repeat may take [s]."""
-
-
-Repeat = tuple[list[int], dict[str, list[int]], str]
-"""Nanoseconds of each frame from outside and per stage, and the state hash of the last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,84 +30,6 @@ class Clocked:
     note: str = ""
 
 
-def repeat(job: Job, frames: int) -> Repeat:
-    """The first frames of a job, timed; a fresh load each time."""
-    scenario, scene, motion = job.asked()
-    samples = [motion(k) for k in range(min(frames, scenario.frames))]
-    engine: Engine = opened(job.engine)
-    around: list[int] = []
-    stages: dict[str, list[int]] = {}
-    try:
-        shown = engine.load(scene, job.settings(engine, stages=True), scenario.dt)
-        for k, sample in enumerate(samples):
-            begun = time.perf_counter_ns()
-            shown = engine.advance(sample, scenario.dt)
-            around.append(time.perf_counter_ns() - begun)
-            for name, spent in shown.stage_ns.items():
-                stages.setdefault(name, [0] * len(samples))[k] = int(spent)
-        return around, stages, shown.state_hash()
-    finally:
-        engine.close()
-
-
-def _serve(connection: Connection) -> None:
-    """Life of one timed engine: a repeat for each job that comes in, with how long all of it took; none ends it."""
-    quiet()
-    try:
-        while (asked := connection.recv()) is not None:
-            begun = time.perf_counter()
-            answer = repeat(*asked)
-            connection.send((time.perf_counter() - begun, answer))
-    except (EOFError, ConnectionError):
-        # the parent has gone
-        return
-    except Exception as error:
-        with suppress(ConnectionError):
-            connection.send((0.0, described(error)))
-
-
-class Seat:
-    """One engine's place at the table: its process, and what has been asked of it. It answers one thing at a time."""
-
-    def __init__(self, patience: float = PATIENCE) -> None:
-        self.child: BaseProcess
-        self.child, self.end = begin(_serve)
-        self.patience, self.gone = patience, False
-
-    def ask(self, job: Job, frames: int) -> None:
-        """Let it run so many frames of `job`."""
-        with suppress(ConnectionError):
-            # one that has died meanwhile is heard of
-            self.end.send((job, frames))
-
-    def hear(self) -> tuple[float, Repeat] | str:
-        """Its answer, with the seconds it took; or why there is none, and never will be."""
-        try:
-            if self.end.poll(self.patience):
-                spent, answer = self.end.recv()
-                if not isinstance(answer, str):
-                    return spent, answer
-            else:
-                self.child.kill()
-                answer = f"no answer within {self.patience:g} s"
-        except (EOFError, ConnectionError):
-            answer = ended(self.child)
-        self.gone = True
-        return answer
-
-    def leave(self, at_once: bool = False) -> None:
-        """End the process, in the middle of its work if somebody stopped the run."""
-        with suppress(ConnectionError):
-            self.end.send(None)
-        if at_once:
-            self.child.kill()
-        self.child.join(timeout=10.0)
-        if self.child.is_alive():
-            self.child.kill()
-            self.child.join()
-        self.end.close()
-
-
 class Turns:
     """What one job has given so far, turn by turn."""
 
@@ -129,23 +38,25 @@ class Turns:
         self.repeats: list[Repeat] = []
 
     def warmed(self) -> float:
-        """Hear of the warm-up that was asked for; seconds per frame it had, 0 when it failed."""
-        found = self.seat.hear()
-        if isinstance(found, str):
-            self.note = found
-            return 0.0
-        self.warmup, (around, _, _) = found
-        return 1e-9 * float(np.median(around))
+        """Hear of the warm-up that it was told to run; seconds per frame it had, 0 when it failed."""
+        found = None if self.note else self.hear()
+        self.warmup, self.spent = self.spent, 0.0
+        return 1e-9 * float(np.median(found[0])) if found else 0.0
 
-    def turn(self, frames: int) -> None:
-        """One repeat, with nobody else at work."""
-        self.seat.ask(self.job, frames)
+    def turn(self) -> None:
+        """The frames of one repeat, with nobody else at work."""
+        self.seat.go()
+        if found := self.hear():
+            self.repeats.append(found)
+
+    def hear(self) -> Repeat | None:
+        """What it answers to either order; None when it has loaded, or is gone, which its note says."""
         found = self.seat.hear()
         if isinstance(found, str):
             self.note = found
-            return
+            return None
         self.spent += found[0]
-        self.repeats.append(found[1])
+        return found[1]
 
     def clocked(self) -> Clocked:
         """All that it gave."""
@@ -157,6 +68,24 @@ class Turns:
         stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
         timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats))
         return Clocked(self.job, timed, self.note or f"{len(self.repeats)} repeats of {around.shape[1]} frames")
+
+
+def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
+    """Let all load side by side, each for so many frames; those that are ready, in a quiet moment."""
+    asked = [at for at in table if not at.note]
+    for at, count in zip(table, counts, strict=True):
+        if not at.note:
+            at.seat.prepare(at.job, count)
+    for at in asked:
+        at.hear()
+    return [at for at in asked if not at.note]
+
+
+def warmed(table: Sequence[Turns], frames: int) -> list[float]:
+    """Let all run so many frames side by side; seconds per frame that each had, 0 for those that failed."""
+    for at in loaded(table, [frames] * len(table)):
+        at.seat.go()
+    return [at.warmed() for at in table]
 
 
 def timed_pass(
@@ -173,13 +102,11 @@ def timed_pass(
     try:
         for k, job in enumerate(jobs):
             table.append(Turns(job, seats[k] if seats else Seat()))
-            table[-1].seat.ask(job, WARM_FRAMES)
-        for at in table:
-            at.warmed()
+        warmed(table, WARM_FRAMES)
         for _ in range(REPEATS):
-            for at, count in zip(table, counts, strict=True):
-                if not at.note and (full or at.spent < ENOUGH):
-                    at.turn(count)
+            again = [(at, count) for at, count in zip(table, counts, strict=True) if full or at.spent < ENOUGH]
+            for at in loaded([at for at, _ in again], [count for _, count in again]):
+                at.turn()
     except BaseException:
         for at in table if not seats else ():
             at.seat.leave(at_once=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.scene.tracker import link_poses
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.timing import repeat
+from scenarios.seat import repeat
 
 SCENE, PRESETS = "hand_over_table", ("default", "paper")
 REPEATS = 3

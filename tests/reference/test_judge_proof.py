@@ -68,7 +68,8 @@ def test_many_placements_at_once_are_those_of_each_alone(pair: tuple[Shape, Shap
 
 def test_shapes_without_faces_refute_nothing() -> None:
     ball, rod = Outline(Sphere(0.1)), Outline(Capsule(0.1, 0.2))
-    assert (largest_over_faces(ball, np.tile(np.eye(3), (4, 1, 1)), rod, np.tile(np.eye(3), (4, 1, 1)), np.ones((4, 3))) == -np.inf).all()
+    turns = np.tile(np.eye(3), (4, 1, 1))
+    assert (largest_over_faces(ball, turns, rod, turns, np.ones((4, 3))) == -np.inf).all()
 
 
 @pytest.mark.parametrize(("rows", "size"), [(0, 5), (7, 0), (7, 300_000), (7, 10**9)])
