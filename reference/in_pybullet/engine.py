@@ -71,13 +71,16 @@ class PybulletEngine:
         self._set_bodies()
         up = -np.array(scene.gravity)
         held = zip(self._world.parts[len(scene.bodies) :], scene.links, strict=True) if self._lifts else ()
-        self._lifting = [(part, (link.mass.mass * up).tolist()) for part, link in held]
+        self._lifting = [
+            (row, part, (link.mass.mass * up).tolist()) for row, (part, link) in enumerate(held, start=len(scene.bodies))
+        ]
         self._reading = Reading(self._world, scene)
         self._drive = Drive(self._world, scene, self._chosen)
         self._drive.start(rotation.normalised(scene.first_sample.rotations), scene.first_sample.angles)
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
-        return FrameRecord(self._reading.snapshots([0.0], [self._reading.raw()])[0], self._reading.angles())
+        self._now = self._reading.raw()
+        return FrameRecord(self._reading.snapshots([0.0], [self._now])[0], self._reading.angles())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """Follow the motion from the last sample to this one in equal steps."""
@@ -95,8 +98,10 @@ class PybulletEngine:
             pybullet.stepSimulation(physicsClientId=self._client)
             stepping += perf_counter_ns() - before
             self._elapsed += self._step
+            if self._lifting or self._settings.record_inside or k == self._count - 1:
+                self._now = self._reading.raw()
             if self._settings.record_inside or k == self._count - 1:
-                raw.append(self._reading.raw())
+                raw.append(self._now)
                 times.append(self._elapsed)
         inside = self._reading.snapshots(times, raw)
         shown, angles = inside[-1], self._reading.angles()
@@ -170,10 +175,12 @@ class PybulletEngine:
                 pybullet.changeDynamics(part.body, part.link, contactProcessingThreshold=0.0, physicsClientId=client)
 
     def _lift(self) -> None:
-        """Hold driven links against gravity: Bullet has no gravity per body."""
-        for part, force in self._lifting:
+        """Hold driven links against gravity, by their mass centres: Bullet has no gravity per body.
+
+        The force is given in the world, for Bullet turns one that is given in the link's frame along with the link."""
+        for row, part, force in self._lifting:
             pybullet.applyExternalForce(
-                part.body, part.link, force, [0.0, 0.0, 0.0], pybullet.LINK_FRAME, physicsClientId=self._client
+                part.body, part.link, force, self._now[row, :3].tolist(), pybullet.WORLD_FRAME, physicsClientId=self._client
             )
 
     def _number(self, name: str) -> float:

@@ -1,0 +1,64 @@
+"""Tracked links weigh nothing in the tuned engines, however they are turned, and looking inside a frame changes nothing in it."""
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import Engine, Settings
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import simulated
+from avatarsim.scene.joint import Free
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample
+from scenarios.job import Job
+from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
+from tests.agreement.scenes import FRAME, every_joint, posture, skewed, turned
+
+BALL = (Piece(Sphere(0.1)),)
+LIMP = {"root_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0}
+"""Settings of PyBullet with which nothing drives a link."""
+
+
+def beside_a_falling_ball(avatar: Avatar, start: TrackerSample) -> Scene:
+    """Something falls far away, so that there is gravity."""
+    loose = simulated("ball", BALL, "wood", solid(BALL, 0.2), (9.0, 0.0, 9.0))
+    return Scene("held", (loose,), (avatar,), start=start)
+
+
+JOINTED = Avatar("jointed", tuple(link for link in every_joint().links if link.name in ("root", "one", "ball")))
+"""Without the links that are in one another at the start, and without those that PyBullet makes of a chain of light ones."""
+
+
+@needs_pybullet
+@pytest.mark.parametrize("avatar", [JOINTED, Avatar("hand", (Link("hand", None, Free(), BALL, skewed(1.0, 5)),))])
+def test_a_turned_link_that_nobody_drives_stays_where_it_is(avatar: Avatar) -> None:
+    start = posture(avatar, 3)
+    start.rotations[0] = turned(8)
+    engine = PybulletEngine()
+    first = engine.load(beside_a_falling_ball(avatar, start), Settings("tuned", LIMP), FRAME).shown
+    for _ in range(20):
+        shown = engine.advance(start, FRAME).shown
+    engine.close()
+    assert shown.positions[0, 2] < first.positions[0, 2] - 0.4
+    # upwards is not the only way to go: a force that turns with the link pushes it sideways
+    assert np.abs(shown.positions[1:] - first.positions[1:]).max() < 1e-6
+    assert np.abs(shown.orientations[1:] - first.orientations[1:]).max() < 1e-6
+
+
+@ENGINES
+@pytest.mark.parametrize("preset", ["default", "tuned"])
+@pytest.mark.parametrize("scene", ["ball_off_table", "hand_over_table", "squeeze"])
+def test_looking_inside_frames_changes_no_bit(engine: Engine, preset: str, scene: str) -> None:
+    lasts = []
+    for inside in (False, True):
+        job = Job(scene, engine.name, preset, frames=12)
+        scenario, built, motion = job.asked()
+        opened = type(engine)()
+        shown = opened.load(built, job.settings(opened, inside=inside), scenario.dt)
+        for k in range(12):
+            shown = opened.advance(motion(k), scenario.dt)
+        lasts.append(shown.state_hash())
+        opened.close()
+        assert bool(shown.inside) == inside
+    assert lasts[0] == lasts[1]
