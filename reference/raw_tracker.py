@@ -8,8 +8,9 @@ from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
+from reference.targets import Targets
 
 
 class RawTracker:
@@ -41,6 +42,9 @@ class RawTracker:
         self._scene, self._settings, self._elapsed = scene, settings, 0.0
         self._positions = np.array([body.position for body in scene.bodies], dtype=np.float64).reshape(-1, 3)
         self._orientations = np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4)
+        self._arms = np.array([link.mass.centre for link in scene.links], dtype=np.float64).reshape(-1, 3)
+        # the very kernel that leads the other engines; without limits it changes nothing of a sample
+        self._targets = Targets(scene, clamp=False)
         self._last: Snapshot | None = None
         self._centres = self._positions
         return self._record(scene.first_sample, dt)
@@ -56,11 +60,10 @@ class RawTracker:
     def _record(self, sample: TrackerSample, dt: float) -> FrameRecord:
         if not (np.isfinite(dt) and dt > 0.0):
             raise InvalidInput("frame time [s]", dt, "finite and above 0")
-        at, turned = link_poses(self._scene.avatars, sample)
+        at, turned = self._targets.posture(self._targets.within_limits(sample))
         positions, orientations = np.vstack([self._positions, at]), np.vstack([self._orientations, turned])
-        arms = np.array([link.mass.centre for link in self._scene.links], dtype=np.float64).reshape(-1, 3)
         centres = positions.copy()
-        centres[len(self._scene.bodies) :] += rotation.rotate(turned, arms)
+        centres[len(self._scene.bodies) :] += rotation.rotate(turned, self._arms)
         velocity, spin = np.zeros_like(positions), np.zeros_like(positions)
         if self._last is not None:
             velocity = (centres - self._centres) / dt

@@ -107,6 +107,15 @@ class Targets:
         )
         return goals
 
+    def posture(self, sample: TrackerSample) -> tuple[Array, Array]:
+        """Link poses (links, 3) [m] and (links, 4) of one sample, which comes from `within_limits`."""
+        positions, orientations = np.empty_like(sample.positions), np.empty_like(sample.rotations)
+        chain_poses(
+            self._parent, self._kind, self._anchor, self._rest, self._first, self._axes,
+            sample.positions[None], sample.rotations[None], sample.angles[None], positions[None], orientations[None],
+        )
+        return positions, orientations
+
     def ahead(self, goals: Goals, steps: float) -> tuple[Array, Array]:
         """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it
         came with.
