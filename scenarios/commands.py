@@ -17,6 +17,7 @@ from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bou
 from scenarios.harness import Run, offers
 from scenarios.job import Job, Outcome, State
 from scenarios.own_settings import OwnSettings, read
+from scenarios.own_trial import tried
 from scenarios.provenance import provenance
 from scenarios.results import Row, is_time
 from scenarios.resume import earlier_run, how_to_go_on
@@ -87,6 +88,9 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
             if offer.presets and row.base not in offer.presets:
                 raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.presets)
         presets[name] = [(preset, None) for preset in listed] + [(row.name, row) for row in rows]
+    if asked.settings and found:
+        tried([row for row in own if row.engine in presets and row.engine not in missing], next(iter(found)), asked.settings,
+              asked.jobs)
     if asked.preset and found and not missing and not any(presets.values()):
         raise UnknownName("preset", ", ".join(asked.preset), {p for offer in offered.values() for p in offer.presets})
     jobs, ready = [], []
