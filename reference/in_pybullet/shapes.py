@@ -28,7 +28,10 @@ def wxyz(quaternion: tuple[float, ...]) -> Array:
 
 
 def collision_shape(pieces: tuple[Piece, ...], frame: Array, client: int) -> int:
-    """Shape of all pieces, in a frame that is turned by the quaternion `frame` against the body's."""
+    """Shape of all pieces, in a frame that is turned by the quaternion `frame` against the body's; -1, Bullet's word for none,
+    without pieces."""
+    if not pieces:
+        return -1
     back = rotation.conjugate(frame)
     places = [rotation.rotate(back, piece.position).tolist() for piece in pieces]
     turns = [xyzw(rotation.multiply(back, piece.orientation)) for piece in pieces]

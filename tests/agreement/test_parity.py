@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine, FrameRecord, Settings
-from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.joint import Ball, Hinge, Hinges, Rigid
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid
+from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import link_poses
+from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.raw_tracker import RawTracker
@@ -232,3 +234,21 @@ def test_raw_tracker_shows_the_plain_kinematics() -> None:
     assert same_turn(record.shown.orientations[first:], orientations) <= 1e-15
     assert np.abs(record.shown.positions[:first] - [body.position for body in scene.bodies]).max() == 0.0
     assert len(record.inside) == 1
+
+
+@ENGINES
+@PRESETS
+def test_links_without_shapes_go_along(engine: Engine, preset: str) -> None:
+    """A root that is only a frame, and a joint between two limbs that has nothing to see."""
+    ball, mass = (Piece(Sphere(0.1)),), Mass(1.0)
+    sparse = Avatar("chain", (
+        Link("root", None, Free(), (), mass), Link("upper", "root", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.3)),
+        Link("elbow", "upper", Hinges((Hinge((1.0, 0.0, 0.0)),)), (), mass, anchor=(0.0, 0.0, 0.3)),
+        Link("lower", "elbow", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.3)),
+    ))
+    scene = Scene("chain", (), (sparse,), gravity=(0.0, 0.0, 0.0))
+    shown = engine.load(scene, Settings(preset), FRAME).shown
+    for _ in range(3):
+        shown = engine.advance(rest((sparse,)), FRAME).shown
+    assert shown.positions[:, 2] == pytest.approx([0.0, 0.3, 0.6, 0.9], abs=1e-6)
+    engine.close()
