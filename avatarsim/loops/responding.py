@@ -44,6 +44,10 @@ lose speed; more: a struck stack takes thousands."""
 GENTLE_TURN = 0.1
 """Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines."""
 
+STEADY_TURN = 2.0
+"""The same [rad] about any axis for what is smooth and no ball, a rolling log too: over larger ones the torque of its own spin,
+taken from the start, makes a tilt of nanometres grow from segment to segment."""
+
 RISE, FEW = 8e-7, 2
 """Spin x gravity x h^3 [m] of a segment, a body that stands on so few points: it rises by a quarter of that (h^3 / 12 times three
 times spin x twist x arm), and from a micrometre on it flies, lands and loses energy."""
@@ -194,6 +198,9 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members:
                         h = GENTLE_TURN / spin
                     if count <= FEW and spin * pull * h * h * h > RISE:
                         h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+                    rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
+                    if rolls * h > STEADY_TURN:
+                        h = STEADY_TURN / rolls
         if h < left:
             # what is left over at the end would be a stretch so short that a nanometre to come down is a speed
             h = left / ceil(left / h)
