@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, push_all, speed_along
 from avatarsim.impact.masses import Masses
+from avatarsim.impact.solver_rows import lay_out
 from avatarsim.impact.visit import go_on_along, visit_all
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, row
@@ -32,6 +33,12 @@ WANDERING, WANDERS = 2e-6, 10
 """Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
 points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
 on from sweep to sweep, millions of times, until one of them is empty."""
+
+
+ROUGH, STALE, SHRINKS, STALE_BELOW = 1e-7, 12, 0.8, 5e-5
+"""Where no more than the first accuracy [m/s] is asked for: so many double sweeps in which the change does not fall below this
+part of the least so far, and that is below the last velocity [m/s], mean that only the load wanders. Corners of one face at
+different heights ask bodies in motion for velocities that no rigid body can have, at micrometres a second."""
 
 
 @kernel
@@ -86,26 +93,34 @@ def sweeps(
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
+    least, stale = inf, 0
     for k in range(first, last):
         points += 1 if contacts.target[k] != -inf else 0
     of_face = points <= POINTS_OF_FACE and tolerance > EXACT
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
+    lay_out(contacts, masses, first, last)
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        worst, _ = visit_all(contacts, masses, first, last, False, grip, linear, angular, before)
+        worst, _ = visit_all(contacts, first, last, False, grip, linear, angular, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
+            return worst, True
+        if worst < SHRINKS * least:
+            least, stale = worst, 0
+        else:
+            stale += 1
+        if stale >= STALE and least < STALE_BELOW and tolerance >= ROUGH:
             return worst, True
         if sweep % patience == patience - 1:
             if not (best < 0.5 * earlier):
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        _, square = visit_all(contacts, masses, first, last, True, grip, linear, angular, before)
+        _, square = visit_all(contacts, first, last, True, grip, linear, angular, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        go_on_along(contacts, masses, first, last, beta, linear, angular, before, direction)
+        go_on_along(contacts, first, last, beta, linear, angular, before, direction)
     return worst, False
 
 

@@ -25,6 +25,9 @@ corners, each of which belongs to two."""
 POINTS_OF_PAIR = 16
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
+ROW = 72
+"""Numbers of a contact that a pass of the solver reads: nine lines of the cache."""
+
 EARTH = 9.8
 """Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
 
@@ -58,7 +61,9 @@ class Contacts(NamedTuple):
     smooth (cap) see above; radii_a, radii_b (cap, 3, 3) radii of curvature [m]: how far the point of a smooth surface moves per
     turn of its normal; zero for corners, without meaning along an edge;
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
-    pace (1): what speeds that count as slow are multiplied by, see `pace_of`.
+    pace (1): what speeds that count as slow are multiplied by, see `pace_of`;
+    approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
+    rows (cap, ROW) what a pass of the solver reads, see `impact.solver_rows`.
     """
 
     used: Index
@@ -94,6 +99,8 @@ class Contacts(NamedTuple):
     unease: Array
     drag: Array
     pace: Array
+    approach: Array
+    rows: Array
 
 
 def pace_of(gravity: Array) -> float:
@@ -116,7 +123,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
-        pace=np.full(1, pace),
+        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)),
     )
 
 

@@ -44,13 +44,46 @@ not influence each other and eqs 9 and 10 are the exact answer."""
 
 @kernel
 def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple[int, float]:
-    """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches."""
+    """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches.
+
+    ``contacts.approach`` holds v_n of all of them afterwards.
+    """
+    for k in range(contacts.used[0]):
+        contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
+    return head_of_queue(contacts)
+
+
+@kernel
+def head_of_queue(contacts: Contacts) -> tuple[int, float]:
+    """`fastest_approach` by the velocities last seen."""
     head, fastest = -1, 0.0
     for k in range(contacts.used[0]):
-        v = speed_along(contacts, k, 0, linear, angular)
-        if v < fastest:
-            head, fastest = k, v
+        if contacts.approach[k] < fastest:
+            head, fastest = k, contacts.approach[k]
     return head, fastest
+
+
+@kernel
+def next_approach(
+    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, hit: Index
+) -> tuple[int, float]:
+    """`fastest_approach` after the block first <= k < last was resolved: only who touches a body that was hit is looked at again.
+
+    ``hit`` (nb): working memory.
+    """
+    count = contacts.used[0]
+    for k in range(count):
+        hit[contacts.body[k, 0]], hit[contacts.body[k, 1]] = 0, 0
+    for k in range(first, last):
+        if contacts.target[k] != -inf:
+            for side in range(2):
+                b = contacts.body[k, side]
+                # what nothing moves is beneath many
+                hit[b] = 1 if masses.inverse_mass[b] > 0.0 else 0
+    for k in range(count):
+        if hit[contacts.body[k, 0]] + hit[contacts.body[k, 1]] > 0:
+            contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
+    return head_of_queue(contacts)
 
 
 @kernel
@@ -60,8 +93,8 @@ def same_pair(contacts: Contacts, i: int, k: int) -> bool:
 
 
 @kernel
-def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Array) -> tuple[int, int, int]:
-    """Set targets (eq. 8) for all points of all pairs that tie with the fastest; -inf for the others.
+def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
+    """Set targets (eq. 8) for all points of all pairs that tie with the fastest by the velocities last seen; -inf for the others.
 
     Returns (first, last, number of points): the block lies within first <= k < last.
     """
@@ -71,7 +104,7 @@ def choose_block(contacts: Contacts, fastest: float, linear: Array, angular: Arr
     while start < count:
         end, tied = start, False
         while end < count and same_pair(contacts, start, end):
-            v = speed_along(contacts, end, 0, linear, angular)
+            v = contacts.approach[end]
             contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
             if contacts.target[end] <= REST_SPEED * contacts.pace[0]:
                 contacts.target[end] = 0.0
@@ -129,11 +162,12 @@ def in_frame(contacts: Contacts, k: int, j: Vec3) -> Vec3:
 def resolve_impact(
     contacts: Contacts, masses: Masses, members: Index, head: int, fastest: float, literal: bool, precise: bool,
     linear: Array, angular: Array, linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
-) -> bool:
+) -> tuple[bool, int, int]:
     """Resolve the head of the queue, to rounding if ``precise``; ``received`` (nb, 3) gains the impulses [N s] on driven bodies.
 
     Returns:
-        Whether the energy guard had to shorten the impulses: Newton's law (eq. 8) with friction can otherwise create energy.
+        (whether the energy guard had to shorten the impulses: Newton's law (eq. 8) with friction can otherwise create energy,
+        first, last: those that took part have a target and first <= k < last).
     """
     guarded = False
     if literal:
@@ -143,7 +177,7 @@ def resolve_impact(
         contacts.target[head] = target if target > REST_SPEED * contacts.pace[0] else 0.0
         lone_impact(contacts, masses, head, True, linear, angular)
     else:
-        first, last, points = choose_block(contacts, fastest, linear, angular)
+        first, last, points = choose_block(contacts, fastest)
         if points == 1 and (contacts.friction[first] == 0.0 or central(contacts, first)):
             lone_impact(contacts, masses, first, False, linear, angular)
         else:
@@ -158,7 +192,7 @@ def resolve_impact(
             )
             guarded = guard_energy(contacts, members, first, last, linear, angular, linear_before, angular_before)
     collect(contacts, first, last, received)
-    return guarded
+    return guarded, first, last
 
 
 @kernel

@@ -42,8 +42,8 @@ SEGMENTS_CAP = 100
 STALL_COSTS = 5
 """A segment that stalls costs as many as so many of the budget."""
 
-WORK_CAP = 24000
-"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; a few milliseconds."""
+WORK_CAP = 12000
+"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; about a millisecond."""
 
 PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
 """Most plastic steps of a frame, and the work that they may take together; visits per contact point, and work per near pair."""

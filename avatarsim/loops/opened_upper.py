@@ -8,6 +8,7 @@ from avatarsim.kernel import kernel
 from avatarsim.loops.islands import Islands
 from avatarsim.loops.last_forces import LastForces
 from avatarsim.loops.opened_checked import opened_scratch
+from avatarsim.loops.soonest import Soonest
 from avatarsim.loops.upper_memory import Memory, Switches
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.manifold import Manifold
@@ -39,7 +40,7 @@ def opened_contacts(o: Opening) -> Contacts:
         vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], matrices(o)[0], matrices(o)[0],
         matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0],
         vectors(o)[0], vectors(o)[0], vectors(o)[0], index_line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0],
-        grid(o)[0], line(o)[0],
+        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0],
     )
 
 
@@ -90,7 +91,7 @@ def opened_memory(o: Opening) -> Memory:
         index_grid(o)[0], grid(o)[0], grid(o)[0], opened_last(o), index_line(o)[0], vectors(o)[0], vectors(o)[0],
         index_line(o)[0], opened_poses(o), opened_islands(o), index_line(o)[0], line(o)[0], line(o)[0], index_line(o)[0],
         index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], index_line(o)[0],
-        index_grid(o)[0], line(o)[0],
+        index_grid(o)[0], line(o)[0], Soonest(index_line(o)[0], index_line(o)[0], index_grid(o)[0]),
     )
 
 

@@ -13,7 +13,8 @@ from avatarsim.kernel import kernel
 from avatarsim.loops.blocked import LASTS, block
 from avatarsim.loops.clocks import arrive
 from avatarsim.loops.first_event import event_of_pair
-from avatarsim.loops.upper_memory import BLOCKED, DONE, NOT_FINITE, STOPPED, WORK, Memory
+from avatarsim.loops.soonest import NONE, changed, line_up, next_of
+from avatarsim.loops.upper_memory import BLOCKED, DONE, NOT_FINITE, STOPPED, Memory
 from avatarsim.motion.path import FREE, HELD, STILL
 from avatarsim.world.dynamics import Velocities
 from avatarsim.world.geometry import Geometry, Poses
@@ -59,39 +60,40 @@ def go_or_stop(
     Returns:
         DONE, or NOT_FINITE, or AGAIN if somebody is blocked, which nobody knew: then nobody has moved.
     """
-    kind, when, count, islands = memory.paths.kind, memory.when, pairs.shape[0], memory.islands
+    kind, count, islands, soonest = memory.paths.kind, pairs.shape[0], memory.islands, memory.soonest
+    when = memory.when[first : first + count]
     for p in range(count):
-        when[first + p] = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h)
-        if when[first + p] < 0.0:
+        when[p] = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h)
+        if when[p] < 0.0:
             return NOT_FINITE
     new = False
     for p in range(count):
-        if when[first + p] < STALL and clog(memory, pairs[p, 0], pairs[p, 1]):
+        if when[p] < STALL and clog(memory, pairs[p, 0], pairs[p, 1]):
             new = True
     if new:
         return AGAIN
-    next_, t = -1, h
-    for p in range(count):
-        if when[first + p] < t:
-            next_, t = p, when[first + p]
-    for _ in range(members.shape[0]):
-        memory.counts[WORK] += count // 16
-        if next_ < 0:
+    line_up(soonest, pairs, when)
+    for _ in range(members.shape[0] if count > 0 else 0):
+        next_ = soonest.tree[1]
+        now = when[next_]
+        if not (now < h):
             break
-        one, other, now = pairs[next_, 0], pairs[next_, 1], t
+        one, other = pairs[next_, 0], pairs[next_, 1]
+        one_moves, other_moves = kind[one] != STILL, kind[other] != STILL
+        if one_moves:
+            stop(geometry, poses, velocities, memory, one, now)
+        if other_moves:
+            stop(geometry, poses, velocities, memory, other, now)
         for side in range(2):
-            if kind[pairs[next_, side]] != STILL:
-                stop(geometry, poses, velocities, memory, pairs[next_, side], now)
-        next_, t = -1, h
-        for p in range(count):
-            a, b = pairs[p, 0], pairs[p, 1]
-            if a == one or a == other or b == one or b == other:
+            b = one if side == 0 else other
+            p = soonest.head[b] if (one_moves if side == 0 else other_moves) else NONE
+            while p != NONE:
                 # of two that stand there is no event
-                when[first + p] = event_of_pair(geometry, memory, a, b, now, h)
-                if when[first + p] < 0.0:
+                when[p] = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], now, h)
+                if when[p] < 0.0:
                     return NOT_FINITE
-            if when[first + p] < t:
-                next_, t = p, when[first + p]
+                changed(soonest, when, p, count)
+                p = next_of(soonest, pairs, p, b)
     for m in range(members.shape[0]):
         b = members[m]
         if islands.stops[b] < inf:

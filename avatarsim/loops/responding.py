@@ -9,7 +9,7 @@ from avatarsim.impact.contact_solver import FIRST_TRY
 from avatarsim.impact.contact_time import time_to_contact
 from avatarsim.impact.contacts import SHARP, Contacts, weigh
 from avatarsim.impact.events import APPROACH, IMPACT, Events
-from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, resolve_impact, settle
+from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, next_approach, resolve_impact, settle
 from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold
 from avatarsim.impact.rolling import curvature
 from avatarsim.kernel import kernel
@@ -44,6 +44,10 @@ lose speed; more: a struck stack takes thousands."""
 GENTLE_TURN = 0.1
 """Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines."""
 
+STEADY_TURN = 2.0
+"""The same [rad] about any axis for what is smooth and no ball, a rolling log too: over larger ones the torque of its own spin,
+taken from the start, makes a tilt of nanometres grow from segment to segment."""
+
 RISE, FEW = 8e-7, 2
 """Spin x gravity x h^3 [m] of a segment, a body that stands on so few points: it rises by a quarter of that (h^3 / 12 times three
 times spin x twist x arm), and from a micrometre on it flies, lands and loses energy."""
@@ -55,8 +59,9 @@ PRECISE, VISITS, LOOKS = 24, 20000, 80000
 """Impacts of one instant that are solved for to rounding; visits of contact points by the solver after which all other impacts of
 this instant are taken together; points looked at to find out who is next, after which they are too."""
 
-HASTY, HASTY_VISITS = Care(tolerance=1e-7, first=20, sweeps=100, attempts=1), 20000
-"""Of a plastic step, with fewer sweeps where they would look at more contact points than that."""
+HASTY, HASTY_VISITS = Care(tolerance=1e-7, first=60, sweeps=60, attempts=1), 20000
+"""Of a plastic step, with fewer sweeps where they would look at more contact points than that. Most heaps in motion are solved
+within the first sweeps, friction included; normals alone take about as many and leave friction as it happens to be."""
 
 SOLVE_VISITS, CAREFUL_VISITS, LATE = 24000, 60000, 100000
 """The same of any other solve, for each of its stages, of bodies in motion and at rest: what a budget of sweeps would cost grows
@@ -66,7 +71,7 @@ does not find the forces that hold it, and creeps. Once the work of a frame is a
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Where bodies rest, or are few."""
 
-BRISK = Care(tolerance=1e-7, first=40, sweeps=60, attempts=3)
+BRISK = Care(tolerance=1e-7, first=60, sweeps=40, attempts=3)
 """Of many bodies in motion: they sink by a few nanometres a frame, which is lifted again."""
 
 MANY, MOTION = 8, 1e-2
@@ -108,7 +113,7 @@ def impacts(
             curvature(contacts, v, w)
             met += time_to_contact(contacts, head, v, w, memory.paths.linear, memory.paths.angular)
             witness(geometry, events, APPROACH, met, now, a, b, poses, velocities, memory)
-        guarded = resolve_impact(
+        guarded, first, last = resolve_impact(
             contacts, memory.strike, members, head, fastest, switches.paper, resolved < PRECISE, v, w, memory.linear_end,
             memory.angular_end, memory.before, memory.direction, memory.received,
         )
@@ -117,7 +122,7 @@ def impacts(
             witness(geometry, events, IMPACT, met, now, a, b, poses, velocities, memory)
         memory.counts[GUARDED] += 1 if guarded else 0
         resolved += 1
-        head, fastest = fastest_approach(contacts, v, w)
+        head, fastest = next_approach(contacts, memory.strike, first, last, v, w, memory.islands.mark)
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
     if fastest < -calm:
@@ -125,9 +130,11 @@ def impacts(
         rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
         few = contacts.used[0] <= MANY and not rough
         care = care_for(memory, velocities, members, rough)
+        # forces brake what is left within a nanometre
+        tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
         settle(
-            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else max(calm, -1e-6 * fastest), care.first,
-            care.sweeps, v, w, memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
+            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps, v, w,
+            memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
         )
     return status
 
@@ -194,6 +201,9 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members:
                         h = GENTLE_TURN / spin
                     if count <= FEW and spin * pull * h * h * h > RISE:
                         h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+                    rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
+                    if rolls * h > STEADY_TURN:
+                        h = STEADY_TURN / rolls
         if h < left:
             # what is left over at the end would be a stretch so short that a nanometre to come down is a speed
             h = left / ceil(left / h)

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.smooth import gathered, stretched
-from avatarsim.collide.support import reach
 from avatarsim.impact.contacts import ROUND_A, ROUND_B, Contacts, axis
 from avatarsim.kernel import kernel
+from avatarsim.loops.foremost import foremost
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Poses
 from avatarsim.world.shapes import POINTS, Shapes
@@ -39,14 +39,7 @@ def facing(vertices: Rows, shapes: Shapes, s: int, m: Vec3, touching: Vec3) -> t
     none = (0.0, 0.0, 0.0)
     if shapes.kind[s] != POINTS:
         return CORNER, none
-    first, last = shapes.start[s], shapes.start[s + 1]
-    top, low = reach(vertices, shapes, s, m), EVEN * shapes.extent[s]
-    p, q, count = none, none, 0
-    for i in range(first, last):
-        x = row(vertices, i)
-        if dot(m, x) >= top - low:
-            count += 1
-            p, q = (x, p) if count < 3 else (p, q)
+    count, p, q = foremost(vertices, shapes, s, m, EVEN * shapes.extent[s])
     if count == 1:
         return CORNER, none
     if count > 2:

@@ -13,9 +13,10 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.support import gap_along, reach
+from avatarsim.collide.support import gap_along
 from avatarsim.impact.contacts import NORMAL_OF_ANOTHER, NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
 from avatarsim.kernel import kernel
+from avatarsim.loops.foremost import foremost
 from avatarsim.loops.rounded import put_radius
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import CREEP, DIP, RESTING, follow_both, slowest_touch
@@ -61,14 +62,9 @@ def forget(memory: Memory, pairs: Index) -> None:
 @kernel
 def is_face(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> bool:
     """Whether three corners of shape s or more are farthest in direction d."""
-    first, last = shapes.start[s], shapes.start[s + 1]
-    if last - first < 3:
+    if shapes.start[s + 1] - shapes.start[s] < 3:
         return False
-    top, low = reach(vertices, shapes, s, d), EVEN * shapes.extent[s]
-    count = 0
-    for i in range(first, last):
-        if dot(row(vertices, i), d) >= top - low:
-            count += 1
+    count, _, _ = foremost(vertices, shapes, s, d, EVEN * shapes.extent[s])
     return count >= 3
 
 

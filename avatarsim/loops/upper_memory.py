@@ -11,6 +11,7 @@ from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contac
 from avatarsim.impact.masses import Masses
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
+from avatarsim.loops.soonest import Soonest, make_soonest
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.manifold import Manifold, make_manifold
 from avatarsim.motion.near import margin_for
@@ -76,7 +77,7 @@ class Memory(NamedTuple):
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
     newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`;
-    margin (1) [m] see `motion.near`.
+    margin (1) [m] see `motion.near`; soonest: near pairs while some stop, see `loops.plastic`.
     """
 
     received: Array
@@ -126,6 +127,7 @@ class Memory(NamedTuple):
     newest: Index
     older: Index
     margin: Array
+    soonest: Soonest
 
 
 def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
@@ -174,4 +176,5 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
         margin=np.full(1, margin_for(span, simulated, bool((dynamics.role == Role.DRIVEN.value).any()))),
+        soonest=make_soonest(n, room),
     )

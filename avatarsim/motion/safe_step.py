@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
 from avatarsim.motion.path import FREE, HELD, STILL, Paths, acceleration
-from avatarsim.spatial.vec3 import Vec3, norm, row, sub
+from avatarsim.spatial.vec3 import Vec3, cross, norm, row, sub
 from avatarsim.world.geometry import Geometry
 from avatarsim.world.shapes import POINTS
 
@@ -15,6 +15,9 @@ Array = NDArray[np.float64]
 
 HORIZONS = 8
 """Times the horizon of the bounds is shortened when looking for the longest safe step."""
+
+ROUNDED = 1e-9
+"""Part of an arm by which its distance from the axis may be off: rounding, with room."""
 
 SMOOTH_TURN = 0.2
 """Largest turn [rad] over which the bounds hold for bodies that speed up by themselves and for ellipsoids. Larger: looser bounds;
@@ -80,6 +83,30 @@ def turning(paths: Paths, b: int, ball: bool, horizon: float) -> Vec3:
         return (speed, 0.0, speed * speed * speed)
     speed /= max(0.5, 1.0 - speed * horizon)
     return (speed, speed * speed, 6.0 * speed * speed * speed)
+
+
+@kernel
+def arm_about(paths: Paths, b: int, r: Vec3, horizon: float) -> float:
+    """Arm [m], at most |r|, by which the bounds of ``turning`` may be multiplied for the point r of body b.
+
+    What turns about one axis moves its points by their distance from that axis. A held body does but for the part of its angular
+    acceleration across the axis: that tilts the axis by 2 ``tilt`` at most since the path began, and accelerates by itself.
+    """
+    w, arm = row(paths.w, b), norm(r)
+    speed = norm(w)
+    if speed == 0.0 or paths.kind[b] == STILL or (paths.kind[b] == FREE and paths.round[b] == 0):
+        return arm
+    off = norm(cross(w, r)) / speed
+    if paths.kind[b] == FREE:
+        return min(arm, off + ROUNDED * arm)
+    alpha, t = row(paths.angular, b), paths.time[b] + horizon
+    gain = norm(alpha)
+    least = speed - gain * t
+    if not (least > 0.5 * speed):
+        return arm
+    across, turn = norm(cross(w, alpha)) / speed, (speed + gain * t) * t
+    tilt = across * t * (1.0 + turn) * (1.0 + turn) / least
+    return float(min(arm, off + arm * (ROUNDED + 2.0 * tilt + 3.0 * across / (least * least))))
 
 
 @kernel

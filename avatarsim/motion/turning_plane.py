@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.support import reach as reach_along
 from avatarsim.kernel import kernel
 from avatarsim.motion.path import Paths, acceleration
+from avatarsim.motion.safe_step import arm_about
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, row, sub
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.shapes import POINTS
@@ -35,7 +36,7 @@ def follow(
     acceleration of the body of s, ``spin`` and ``twist`` those of the plane; ``own_most`` and ``plane_most`` their bounds over
     the horizon, from ``turning``.
 
-    Writes rows (height over the plane, its velocity, its acceleration, distance from the own centre, from that of f, speed
+    Writes rows (height over the plane, its velocity, its acceleration, arm of its bounds, distance from the centre of f, speed
     seen from f) and returns how many. An ellipsoid is one row whose acceleration is a bound already.
     """
     shapes, vertices = geometry.shapes, trial.vertices
@@ -75,7 +76,7 @@ def follow(
         out[count, 0] = dot(m, d) - base
         out[count, 1] = dot(m, u) + dot(m1, d)
         out[count, 2] = dot(m, add(a, add(cross(own_spin, around), cross(own_twist, r)))) + 2.0 * dot(m1, u) + dot(m2, d)
-        out[count, 3], out[count, 4], out[count, 5] = norm(r), norm(d), norm(u)
+        out[count, 3], out[count, 4], out[count, 5] = arm_about(paths, b, r, horizon), norm(d), norm(u)
         count += 1
     return count
 
