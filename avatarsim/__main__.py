@@ -4,6 +4,7 @@ import argparse
 import sys
 
 from avatarsim.compile_ahead import PARTS, compile_everything, compile_part
+from avatarsim.quick_compiler import quicken
 
 
 def main() -> int:
@@ -15,6 +16,7 @@ def main() -> int:
     part = parser.parse_args().part
     if part is None:
         return 0 if compile_everything() else 1
+    quicken()
     compile_part(part)
     return 0
 
