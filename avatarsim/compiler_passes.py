@@ -1,8 +1,8 @@
 """Which of numba's passes does a kernel need?
 
-numba's own list serves closures, comprehensions, `with` blocks, literal arguments and reports as well, and each of those passes
-walks through the whole function. Kernels have none of these: a kernel that did would be refused by the compiler, and the machine
-code of those there are is the same with and without.
+numba's own list serves closures, comprehensions, `with` blocks, literal arguments, array expressions and reports as well, and
+each of those passes walks through the whole function. Kernels have none of these: a kernel that did would be refused by the
+compiler, and the machine code of those there are is the same with and without.
 """
 
 from typing import Any
@@ -38,7 +38,6 @@ PASSES = (
     typed_passes.NopythonTypeInference,
     typed_passes.PreLowerStripPhis,
     typed_passes.InlineOverloads,
-    typed_passes.NopythonRewrites,
     typed_passes.IRLegalization,
     NoAnnotation,
     typed_passes.NativeLowering,

@@ -127,17 +127,27 @@ class KernelDispatcher(CalledKernel):
         return (self if arguments in self.overloads else self.called).overloads[arguments].entry_point
 
 
+class WithoutCode:
+    """A sealed kernel's library as it is kept on disk: its machine code and names, not its LLVM code."""
+
+    def __init__(self, compiled: Any) -> None:
+        self._final_module = compiled.library._final_module  # numba looks there for the environments that are used
+        self.compiled = compiled
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        """In numba's form, which asks for the LLVM code beside the machine code."""
+        library = self.compiled.library
+        return library.name, "object", (library._get_compiled_object(), names_alone(self.compiled))
+
+
 class KernelCacheImpl(CompileResultCacheImpl):
     """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, and the sealed kernels it calls."""
 
     def reduce(self, compiled: Any) -> Any:
         name = sealed_name(compiled)
-        library, *rest = compiled._reduce()
-        if name is not None:
-            label, kind, (machine_code, _) = library
-            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
-            library = (label, kind, (machine_code, names_alone(compiled)))
-        return name, called(compiled.library), (library, *rest)
+        # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+        kept = compiled if name is None else compiled._replace(library=WithoutCode(compiled))
+        return name, called(compiled.library), kept._reduce()
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
         name, callees, rest = payload
