@@ -9,6 +9,7 @@ from typing import Any
 
 from numba.core import compiler, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
+from numba.core.errors import new_error_context  # type: ignore[attr-defined]
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
@@ -46,12 +47,23 @@ PASSES = (
 """In this order; branches are pruned a second time because names of their own per assignment show more of them to be dead."""
 
 
+class Pipeline(PassManager):
+    """Passes in a row, without a report of every one, which spells out all types of the kernel each time."""
+
+    def _runPass(self, index: int, stage: Any, state: Any) -> None:
+        stage.analysis = self._analysis
+        with new_error_context("Pass {name}", name=stage.name()):
+            stage.run_initialization(state)
+            stage.run_pass(state)
+            stage.run_finalizer(state)
+
+
 class KernelCompiler(compiler.CompilerBase):
     """numba's compiler with these passes."""
 
     def define_pipelines(self) -> list[PassManager]:
         """One pipeline; there is no other to fall back to."""
-        manager = PassManager("avatarsim kernel")
+        manager = Pipeline("avatarsim kernel")
         for stage in PASSES:
             manager.add_pass(stage)
         manager.finalize()

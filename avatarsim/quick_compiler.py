@@ -10,8 +10,9 @@ from contextlib import nullcontext
 from typing import Any
 
 import llvmlite.binding.ffi
-from numba.core import event, ir
+from numba.core import event, ir, transforms
 from numba.core.codegen import CPUCodegen, CPUCodeLibrary
+from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
 from numba.core.types.functions import BaseFunction
 
@@ -28,6 +29,7 @@ def quicken() -> None:
     TargetConfig.__hash__ = lambda options: len(options.options)
     functions: Any = BaseFunction
     functions.get_call_type = Meanings(functions.get_call_type)
+    PostProcessor.run = Tidied(PostProcessor.run)
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
 
 
@@ -60,6 +62,28 @@ def variables(value: Any, found: list[Any]) -> list[Any]:
         for part in value.values():
             variables(part, found)
     return found
+
+
+class Tidied:
+    """What numba notes about a function after every pass that changed it; which variables live where only once that is asked."""
+
+    def __init__(self, of_generators: Any) -> None:
+        self.of_generators = of_generators
+
+    def __get__(self, processor: Any, owner: Any = None) -> Any:
+        return lambda emit_dels=False, extend_lifetimes=False: self.run(processor, emit_dels, extend_lifetimes)
+
+    def run(self, processor: Any, emit_dels: bool, extend_lifetimes: bool) -> None:
+        """As numba does, but without a list of what lives where a block begins, which only generators and Python objects need."""
+        function = processor.func_ir
+        if function.is_generator:
+            self.of_generators(processor, emit_dels, extend_lifetimes)
+            return
+        function.blocks = transforms.canonicalize_cfg(function.blocks)
+        function.variable_lifetime = VariableLifetime(function.blocks)
+        function.generator_info = None
+        if emit_dels:
+            processor._insert_var_dels(extend_lifetimes=extend_lifetimes)
 
 
 class Meanings:
