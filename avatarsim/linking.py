@@ -20,6 +20,7 @@ import hashlib
 import importlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -29,6 +30,8 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
+
+from avatarsim.compiler_passes import KernelCompiler
 
 SEALED_FROM = 200
 """Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50; below this value
@@ -94,7 +97,7 @@ class KernelDispatcher(CalledKernel):
     """
 
     def __init__(self, function: Callable[..., object], options: dict[str, object], folder: Path) -> None:
-        super().__init__(function, targetoptions=options)
+        super().__init__(function, targetoptions=options, pipeline_class=KernelCompiler)
         self.folder = folder
         self.keep_in_cache(folder)
 
@@ -105,7 +108,8 @@ class KernelDispatcher(CalledKernel):
     @functools.cached_property
     def called(self) -> CalledKernel:
         """The kernel as other kernels call it; most are never called from Python, and some by Python alone."""
-        inner = CalledKernel(self.py_func, targetoptions={**self.targetoptions, "no_cpython_wrapper": True})
+        options = {**self.targetoptions, "no_cpython_wrapper": True}
+        inner = CalledKernel(self.py_func, targetoptions=options, pipeline_class=KernelCompiler)
         inner.keep_in_cache(self.folder)
         return inner
 
@@ -123,17 +127,27 @@ class KernelDispatcher(CalledKernel):
         return (self if arguments in self.overloads else self.called).overloads[arguments].entry_point
 
 
+class WithoutCode:
+    """A sealed kernel's library as it is kept on disk: its machine code and names, not its LLVM code."""
+
+    def __init__(self, compiled: Any) -> None:
+        self._final_module = compiled.library._final_module  # numba looks there for the environments that are used
+        self.compiled = compiled
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        """In numba's form, which asks for the LLVM code beside the machine code."""
+        library = self.compiled.library
+        return library.name, "object", (library._get_compiled_object(), names_alone(self.compiled))
+
+
 class KernelCacheImpl(CompileResultCacheImpl):
     """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, and the sealed kernels it calls."""
 
     def reduce(self, compiled: Any) -> Any:
         name = sealed_name(compiled)
-        library, *rest = compiled._reduce()
-        if name is not None:
-            label, kind, (machine_code, _) = library
-            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
-            library = (label, kind, (machine_code, names_alone(compiled)))
-        return name, called(compiled.library), (library, *rest)
+        # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+        kept = compiled if name is None else compiled._replace(library=WithoutCode(compiled))
+        return name, called(compiled.library), kept._reduce()
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
         name, callees, rest = payload
@@ -173,8 +187,10 @@ def sealed_name(compiled: Any) -> str | None:
     library = compiled.library
     if not hasattr(library, "sealed_name"):
         function = library._final_module.get_function(compiled.fndesc.llvm_func_name)
-        size = sum(1 for block in function.blocks for _ in block.instructions)
-        library.sealed_name = _name(compiled) if size >= SEALED_FROM and "<locals>" not in compiled.fndesc.qualname else None
+        # To count thousands of instructions takes longer than to compile some of them.
+        first = islice((1 for block in function.blocks for _ in block.instructions), SEALED_FROM)
+        large = sum(first) == SEALED_FROM
+        library.sealed_name = _name(compiled) if large and "<locals>" not in compiled.fndesc.qualname else None
     return cast("str | None", library.sealed_name)
 
 

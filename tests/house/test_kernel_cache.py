@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
+from avatarsim import compiler_passes, linking
 from avatarsim import kernel as real
-from avatarsim import linking
 
 CALLEE = (
     "from avatarsim.kernel import kernel\n\n\n@kernel\ndef twice(x: float) -> float:\n    return {} * x\n"
@@ -32,6 +32,7 @@ def package(tmp_path):
     root.mkdir(parents=True)
     shutil.copy(real.__file__, root / "kernel.py")
     shutil.copy(linking.__file__, root / "linking.py")
+    shutil.copy(compiler_passes.__file__, root / "compiler_passes.py")
     (root / "__init__.py").write_text("")
     (root / "callee.py").write_text(CALLEE.format("2.0"))
     (root / "caller.py").write_text(CALLER.format("callee"))

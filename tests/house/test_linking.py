@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
+from avatarsim import compiler_passes, linking
 from avatarsim import kernel as real
-from avatarsim import linking
 from avatarsim.collide.support import support
 
 LARGE = """from avatarsim.kernel import kernel
@@ -57,7 +57,7 @@ def package(tmp_path):
     """A package with a kernel of some hundred instructions and two that call it."""
     root = tmp_path / "installed" / "avatarsim"
     root.mkdir(parents=True)
-    for module in (real, linking):
+    for module in (real, linking, compiler_passes):
         shutil.copy(module.__file__, root)
     (root / "__init__.py").write_text("")
     steps = "\n".join(f"    y = y * {1.0 + 1.0 / k} + x / (y + {k}.0)" for k in range(1, 90))

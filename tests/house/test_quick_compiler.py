@@ -1,0 +1,81 @@
+"""What is left out of a compile changes no instruction of what comes out."""
+
+import hashlib
+import operator
+import os
+import subprocess
+import sys
+from itertools import product
+
+import pytest
+from numba.core import ir
+from numba.core.compiler import Flags
+from numba.core.targetconfig import TargetConfig
+
+from avatarsim.quick_compiler import same_options, variables
+
+COMPILE = """
+import re
+from numba.core import compiler
+from avatarsim import linking
+{before}
+from avatarsim.compile_ahead import part_scene
+from avatarsim.start_check import require_free
+from avatarsim.world.world import build
+
+codes = {{}}
+reduce = linking.KernelCacheImpl.reduce
+
+def keep(self, compiled):
+    # Numbers of specialisations count up in the order of compiling, which is another.
+    code = re.sub("[0-9]*v[0-9]+", "v", str(compiled.library._final_module))
+    codes[compiled.fndesc.qualname + str(compiled.fndesc.argtypes)] = code
+    return reduce(self, compiled)
+
+linking.KernelCacheImpl.reduce = keep
+require_free(build(part_scene("motion")[0]))
+print(len(codes), "".join(name + code for name, code in sorted(codes.items())))
+"""
+NUMBAS_PASSES = "linking.KernelCompiler = compiler.Compiler"
+QUICK = "from avatarsim.quick_compiler import quicken; quicken()"
+
+
+def compiled(before, cache):
+    """LLVM's code of the kernels that place shapes and find how far they are apart, from a process of its own."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
+    command = [sys.executable, "-c", COMPILE.format(before=before)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout.split()[0]) > 20
+    return done.stdout
+
+
+def test_fewer_passes_and_remembered_answers_give_the_same_code(tmp_path):
+    codes = [compiled(before, tmp_path / str(k)) for k, before in enumerate((NUMBAS_PASSES, "", QUICK))]
+    assert len({hashlib.sha256(code.encode()).hexdigest() for code in codes}) == 1
+
+
+def test_options_are_equal_as_numba_says():
+    def flags(**chosen):
+        made = Flags()
+        for name, value in chosen.items():
+            setattr(made, name, value)
+        return made
+
+    made = [flags(), flags(nrt=False), flags(nrt=True), flags(error_model="numpy"), flags(nrt=False, error_model="numpy")]
+    for one, other in product(made, made):
+        assert same_options(one, other) == TargetConfig.__eq__(one, other)
+    assert same_options(flags(), 1) is NotImplemented
+
+
+@pytest.mark.parametrize("kind", ["call", "binop", "tuple"])
+def test_variables_are_found_as_numba_finds_them(kind):
+    here = ir.Loc("nowhere", 1)
+    a, b, c = (ir.Var(None, name, here) for name in "abc")
+    made = {
+        "call": ir.Expr.call(a, (b, c, b), (("k", a),), here),
+        "binop": ir.Assign(ir.Expr.binop(operator.add, a, b, here), c, here),
+        "tuple": ir.Expr.build_tuple([c, a, b], here),
+    }[kind]
+    parts = vars(made)
+    assert variables(parts, []) == made._rec_list_vars(parts) and len(variables(parts, [])) >= 3
