@@ -1,6 +1,7 @@
 """How near a posture is to the tracker's, in the two figures a user sees: link origins [m], and joint angles weighed as metres.
 
-merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints.
+merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints, times
+mode[STIFF] (`follow.py`).
 The tracker's posture is taken as it is, limits or not: limits are conditions of the step, as contacts are.
 
 To first order its rates are those of a tree of unit masses at the link origins whose joints have a rotor each, so its second
@@ -10,7 +11,7 @@ derivatives are that tree's mass matrix: composite masses (Walker and Orin), and
 from math import sqrt
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.workspace import WORN, Closeness
+from avatarsim.posture.workspace import STIFF, WORN, Closeness
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Index
@@ -109,7 +110,10 @@ def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> 
         moves = first + 3 if skel.kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
         for j in range(first, skel.first_dof[m + 1]):
-            c.pull[j] = dot(row(axes, j), twist) + c.turn_weight[j] * full[j] if j >= moves else dot(row(axes, j), way)
+            if j < moves:
+                c.pull[j] = dot(row(axes, j), way)
+            else:
+                c.pull[j] = dot(row(axes, j), twist) + c.mode[STIFF] * c.turn_weight[j] * full[j]
 
 
 @kernel
@@ -156,7 +160,7 @@ def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
                 along_axis = 0.0
                 for i in range(3):
                     along_axis += axis[i] * (b[m, i, 0] * axis[0] + b[m, i, 1] * axis[1] + b[m, i, 2] * axis[2])
-                extra = c.turn_weight[j] + max(0.0, spread - along_axis)
+                extra = c.mode[STIFF] * c.turn_weight[j] + max(0.0, spread - along_axis)
             torque = add(torque, cross(out, force))
             for d in range(c.depth[j] + 1):
                 i = c.path[j, d]
@@ -242,5 +246,5 @@ def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
         square, far = dot(way, way), c.far[0]
         total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
     for j in range(full.shape[0]):
-        total += 0.5 * c.turn_weight[j] * full[j] * full[j]
+        total += 0.5 * c.mode[STIFF] * c.turn_weight[j] * full[j] * full[j]
     return total

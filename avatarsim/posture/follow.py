@@ -7,12 +7,14 @@ from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
     ASKED,
+    BEYOND,
     CALM,
     CLOSE,
     COUNT,
     FRAME,
     HELD_STILL,
     LED,
+    LISTED,
     MERIT_WINDOW,
     NOW,
     PAST,
@@ -23,6 +25,7 @@ from avatarsim.posture.workspace import (
     SOUGHT,
     SPEED,
     STEPPED,
+    STIFF,
     TRACKER_SPEED,
     TRAVELS,
     UNDER_WAY,
@@ -40,12 +43,21 @@ ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
 JUMP = 0.2
-"""[rad or m] a tracker that moves more than this within a frame has jumped: the way to it is a new one, and it is followed joint
-by joint until the avatar is there or its posture is found to be not free: on a long way the nearest posture is no guide."""
+"""[rad or m] a tracker that moves more than this within a frame has jumped: whether one comes nearer to it is judged anew."""
 
-CROWD = 4
+OUTRUN = 0.7
+"""[rad] a tracker that turns a joint more than this within a frame, as no joint can in two steps, or a root by a jump, is
+elsewhere: it is followed joint by joint until the avatar is there or the tracker's posture is found to be not free, since on a
+long way the nearest posture is no guide. 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
+
+CROWD = 6
 """Near pairs of the last trial beyond which each joint goes its own way too: fingers that press on many things spend the budget
-on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 8: one that grasps comes home late."""
+on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 8: one that grasps comes home late;
+4: crossed arms at a wall end a twentieth farther from the user's."""
+
+ALONE, CHANGE = 1.5, 0.25
+"""What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
+there that a frame goes, so that a touch turns no limb at once. 1: joints that are within their limits turn a twentieth more."""
 
 NEAR_ENOUGH = 0.1
 """[rad or m] an avatar nearer than this to the tracker's posture in every joint needs no other way."""
@@ -126,12 +138,21 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
 
 
 @kernel
+def stiffen(memory_out: Memory) -> None:
+    """Bring the weight of angles nearer to that of a posture in contact, or of one beyond limits alone: listed pairs press."""
+    mode, touches = memory_out.goal.closeness.mode, memory_out.pairs.marks[LISTED] > 0
+    if touches or mode[BEYOND] > 0.0:
+        mode[STIFF] += CHANGE * ((1.0 if touches else ALONE) - mode[STIFF])
+
+
+@kernel
 def walk(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, steps: int, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
 ) -> float:
     """At most `steps` certified steps towards the goal that `clip_to_limits` has set; the largest part of the last one."""
     largest = 0.0
+    stiffen(memory_out)
     aim(skel, posture_out, settings, memory_out.goal)
     frame = int(memory_out.flags[FRAME])
     # where the nearest posture is sought its merit is known once there is a contact
@@ -177,14 +198,16 @@ def follow(
     else:
         changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
-    speed = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
+    speed, moved = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
     flags[UNTIED], flags[SPEED] = 0.0, speed
     if speed > JUMP:
         # whoever jumps wants to go elsewhere
-        flags[LED], flags[TRAVELS] = 0.0, 1.0
+        flags[LED] = 0.0
         flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
+    if speed > OUTRUN or moved > JUMP:
+        flags[TRAVELS] = 1.0
     if flags[LED] == UNDER_WAY:
         flags[SLOW] += 1.0
         flags[RESTED], flags[CLOSE] = 0.0, 0.0

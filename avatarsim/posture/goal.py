@@ -78,7 +78,7 @@ def aim(skel: Skeleton, posture: Posture, settings: PostureSettings, goal_out: G
 
 @kernel
 def want(skel: Skeleton, posture: Posture, goal_out: Goal) -> None:
-    """Fill wanted: the way to the tracker's own posture. Beyond limits it is asked for only in frames with a contact."""
+    """Fill wanted: the way to the tracker's own posture, limits or not."""
     g = goal_out
     for j in range(g.full.shape[0]):
         g.wanted[j] = g.full[j]
@@ -133,14 +133,15 @@ def cap(
 
 
 @kernel
-def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> float:
-    """Largest change of the tracker's posture since the last frame [rad or m], which is then remembered."""
-    before, fastest = goal_before_out, 0.0
+def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> tuple[float, float]:
+    """Largest change of the tracker's posture since the last frame [rad or m], which is then remembered; that of a root's place
+    alone, along one axis [m]."""
+    before, fastest, moved = goal_before_out, 0.0, 0.0
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]
         if kind == FREE:
             for k in range(3):
-                fastest = max(fastest, abs(goal.tracker.root[link, k] - before.root[link, k]))
+                moved = max(moved, abs(goal.tracker.root[link, k] - before.root[link, k]))
                 before.root[link, k] = goal.tracker.root[link, k]
         if kind == FREE or kind == BALL:
             now = columns(goal.tracker.turn, link)
@@ -150,7 +151,7 @@ def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> float
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 fastest = max(fastest, abs(goal.tracker.angle[j] - before.angle[j]))
                 before.angle[j] = goal.tracker.angle[j]
-    return fastest
+    return max(fastest, moved), moved
 
 
 @kernel

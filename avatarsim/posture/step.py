@@ -33,7 +33,6 @@ from avatarsim.posture.workspace import (
     STEPS,
     SUPPORTS,
     SWEEPS,
-    TOUCHED,
     WORN,
     Memory,
 )
@@ -141,9 +140,8 @@ def attempt(
     mode = goal.closeness.mode
     mode[COUPLED] = 0.0
     for round_ in range(settings.corrections + 1):
-        # beyond limits the way to the tracker's own posture goes on from step to step, or one would go back to the clipped one
-        goes_on = mode[BEYOND] > 0.0 and mode[TOUCHED] > 0.0
-        if mode[COUPLED] == 0.0 and memory_out.flags[CLOSE] > 0.0 and (goes_on or hindered(goal.step, r)):
+        # limits are in the way as contacts are: each joint clipped by itself is not the nearest posture
+        if mode[COUPLED] == 0.0 and memory_out.flags[CLOSE] > 0.0 and (mode[BEYOND] > 0.0 or hindered(goal.step, r)):
             # where nothing is in the way the straight way is taken: it ends at the tracker's posture, and no metric is needed
             seek_the_nearest(skel, posture, settings, shorter, memory_out)
             if mode[BEYOND] > 0.0:
@@ -248,7 +246,7 @@ def step(
             distrust_failing(skel, first, memory_out)
         if spent:
             break
-    goal.closeness.mode[TOUCHED] = goal.closeness.mode[COUPLED] if list_rows(first, memory_out) else 0.0
+    list_rows(first, memory_out)
     if not accepted:
         if failed == 0:
             stay(geo, skel, posture, memory_out)
@@ -264,11 +262,9 @@ def step(
 
 
 @kernel
-def list_rows(first: int, memory_out: Memory) -> bool:
-    """List the pairs whose rows were active: they get a row in the next step before anything fails. Whether there was any."""
-    r, listed = memory_out.rows, False
+def list_rows(first: int, memory_out: Memory) -> None:
+    """List the pairs whose rows were active: they get a row in the next step before anything fails."""
+    r = memory_out.rows
     for k in range(r.size[COUNT]):
         if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
             list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)
-            listed = True
-    return listed

@@ -1,6 +1,7 @@
 """The step that is wanted: the straight one to the tracker's posture inside its limits while nothing is in the way.
 
-Where a contact is, the one to the posture that is nearest in link origins and angles (`closeness.py`) to the tracker's own.
+Where a contact is, or the tracker is beyond its limits, the one to the posture that is nearest in link origins and angles
+(`closeness.py`) to the tracker's own.
 """
 
 from avatarsim.kernel import kernel

@@ -27,8 +27,8 @@ LEAST_WEIGHT = 1e-6
 """Weights are divided by: 0 would give steps that are no numbers."""
 
 TURN_SHARE = 1.0
-"""What angles weigh beside link origins: 1: as their means in metres, a radian being a link's mean reach. 0.7: offsets a tenth
-smaller where limbs are pressed on, angles larger, and limbs get caught more often."""
+"""What angles weigh beside link origins; 1: as their means in metres, a radian being a link's mean reach. 0.7: offsets a tenth
+smaller where limbs are pressed on, angles larger, and limbs get caught more often. 1.4: the other way round, and chains lag."""
 
 FAR = 4.0
 """Mean reaches of a link beyond which an origin pulls no harder; larger, and limbs stretch to a far tracker."""
@@ -76,9 +76,8 @@ class Closeness(NamedTuple):
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; 1 if the tracker is beyond its limits; 1 if
 # `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody has asked in this frame; way
-# [rad or m] of avatar and tracker since the factor was made; 1 if something was touched in the last step and the
-# nearest posture sought
-COUPLED, BEYOND, LOCATED, BEST, WORN, TOUCHED = range(6)
+# [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of turn_weight
+COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF = range(6)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -243,7 +242,7 @@ def _closeness(skel: Skeleton) -> Closeness:
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 0.0]),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0]),
     )
 
 
