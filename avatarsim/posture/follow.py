@@ -50,10 +50,9 @@ OUTRUN = 0.7
 elsewhere: it is followed joint by joint until the avatar is there or the tracker's posture is found to be not free, since on a
 long way the nearest posture is no guide. 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
-CROWD = 6
+CROWD = 4
 """Near pairs of the last trial beyond which each joint goes its own way too: fingers that press on many things spend the budget
-on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 8: one that grasps comes home late;
-4: crossed arms at a wall end a twentieth farther from the user's."""
+on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 6: one that grasps comes home late."""
 
 ALONE, CHANGE = 1.5, 0.25
 """What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
