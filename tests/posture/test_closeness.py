@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
+from avatarsim.posture.follow import ALONE, stiffen
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
-from avatarsim.posture.workspace import BEST, BEYOND, LOCATED, WORN, Closeness, mean_reach
+from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness, mean_reach
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.world.skeleton import FREE, Posture
@@ -19,7 +20,7 @@ pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 SCENE = Scene("s", (), (mixed_avatar(), replace(mixed_avatar(), name="n")))
 
 
-def towards(seed: int, far: float = 1e9) -> Little:
+def towards(seed: int, far: float = 1e9, stiff: float = 1.0) -> Little:
     """A world whose goal is a random posture, limits or not, a little away, with everything about it known."""
     found = little(SCENE)
     skel, posture = found.world.skeleton, found.world.posture
@@ -30,7 +31,7 @@ def towards(seed: int, far: float = 1e9) -> Little:
     posture.angle[:] = np.clip(posture.angle, skel.limits[:, 0] + 0.2, skel.limits[:, 1] - 0.2)
     c = found.memory.goal.closeness
     c.turn_weight[c.turn_weight > 0.0] = 0.07
-    c.far[0] = far
+    c.far[0], c.mode[STIFF] = far, stiff
     stand(found)
     target = Posture(*(array.copy() for array in posture))
     take(skel, target, np.random.default_rng(seed + 50).normal(0.0, 0.15, len(c.pull)))
@@ -66,9 +67,9 @@ def merit_after(found: Little, step: np.ndarray) -> float:
 
 
 def dense(found: Little) -> np.ndarray:
-    """J^T J of all link origins, pulls beyond `far` weaker, plus turn_weight on the diagonal: M without what bends up."""
+    """J^T J of all link origins, pulls beyond `far` weaker, plus weights of angles on the diagonal: M without what bends it."""
     skel, c, nd = found.world.skeleton, found.memory.goal.closeness, len(found.memory.goal.closeness.pull)
-    total = np.diag(c.turn_weight.copy())
+    total = np.diag(c.mode[STIFF] * c.turn_weight)
     for link in range(len(skel.kind)):
         rates = np.zeros((3, nd))
         for j in range(nd):
@@ -98,9 +99,11 @@ def test_origins_are_those_of_forward_kinematics(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("far", [1e9, 0.05])
-def test_the_factor_is_that_of_the_dense_matrix_and_what_bends_up_joins_the_diagonal(seed: int, far: float) -> None:
-    found = towards(seed, far)
+@pytest.mark.parametrize(("far", "stiff"), [(1e9, 1.0), (0.05, 1.0), (1e9, 1.5)])
+def test_the_factor_is_that_of_the_dense_matrix_and_what_bends_up_joins_the_diagonal(
+    seed: int, far: float, stiff: float
+) -> None:
+    found = towards(seed, far, stiff)
     c = found.memory.goal.closeness
     couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
     more = factored(c) - dense(found)
@@ -109,9 +112,11 @@ def test_the_factor_is_that_of_the_dense_matrix_and_what_bends_up_joins_the_diag
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("far", [1e9, 0.05])
-def test_the_pull_is_down_the_slope_of_the_measure(seed: int, far: float) -> None:
-    found = towards(seed, far)
+@pytest.mark.parametrize(("far", "stiff"), [(1e9, 1.0), (0.05, 1.0), (1e9, 1.5)])
+def test_the_pull_is_down_the_slope_of_the_measure(
+    seed: int, far: float, stiff: float
+) -> None:
+    found = towards(seed, far, stiff)
     c = found.memory.goal.closeness
     couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
     slope = factored(c) @ c.pull
@@ -189,3 +194,16 @@ def test_the_mean_reach_of_links_is_measured_from_their_joints() -> None:
     # capsules of 0.3 and 0.1 m from the joint, with caps of 0.04 m; hull: twice its half length; box and ball: the ball's top
     expected = [0.34, 0.3, 0.4, 0.14, 0.34]
     assert mean_reach(geo, skel, poses) == pytest.approx(np.mean(expected), rel=0.03)
+
+
+def test_angles_weigh_more_where_only_limits_are_in_the_way_and_change_their_weight_step_by_step() -> None:
+    memory = little(SCENE).memory
+    mode, seen = memory.goal.closeness.mode, []
+    for beyond, pressed in [(0.0, False)] * 2 + [(1.0, False)] * 30 + [(1.0, True)] * 30 + [(0.0, False)] * 2:
+        mode[BEYOND], memory.pairs.marks[LISTED] = beyond, pressed
+        stiffen(memory)
+        seen.append(float(mode[STIFF]))
+    assert seen[:2] == [1.0, 1.0] and seen[31] == pytest.approx(ALONE, abs=1e-3) and seen[61] == pytest.approx(1.0, abs=1e-3)
+    assert np.abs(np.diff(seen)).max() <= 0.3 * (ALONE - 1.0)
+    # within limits and free nothing is weighed, and nothing forgotten
+    assert seen[61:] == [seen[61]] * 3
