@@ -9,7 +9,7 @@ from typing import Any
 
 from numba.core import compiler, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
-from numba.core.errors import new_error_context  # type: ignore[attr-defined]
+from numba.core.errors import new_error_context  # type: ignore[attr-defined]  # its annotations leave it out
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)

@@ -10,7 +10,7 @@ from scenarios.job import Job
 from scenarios.own_settings import OwnSettings
 from scenarios.processes import Died, Pool
 
-Fault = tuple[str, str, str]
+Fault = tuple[str, object, str]
 """What is wrong, the value it has, what would be valid."""
 
 
@@ -23,7 +23,7 @@ def fault(job: Job) -> Fault | None:
         try:
             engine.load(scene, job.settings(engine), scenario.dt)
         except InvalidInput as error:
-            return error.thing, repr(error.value), error.valid
+            return error.thing, error.value, error.valid
     return None
 
 
@@ -34,18 +34,9 @@ def tried(rows: Iterable[OwnSettings], scene: str, path: Path, workers: int) -> 
     for job, found in sorted(answers(jobs, workers), key=lambda answer: jobs.index(answer[0])):
         if found is not None and not isinstance(found, Died):
             thing, value, valid = found
-            raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", Said(value), valid)
+            raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", value, valid)
 
 
 def answers(jobs: Sequence[Job], workers: int) -> Iterable[tuple[Job, Fault | Died | None]]:
     """Each job with what its engine says, in a process of its own unless there are to be none."""
     return [(job, fault(job)) for job in jobs] if workers == 0 else Pool(fault, workers).results(jobs)
-
-
-class Said(str):
-    """A value as it was printed elsewhere; not to be put in quotes again."""
-
-    __slots__ = ()
-
-    def __repr__(self) -> str:
-        return str(self)
