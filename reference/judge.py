@@ -1,6 +1,7 @@
 """The one judge of overlap for all engines: from exported poses alone, with a library that no engine uses."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +11,14 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from reference.judge_distances import Distances
 from reference.judge_geometry import Pieces
-from reference.judge_near import near_pairs
+from reference.judge_motion import Moves, where_deep
+from reference.judge_near import Near, near_pairs
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
+World = tuple[Array, Array]
+"""Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in F states."""
 
 LENGTH_OF_A_ROTATION = 1e-6
 """How far from 1 the length of a quaternion may be. Beyond, the pose is no rotation and its verdict is not a number."""
@@ -71,38 +75,69 @@ class Judge:
 
     def each(self, positions: Array, orientations: Array, reach: float = 0.0) -> list[Verdict]:
         """Verdicts on F states (F, n, 3) [m], (F, n, 4) at once, each as if it were asked alone."""
-        verdicts: list[Verdict] = []
-        # a block of states at a time: all at once would fill memory, one by one costs more in calls than in distances
-        block = max(1, PLACED_AT_ONCE // len(self.pieces.shapes))
-        for start in range(0, len(positions), block):
-            verdicts += self._block(positions[start : start + block], orientations[start : start + block], reach)
+        verdicts = self._all_faults(positions, orientations)
+        for sound, world, near in self._blocks(positions, orientations, reach):
+            distances, decided = self.between.each(*world, near)
+            ends = np.searchsorted(near.state, np.arange(len(sound) + 1))
+            for k, start, end in zip(sound, ends[:-1], ends[1:], strict=True):
+                some = slice(start, end)
+                verdicts[k] = self._verdict(near.first[some], near.second[some], distances[some], int(decided[some].sum()))
+        return verdicts
+
+    def over_time(self, positions: Array, orientations: Array) -> list[Verdict]:
+        """The same of states that follow one another, but for the gap: pairs that a measured state and the motion since prove
+        apart are not measured."""
+        verdicts = self._all_faults(positions, orientations)
+        for sound, world, near in self._blocks(positions, orientations):
+            distances = self._where_deep(world, near, False)
+            deep = np.flatnonzero(~(distances >= 0.0))
+            state = near.state[deep]
+            for some in np.split(deep, np.flatnonzero(np.diff(state)) + 1) if len(deep) else ():
+                found = self._verdict(near.first[some], near.second[some], distances[some], 0)
+                verdicts[sound[near.state[some[0]]]] = replace(found, gap=np.nan)
         return verdicts
 
     def depths(self, positions: Array, orientations: Array) -> Array:
         """(F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4): 0 when free, nan when the poses are no poses."""
-        return np.array([verdict.deepest for verdict in self.each(positions, orientations)], dtype=np.float64)
+        return np.array([verdict.deepest for verdict in self.over_time(positions, orientations)], dtype=np.float64)
+
+    def deepest(self, positions: Array, orientations: Array) -> float:
+        """Deepest overlap [m] of all these states together; nan when one of them has no pose or a pair no distance."""
+        found = 0.0 if self._sound(positions, orientations).all() else np.nan
+        for _, world, near in self._blocks(positions, orientations):
+            # a pair without a distance stays nan
+            found = np.maximum(found, np.max(-self._where_deep(world, near, True), initial=0.0))
+        return float(found)
 
     def link_depths(self, positions: Array, orientations: Array) -> Array:
-        """The same over pairs in which a link takes part."""
-        links = set(self.scene.names[len(self.scene.bodies) :])
-        return np.array([
-            verdict.deepest if not np.isfinite(verdict.deepest)
-            else max((pair[2] for pair in verdict.pairs if links & set(pair[:2])), default=0.0)
-            for verdict in self.each(positions, orientations)
-        ], dtype=np.float64)
+        """(F,) the deepest overlap over pairs in which a link takes part."""
+        link = self.pieces.owner >= len(self.scene.bodies)
+        found = np.where(self._sound(positions, orientations).all(axis=1), 0.0, np.nan)
+        for sound, world, near in self._blocks(positions, orientations):
+            linked = near.at(link[near.first] | link[near.second])
+            np.maximum.at(found, sound[linked.state], -self._where_deep(world, linked, False))
+        return found
 
-    def _block(self, positions: Array, orientations: Array, reach: float) -> list[Verdict]:
+    def _all_faults(self, positions: Array, orientations: Array) -> list[Verdict]:
+        """FREE for every state whose poses are poses, and why not for the others."""
         verdicts = [FREE] * len(positions)
-        good = self._sound(positions, orientations).all(axis=1)
-        for k in np.flatnonzero(~good):
+        for k in np.flatnonzero(~self._sound(positions, orientations).all(axis=1)):
             verdicts[k] = Verdict(np.nan, None, faults=self.faults(positions[k], orientations[k]), gap=np.nan)
-        sound = np.flatnonzero(good)
-        at, turned = self._placed(positions[sound], orientations[sound])
-        near = near_pairs(self._may_meet, *self.pieces.boxes(at, turned), reach)
-        measured = self.between.each(at, turned, near)
-        for k, (first, second), (distances, decided) in zip(sound, near, measured, strict=True):
-            verdicts[k] = self._verdict(first, second, distances, decided)
         return verdicts
+
+    def _blocks(self, positions: Array, orientations: Array, reach: float = 0.0) -> Iterator[tuple[Indices, World, Near]]:
+        """The sound states, some at a time: their places in the whole, where all pieces are in them, and which are near."""
+        sound = np.flatnonzero(self._sound(positions, orientations).all(axis=1))
+        # all at once would fill memory, one by one costs more in calls than in distances
+        block = max(1, PLACED_AT_ONCE // len(self.pieces.shapes))
+        for start in range(0, len(sound), block):
+            some = sound[start : start + block]
+            world = self._placed(positions[some], orientations[some])
+            yield some, world, near_pairs(self._may_meet, *self.pieces.boxes(*world), reach)
+
+    def _where_deep(self, world: World, near: Near, deepest_only: bool) -> Array:
+        """Signed distances (k,) [m] of near pairs, right where they overlap."""
+        return where_deep(near, Moves(self.pieces, *world), lambda some: self.between.each(*world, some)[0], deepest_only)
 
     def _verdict(self, first: Indices, second: Indices, distances: Array, decided: int) -> Verdict:
         """What the distances (k,) [m] of pairs of pieces say of the bodies."""
@@ -124,11 +159,11 @@ class Judge:
 
     def distances(self, positions: Array, orientations: Array, reach: float = 0.0) -> tuple[Indices, Indices, Array]:
         """Indices (k,), (k,) of the pieces of all near pairs and their signed distance (k,) [m]; poses must be sound."""
-        at, turned = self._placed(np.asarray(positions)[None], np.asarray(orientations)[None])
-        near = near_pairs(self._may_meet, *self.pieces.boxes(at, turned), reach)
-        return *near[0], self.between.each(at, turned, near)[0][0]
+        world = self._placed(np.asarray(positions)[None], np.asarray(orientations)[None])
+        near = near_pairs(self._may_meet, *self.pieces.boxes(*world), reach)
+        return near.first, near.second, self.between.each(*world, near)[0]
 
-    def _placed(self, positions: Array, orientations: Array) -> tuple[Array, Array]:
+    def _placed(self, positions: Array, orientations: Array) -> World:
         """Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in the world."""
         return self.pieces.placed(positions.astype(np.float64), rotation.to_matrix(rotation.normalised(orientations)))
 

@@ -1,19 +1,18 @@
 """Signed distances of pieces: coal's answer where a proof comes with it, brute force where not, over many states at once."""
 
-from collections.abc import Sequence
-
 import coal
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.shape import Ellipsoid, Sphere
 from reference.judge_geometry import Pieces
-from reference.judge_near import Pairs
+from reference.judge_near import Near
 from reference.judge_proof import by_directions, hold, in_parts, largest_over_axes
 from reference.minkowski import signed_distance
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
 """What coal's two iterations may leave [m]. Its default of 1e-6 costs micrometres on curved shapes; at 1e-12 they lose
@@ -51,36 +50,30 @@ class Distances:
         self._smooth = tuple(isinstance(shape, Ellipsoid) for shape in pieces.shapes)
         self._radii = np.array([shape.radius if isinstance(shape, Sphere) else np.nan for shape in pieces.shapes])
 
-    def each(self, at: Array, turned: Array, near: Sequence[Pairs]) -> list[tuple[Array, int]]:
-        """For each of F states, placed at (F, p, 3) [m] and turned by (F, p, 3, 3), the signed distances (k,) [m] of its near
-        pairs, and how many of them brute force decided."""
-        sizes = [len(first) for first, _ in near]
-        state = np.repeat(np.arange(len(near)), sizes)
-        nothing = np.zeros(0, dtype=np.int64)
-        first, second = (np.concatenate([nothing, *(pairs[k] for pairs in near)]) for k in (0, 1))
+    def each(self, at: Array, turned: Array, near: Near) -> tuple[Array, Flags]:
+        """Signed distances (k,) [m] of near pairs in states placed at (F, p, 3) [m] and turned by (F, p, 3, 3), and True (k,)
+        where brute force decided."""
+        state, first, second = near
         offsets = at[state, first] - at[state, second]
         # two balls need no iteration, and so no proof; all others are nan here
         found = np.linalg.norm(offsets, axis=1) - self._radii[first] - self._radii[second]
-        asked, decided = np.flatnonzero(np.isnan(found)), np.zeros(len(near), dtype=np.int64)
-        normals = self._ask(asked, state, first, second, at, turned, found)
+        asked, decided = np.flatnonzero(np.isnan(found)), np.zeros(len(found), dtype=np.bool_)
+        normals = self._ask(asked, near, at, turned, found)
         for rows in _alike(asked, first * len(self._radii) + second):
             a, b = int(first[rows[0]]), int(second[rows[0]])
             turn_a, turn_b = turned[state[rows], a], turned[state[rows], b]
             one, other = self._pieces.outlines[a], self._pieces.outlines[b]
             sound = hold(found[rows], normals[rows], one, turn_a, other, turn_b, offsets[rows])
             open_ = np.flatnonzero(~sound)
-            np.add.at(decided, state[rows[open_]], 1)
+            decided[rows[open_]] = True
             found[rows[open_]] = self._decided(a, turn_a[open_], b, turn_b[open_], offsets[rows[open_]])
-        ends = np.cumsum(sizes)
-        return [(found[end - size : end], int(more)) for end, size, more in zip(ends, sizes, decided, strict=True)]
+        return found, decided
 
-    def _ask(
-        self, asked: Indices, state: Indices, first: Indices, second: Indices, at: Array, turned: Array, found: Array
-    ) -> Array:
+    def _ask(self, asked: Indices, near: Near, at: Array, turned: Array, found: Array) -> Array:
         """Write coal's claims [m] for the rows `asked` into `found` (k,); the normals (k, 3) out of the second into the first."""
         normals, geometries, placements = np.zeros((len(found), 3)), self._pieces.geometries, self._placements
         smooth, result, before, placed = self._smooth, self._result, -1, set[int]()
-        columns = (rows.tolist() for rows in (asked, state[asked], first[asked], second[asked]))
+        columns = (rows.tolist() for rows in (asked, *near.at(asked)))
         for row, k, a, b in zip(*columns, strict=True):
             if k != before:
                 before = k

@@ -123,7 +123,10 @@ def outline(shape: Shape) -> Outline:
 
 
 class Pieces:
-    """All convex pieces of a scene in canonical order, ready to be placed: p pieces of n bodies."""
+    """All convex pieces of a scene in canonical order, ready to be placed: p pieces of n bodies.
+
+    centres (p, 3) and radii (p,) [m] are those of balls that hold the pieces, in the pieces' own frames.
+    """
 
     def __init__(self, scene: Scene) -> None:
         owners: tuple[Body | Link, ...] = (*scene.bodies, *scene.links)
@@ -135,10 +138,10 @@ class Pieces:
         self.positions = np.array([piece.position for _, piece in pieces])
         self.turns = rotation.to_matrix(np.array([piece.orientation for _, piece in pieces]))
         boxes = [_box_round(shape) for shape in self.shapes]
-        self._centres = np.array([box[0] for box in boxes])
+        self.centres = np.array([box[0] for box in boxes])
         self._halves = np.array([box[1] for box in boxes])
         self._rounding = np.array([box[2] for box in boxes])
-        self._radii = np.array([box[3] for box in boxes])
+        self.radii = np.array([box[3] for box in boxes])
 
     def placed(self, positions: Array, turns: Array) -> tuple[Array, Array]:
         """Positions (..., p, 3) [m] and turns (..., p, 3, 3) of the pieces in the world, from those of the n bodies."""
@@ -147,7 +150,7 @@ class Pieces:
 
     def boxes(self, positions: Array, turns: Array) -> tuple[Array, Array]:
         """Lower and upper corners (..., p, 3) [m] of axis-aligned boxes round the placed pieces."""
-        centres = positions + np.einsum("...pij,pj->...pi", turns, self._centres)
+        centres = positions + np.einsum("...pij,pj->...pi", turns, self.centres)
         halves = np.einsum("...pij,pj->...pi", np.abs(turns), self._halves) + self._rounding[:, None]
-        halves = np.minimum(halves, self._radii[:, None])
+        halves = np.minimum(halves, self.radii[:, None])
         return centres - halves, centres + halves

@@ -1,12 +1,13 @@
 """Which pairs of pieces are near enough to be measured, for many states of the world at once."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
-Pairs = tuple[Indices, Indices]
 
 MOST_PAIRS = 3000
 """Pairs up to which all are compared in all states at once. Above, sorting along one axis, state by state, is faster."""
@@ -15,25 +16,49 @@ AT_ONCE = 1_000_000
 """Comparisons made in one go; more would fill memory and not be faster."""
 
 
-def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> list[Pairs]:
+class Near(NamedTuple):
+    """k near pairs in order of their states: index of the state, of the first piece and of the second (k,) each."""
+
+    state: Indices
+    first: Indices
+    second: Indices
+
+    def at(self, rows: Indices | Flags) -> "Near":
+        """Some of them."""
+        return Near(self.state[rows], self.first[rows], self.second[rows])
+
+
+def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     """For each of F states the pairs of p pieces that `may_meet` (p, p), each pair once, and whose boxes low, high (F, p, 3) [m]
     come within `reach` [m]."""
     first, second = np.nonzero(np.triu(may_meet, 1))
     if len(first) > MOST_PAIRS:
-        return [by_sorting(may_meet, lower, upper, reach) for lower, upper in zip(low, high, strict=True)]
-    found: list[Pairs] = []
+        return _joined([by_sorting(may_meet, lower, upper, reach) for lower, upper in zip(low, high, strict=True)])
+    found = [_joined([])]
     chunk = max(1, AT_ONCE // max(1, len(first)))
     for start in range(0, len(low), chunk):
-        lower, upper = low[start : start + chunk], high[start : start + chunk] + reach
-        near = np.ones((len(lower), len(first)), dtype=bool)
-        for axis in range(3):
-            near &= lower[:, first, axis] <= upper[:, second, axis]
-            near &= lower[:, second, axis] <= upper[:, first, axis]
-        found += [(first[row], second[row]) for row in near]
-    return found
+        # piece by piece in one line of memory each, so that a pair's states lie side by side
+        lower, upper = (np.ascontiguousarray(box[start : start + chunk].transpose(2, 1, 0)) for box in (low, high + reach))
+        pairs, near = np.arange(len(first)), np.ones((len(first), lower.shape[2]), dtype=bool)
+        for along, end in zip(lower, upper, strict=True):
+            one, other = first[pairs], second[pairs]
+            near &= (along[one] <= end[other]) & (along[other] <= end[one])
+            # most pairs are far apart along one axis in every state
+            kept = near.any(axis=1)
+            pairs, near = pairs[kept], near[kept]
+        state, row = np.nonzero(near.T)
+        found.append(Near(state + start, first[pairs[row]], second[pairs[row]]))
+    return Near(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
-def by_sorting(may_meet: Flags, low: Array, high: Array, reach: float) -> Pairs:
+def _joined(pairs: list[tuple[Indices, Indices]]) -> Near:
+    """The pairs of one state after the other as one table."""
+    nothing = np.zeros(0, dtype=np.int64)
+    state = np.repeat(np.arange(len(pairs)), np.array([len(first) for first, _ in pairs], dtype=np.int64))
+    return Near(state, *(np.concatenate([nothing, *(pair[k] for pair in pairs)]) for k in (0, 1)))
+
+
+def by_sorting(may_meet: Flags, low: Array, high: Array, reach: float) -> tuple[Indices, Indices]:
     """The same for one state (p, 3): sweep along the axis on which the boxes are spread widest."""
     axis = int(np.argmax(np.ptp(low, axis=0)))
     order = np.argsort(low[:, axis], kind="stable")

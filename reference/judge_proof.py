@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.spatial import rotation
 from reference.judge_geometry import Outline
 
 Array = NDArray[np.float64]
@@ -60,7 +61,7 @@ def largest_over_axes(a: Outline, turns_a: Array, b: Outline, turns_b: Array, fr
     The facets of a difference of polytopes are their faces, and what one edge of each spans: where they overlap, the depth is
     that of the nearest of these. Any other axis is harmless, so that no edges need to be told from the diagonals of faces.
     """
-    crossed = np.cross((a.edges @ turns_a.swapaxes(1, 2))[:, :, None], (b.edges @ turns_b.swapaxes(1, 2))[:, None])
+    crossed = rotation.cross((a.edges @ turns_a.swapaxes(1, 2))[:, :, None], (b.edges @ turns_b.swapaxes(1, 2))[:, None])
     crossed = crossed.reshape(len(from_b_to_a), -1, 3)
     lengths = np.linalg.norm(crossed, axis=2, keepdims=True)
     # parallel edges span no facet: in their place stands an axis that is any
@@ -146,9 +147,9 @@ def _across(edges: Array, value: Callable[[Array], Array]) -> float:
 
 def _frame(axes: Array) -> tuple[Array, Array]:
     """Two unit vectors (k, 3) each that complete unit `axes` (k, 3) to a frame."""
-    side = np.cross(axes, np.eye(3)[np.argmin(np.abs(axes), axis=1)])
+    side = rotation.cross(axes, np.eye(3)[np.argmin(np.abs(axes), axis=1)])
     side /= np.linalg.norm(side, axis=1)[:, None]
-    return side, np.cross(axes, side)
+    return side, rotation.cross(axes, side)
 
 
 SPREAD = 2000

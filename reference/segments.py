@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.spatial import rotation
+
 Array = NDArray[np.float64]
 
 NEARLY_PARALLEL = 1e-12
@@ -50,10 +52,10 @@ def triangle_distance(point: Array, a: Array, b: Array, c: Array) -> Array:
         np.minimum(point_segment_distance(point, a, b), point_segment_distance(point, b, c)),
         point_segment_distance(point, c, a),
     )
-    normal = np.cross(b - a, c - a)
+    normal = rotation.cross(b - a, c - a)
     inside = np.ones(np.broadcast_shapes(edges.shape), dtype=bool)
     for start, end in ((a, b), (b, c), (c, a)):
-        inside &= _dot(np.cross(end - start, point - start), normal) > 0.0
+        inside &= _dot(rotation.cross(end - start, point - start), normal) > 0.0
     length = np.linalg.norm(normal, axis=-1)
     height = np.abs(_dot(point - a, normal)) / np.where(length > 0.0, length, 1.0)
     return np.asarray(np.where(inside, height, edges))

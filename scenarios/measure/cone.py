@@ -4,8 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.spatial.rotation import cross
 
 Array = NDArray[np.float64]
+
+NO_ARC = 1e-12
+"""Length [rad] below which an edge is a point: no plane through the origin holds it and nothing else."""
 
 
 def _inside(cone: ReachCone, direction: Array) -> bool:
@@ -23,7 +27,7 @@ def _angle_to_edge(start: Array, end: Array, direction: Array) -> float:
     """Angle [rad] from `direction` to the nearest point of the great arc from start to end."""
     normal = np.cross(start, end)
     length = float(np.linalg.norm(normal))
-    if length > 1e-12:
+    if length > NO_ARC:
         normal /= length
         # within the lune of the arc the nearest point is the foot on its great circle, else one of its ends
         if np.cross(normal, start) @ direction >= 0.0 and np.cross(end, normal) @ direction >= 0.0:
@@ -49,25 +53,23 @@ def beyond_cone_each(cone: ReachCone, directions: Array) -> Array:
     limbs = np.where(sound[:, None], directions, 0.0)
     seen, starts = np.array(cone.visible_point), cone.vertices
     ends = np.roll(starts, -1, axis=0)
-    first, edge, second = (np.cross(a, b) @ limbs.T >= 0.0 for a, b in ((seen, starts), (starts, ends), (ends, seen)))
-    inside = (first & edge & second).any(axis=0)
+    first, edge, second = (cross(a, b) @ limbs.T >= 0.0 for a, b in ((seen, starts), (starts, ends), (ends, seen)))
+    outside = ~(first & edge & second).any(axis=0)
     beyond = np.zeros(len(limbs))
-    if not inside.all():
-        outside = limbs[~inside]
-        beyond[~inside] = np.min([_angles_to_edge(start, end, outside) for start, end in zip(starts, ends, strict=True)], axis=0)
+    if outside.any():
+        beyond[outside] = _angles_to_edges(starts, ends, limbs[outside]).min(axis=0)
     return np.where(sound, beyond, np.nan)
 
 
-def _angles_to_edge(start: Array, end: Array, limbs: Array) -> Array:
-    """(F,) angles [rad] from directions (F, 3) to the nearest point of the great arc from start to end."""
-    to_ends = [np.arctan2(np.linalg.norm(np.cross(p, limbs), axis=1), limbs @ p) for p in (start, end)]
-    apart = np.minimum(*to_ends)
-    normal = np.cross(start, end)
-    length = float(np.linalg.norm(normal))
-    if length > 1e-12:
-        normal /= length
-        within = (limbs @ np.cross(normal, start) >= 0.0) & (limbs @ np.cross(end, normal) >= 0.0)
-        across = limbs @ normal
-        foot = np.abs(np.arctan2(across, np.linalg.norm(limbs - across[:, None] * normal, axis=1)))
-        apart = np.where(within, foot, apart)
-    return np.asarray(apart)
+def _angles_to_edges(starts: Array, ends: Array, limbs: Array) -> Array:
+    """(E, F) angles [rad] from directions (F, 3) to the nearest point of each of E great arcs, which make a polygon."""
+    to_start = np.arctan2(np.linalg.norm(cross(starts[:, None], limbs), axis=2), starts @ limbs.T)
+    apart = np.minimum(to_start, np.roll(to_start, -1, axis=0))
+    normals = cross(starts, ends)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    # an arc without length has no lune, and its ends are all there is of it
+    normals = np.where(lengths > NO_ARC, normals / np.maximum(lengths, NO_ARC), 0.0)
+    within = (cross(normals, starts) @ limbs.T >= 0.0) & (cross(ends, normals) @ limbs.T >= 0.0) & (lengths > NO_ARC)
+    across = normals @ limbs.T
+    feet = limbs - across[:, :, None] * normals[:, None]
+    return np.asarray(np.where(within, np.abs(np.arctan2(across, np.linalg.norm(feet, axis=2))), apart))

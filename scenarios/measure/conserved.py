@@ -41,7 +41,7 @@ class Group:
         own = rotation.rotate(rotation.conjugate(self.orientation), self.spin)
         turning = rotation.rotate(self.orientation, np.einsum("bij,tbj->tbi", self.inertia, own))
         arm, relative = self.centre - middle[:, None], self.velocity - common[:, None]
-        shares = self.mass[:, None] * np.cross(arm, relative)
+        shares = self.mass[:, None] * rotation.cross(arm, relative)
         total = (shares + turning).sum(axis=1)
         lengths = self.mass * np.linalg.norm(arm, axis=-1) * np.linalg.norm(relative, axis=-1)
         scale = (lengths + np.linalg.norm(turning, axis=-1)).sum(axis=1).max()

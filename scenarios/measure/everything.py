@@ -69,10 +69,10 @@ def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside
         values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free"), absent)
         return Measured(values, {}, np.zeros(0))
     judge = Judge(scene)
-    verdicts = judge.each(recording.positions, recording.orientations)
+    verdicts = judge.over_time(recording.positions, recording.orientations)
     shown = np.array([verdict.deepest for verdict in verdicts], dtype=np.float64)
     values |= residual_overlap(shown)
-    values["substep_overlap_max"], note = substep_overlap(recording, judge.depths, most_inside)
+    values["substep_overlap_max"], note = substep_overlap(recording, judge.deepest, most_inside)
     values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, judge.link_depths))
     notes = {"substep_overlap_max": note} if note else {}
     return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

@@ -42,7 +42,7 @@ def swing_twist(limits: SwingTwist, turn: Array) -> tuple[Array, Array]:
     """Swing (F,) of the limb away from its centre and twist (F,) [rad] about it, of rotations (F, 4) against the parent."""
     axis, centre = np.array(limits.axis), np.array(limits.centre)
     limb = rotation.rotate(turn, axis)
-    swing = np.arctan2(np.linalg.norm(np.cross(limb, centre), axis=-1), limb @ centre)
+    swing = np.arctan2(np.linalg.norm(rotation.cross(limb, centre), axis=-1), limb @ centre)
     shortest = rotation.between(axis, centre)
     return swing, angle_about(axis, rotation.multiply(rotation.conjugate(shortest), turn))
 

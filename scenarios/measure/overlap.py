@@ -10,8 +10,8 @@ from scenarios.measure.value import Missing, Value, Values
 from scenarios.record import Recording
 
 Array = NDArray[np.float64]
-Depths = Callable[[Array, Array], Array]
-"""(F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4): 0 when free, nan when the poses are no poses."""
+Deepest = Callable[[Array, Array], float]
+"""Deepest overlap [m] in any of F states (F, n, 3), (F, n, 4): 0 when all are free, nan when the poses of one are no poses."""
 
 SEEN = 1e-6
 """Depth [m] from which a frame counts as overlapping. The judge is right to 1e-8; smaller would count its own error."""
@@ -31,11 +31,11 @@ def residual_overlap(depths_shown: Array) -> Values:
     }
 
 
-def substep_overlap(recording: Recording, depths: Depths, most: int | None = INSIDE_JUDGED) -> tuple[Value, str]:
+def substep_overlap(recording: Recording, deepest: Deepest, most: int | None = INSIDE_JUDGED) -> tuple[Value, str]:
     """substep_overlap_max [m] over the snapshots inside frames, and a note when only every k-th was judged."""
     total = len(recording.inside_time)
     if total == 0:
         return Missing("the engine gave no sub-steps", "scene"), ""
     stride = 1 if most is None else max(1, math.ceil(total / most))
-    found = depths(recording.inside_positions[::stride], recording.inside_orientations[::stride])
-    return float(np.max(found)), (f"every {stride}th of {total} sub-steps judged" if stride > 1 else "")
+    found = deepest(recording.inside_positions[::stride], recording.inside_orientations[::stride])
+    return found, (f"every {stride}th of {total} sub-steps judged" if stride > 1 else "")

@@ -65,7 +65,7 @@ def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     for entry in entries:
         own = scene.names.index(entry.body)
         axis = rotation.rotate(recording.orientations[:, own], np.array([0.0, 0.0, 1.0]))
-        lean = np.arctan2(np.linalg.norm(np.cross(axis, up), axis=1), axis @ up)
+        lean = np.arctan2(np.linalg.norm(rotation.cross(axis, up), axis=1), axis @ up)
         speed = np.linalg.norm(recording.angular_velocities[:, own], axis=1)
         falling = lean <= entry.until
         # once down it is down: what it does afterwards is not this closed form's affair

@@ -173,7 +173,8 @@ def test_a_pair_without_a_distance_is_never_a_pass():
     at = FREE.copy()
     at[2] = 0.0, 0.3, 0.09
     judge = Judge(ROOM)
-    judge.between.each = lambda at, turned, near: [(np.full(len(first), np.nan), 0) for first, _ in near]
+    judge.between.each = lambda at, turned, near: (np.full(len(near.state), np.nan), np.zeros(len(near.state), dtype=bool))
     verdict = judge.overlaps(at, upright(at))
     assert np.isnan(verdict.deepest)
     assert "table" in verdict.faults[0]
+    assert np.isnan(judge.depths(at[None], upright(at)[None])[0]) and np.isnan(judge.deepest(at[None], upright(at)[None]))

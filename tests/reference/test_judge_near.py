@@ -30,16 +30,19 @@ def test_each_way_finds_every_near_pair_once(reach: float, most: int, monkeypatc
     monkeypatch.setattr(judge_near, "AT_ONCE", 200)
     may_meet, low, high = boxes(5, 6, 12)
     found = near_pairs(may_meet, low, high, reach)
-    assert len(found) == 6
-    for k, (first, second) in enumerate(found):
+    assert (np.diff(found.state) >= 0).all()
+    for k in range(6):
+        _, first, second = found.at(found.state == k)
         pairs = [(min(a, b), max(a, b)) for a, b in zip(first.tolist(), second.tolist(), strict=True)]
         assert len(pairs) == len(set(pairs))
         assert set(pairs) == one_by_one(may_meet, low[k], high[k], reach) and pairs
 
 
-def test_boxes_that_touch_are_near_and_no_state_asks_nothing() -> None:
+def test_boxes_that_touch_are_near_and_no_state_asks_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     may_meet = np.array([[False, True], [True, False]])
     low, high = np.array([[[0.0, 0, 0], [1.0, 0, 0]]]), np.array([[[1.0, 1, 1], [2.0, 1, 1]]])
-    assert [len(first) for first, _ in near_pairs(may_meet, low, high, 0.0)] == [1]
+    assert len(near_pairs(may_meet, low, high, 0.0).first) == 1
     assert len(by_sorting(may_meet, low[0], high[0], 0.0)[0]) == 1
-    assert near_pairs(may_meet, low[:0], high[:0], 0.0) == []
+    for most in (0, 3000):
+        monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
+        assert [len(column) for column in near_pairs(may_meet, low[:0], high[:0], 0.0)] == [0, 0, 0]

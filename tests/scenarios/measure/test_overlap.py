@@ -51,17 +51,17 @@ def test_thinned_substeps_say_so() -> None:
     recording = with_inside(recording, [0.0] * 10, [1] * 10, ["step"] * 10, within, np.zeros((10, 2, 3)))
     asked: list[int] = []
 
-    def depths(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    def deepest(p: np.ndarray, q: np.ndarray) -> float:
         asked.append(len(p))
-        return np.zeros(len(p))
+        return 0.0
 
-    assert substep_overlap(recording, depths, 5) == (0.0, "every 2th of 10 sub-steps judged")
+    assert substep_overlap(recording, deepest, 5) == (0.0, "every 2th of 10 sub-steps judged")
     assert asked == [5]
-    assert substep_overlap(recording, depths, None) == (0.0, "")
+    assert substep_overlap(recording, deepest, None) == (0.0, "")
 
 
 def test_no_substeps_is_missing_and_not_zero() -> None:
-    value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: np.zeros(len(p)))
+    value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: 0.0)
     assert isinstance(value, Missing)
 
 
