@@ -1,4 +1,4 @@
-"""A glance at what many scenes cost: few frames of each, one process per engine and preset for all of them.
+"""A glance at what many scenes cost: few frames of each, but all of an everyday one; one process per engine and preset.
 
 Whether an engine carries anything from one scene into the next shows: the hashes of its last frames are compared with those of
 processes that ran one scene only.
@@ -10,14 +10,14 @@ from math import nan
 
 from scenarios.job import Job
 from scenarios.seats import Seats
-from scenarios.timing import Clocked, Turns, loaded, warmed
+from scenarios.timing import MOST_FRAMES, Clocked, Turns, loaded, warmed
 
 MANY = 12
-"""Scenes in a comparison from which on one that is not an everyday scene gets a glance only, unless full lengths are asked for:
-measured at their own lengths in fresh processes, a hundred scenes take a quarter of an hour."""
+"""Scenes in a comparison from which on each gets a glance only, unless full lengths are asked for: measured at their own lengths
+in fresh processes, a hundred scenes take a quarter of an hour."""
 WARM_FRAMES = 10
 """Frames run before: a process that has run other scenes is warm, and only the buffers of this one are new."""
-SLICE = 0.2
+SLICE = 0.15
 """Time [s] that one round of all engines through a scene should take; it decides how many frames are timed, the same for all."""
 LEAST, MOST = 20, 180
 """Frames timed at least and at most: fewer have no percentiles worth the name, more would hold up the other scenes."""
@@ -27,12 +27,13 @@ PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 
 
-def glance(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
-    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames. Loading, which for many
-    scenes takes longer than the frames, is done side by side."""
+def glance(jobs: Sequence[Job], seats: Seats, at_length: bool = False) -> list[Clocked]:
+    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames: MOST_FRAMES `at_length`,
+    otherwise what fits into a SLICE. Loading, which for many scenes takes longer than the frames, is done side by side."""
     table = [Turns(job, seats.at(job.run)) for job in jobs]
     cost = sum(warmed(table, WARM_FRAMES))
-    frames = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
+    few = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
+    frames = MOST_FRAMES if at_length else few
     for _ in range(ROUNDS):
         for turns in loaded(table, [frames] * len(table)):
             turns.turn()

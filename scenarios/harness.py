@@ -116,11 +116,12 @@ class Run:
         seeds = {job.seed for job in sound}
         with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
             names = list(dict.fromkeys(job.scenario for job in sound))
-            at_length = {name for name in names if full or len(names) < MANY or self.scenarios[name].everyday}
+            few = full or len(names) < MANY
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    for clocked in timed_pass(chosen, full) if scene in at_length else glance(chosen, seats):
+                    everyday = self.scenarios[scene].everyday
+                    for clocked in timed_pass(chosen, full) if few else glance(chosen, seats, everyday):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
                     self.write_now_and_then()

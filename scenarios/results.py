@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
@@ -63,7 +63,7 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
     writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     for row in rows:
-        writer.writerow({name: "" if value is None else value for name, value in asdict(row).items()})
+        writer.writerow({name: "" if value is None else value for name, value in vars(row).items()})
     return text.getvalue()
 
 
@@ -77,12 +77,12 @@ def write(results: Results, folder: Path) -> None:
     times = [row for row in results.rows if is_time(row.metric)]
     if times:
         write_text(folder / "bench.csv", csv_text(times))
-    whole = plain({
+    whole = {
         "schema_version": SCHEMA_VERSION,
         "provenance": results.provenance,
         "exit_code": results.exit_code,
         "scenes": results.scenes,
-        "rows": [asdict(row) for row in results.rows],
+        "rows": [vars(row) for row in results.rows],
         "engines": [
             {
                 "name": outcome.job.engine, "preset": outcome.job.preset, "scenario": outcome.job.scenario,
@@ -94,11 +94,11 @@ def write(results: Results, folder: Path) -> None:
         ],
         "series": results.series,
         "notes": list(results.notes),
-    })
+    }
     write_json(folder / "results.json", whole)
     if results.exit_code is not None and results.rows and find_spec("jsonschema"):
         # who installed no report has no checker either, and gets no report that could mislead
-        check(whole, folder / "results.json")
+        check(plain(whole), folder / "results.json")
 
 
 def is_time(metric: str) -> bool:

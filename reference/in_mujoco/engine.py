@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import FrameRecord, Settings, Snapshot
+from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -15,6 +15,7 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.laws import contact_laws
 from reference.in_mujoco.presets import presets
+from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness
 from reference.in_mujoco.world import build_world
 from reference.presets import Chosen, in_force, kind_of
@@ -70,7 +71,8 @@ class MujocoEngine:
         self._last = self._targets.within_limits(scene.first_sample)
         self._elapsed, self._warned = 0.0, np.zeros(len(self._data.warning), dtype=np.int64)
         self._first_state()
-        return FrameRecord(self._snapshot(), self._angles())
+        self._reading = Reading(self._world, self._data)
+        return FrameRecord(self._reading.snapshots([0.0], [self._reading.raw()])[0], self._angles())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """Follow the motion from the last sample to this one in equal steps."""
@@ -80,28 +82,28 @@ class MujocoEngine:
         goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
         positions, orientations = self._targets.ahead(goals, self._stiffness.lead(self._step) / self._step)
         self._last = goal
-        stepping, iterations, inside = 0, 0, []
+        stepping, iterations, raw, times = 0, 0, [], []
         for k in range(self._count):
             self._aim(positions[k], orientations[k])
             before = perf_counter_ns()
             mujoco.mj_step(self._model, self._data)
             stepping += perf_counter_ns() - before
             iterations += int(self._data.solver_niter.sum())
-            if self._settings.record_inside:
-                self._elapsed += self._step
-                inside.append(self._snapshot())
-        if not self._settings.record_inside:
-            self._elapsed += self._step * self._count
-        shown, angles = inside[-1] if inside else self._snapshot(), self._angles()
+            self._elapsed += self._step
+            if self._settings.record_inside or k == self._count - 1:
+                raw.append(self._reading.raw())
+                times.append(self._elapsed)
+        inside = self._reading.snapshots(times, raw)
+        shown, angles = inside[-1], self._angles()
         stages = {}
         if self._settings.time_stages:
             stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
         counts = {"steps": self._count, "iterations": iterations, "contacts": int(self._data.ncon)}
-        return FrameRecord(shown, angles, counts, self._statuses(), stages, tuple(inside))
+        return FrameRecord(shown, angles, counts, self._statuses(), stages, inside if self._settings.record_inside else ())
 
     def close(self) -> None:
         """Drop the model; MuJoCo frees it."""
-        for name in ("_data", "_model", "_world", "_stiffness"):
+        for name in ("_data", "_model", "_world", "_stiffness", "_reading"):
             self.__dict__.pop(name, None)
 
     def _cut(self, dt: float) -> None:
@@ -138,18 +140,6 @@ class MujocoEngine:
         links, mocap = self._world.mocap
         self._data.mocap_pos[mocap] = positions[links]
         self._data.mocap_quat[mocap] = orientations[links]
-
-    def _snapshot(self) -> Snapshot:
-        """Poses from qpos: after a step xpos is one step old, so kinematics runs again first."""
-        model, data, ids = self._model, self._data, self._world.body_ids
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_comVel(model, data)
-        spin = data.cvel[ids, :3]
-        # MuJoCo states velocities about the centre of mass of the whole tree
-        arm = data.xipos[ids] - data.subtree_com[model.body_rootid[ids]]
-        velocity = data.cvel[ids, 3:] + rotation.cross(spin, arm)
-        return Snapshot(self._elapsed, data.xpos[ids].copy(), data.xquat[ids].copy(), velocity, spin.copy())
 
     def _angles(self) -> Array:
         return np.array(self._data.qpos[self._world.hinge_qpos])

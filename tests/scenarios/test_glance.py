@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from scenarios import glance as module
+from scenarios.catalog import get
 from scenarios.glance import LEAST, MOST, ROUNDS
 from scenarios.job import Job
 from scenarios.seats import Seats
@@ -56,3 +57,9 @@ def test_slow_engines_are_timed_over_fewer_frames(monkeypatch: pytest.MonkeyPatc
     with Seats() as seats:
         [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], seats)
     assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, LEAST)
+
+
+def test_everyday_scenes_are_timed_at_their_length() -> None:
+    with Seats() as seats:
+        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], seats, at_length=True)
+    assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, get("ball_drop").as_run(False).frames)
