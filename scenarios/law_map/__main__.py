@@ -23,7 +23,7 @@ from scenarios.gate import STOPPED
 from scenarios.harness import offers
 from scenarios.job import Job
 from scenarios.law_map import worlds
-from scenarios.law_map.asking import job_of, obtained
+from scenarios.law_map.asking import job_of, obtained, without_figures
 from scenarios.law_map.rows import Row, table
 from scenarios.processes import Died
 from scenarios.side_by_side import side_by_side
@@ -55,13 +55,7 @@ def measured(jobs: Sequence[Job], store: Store, workers: int) -> list[Row]:
     for job, answer in side_by_side(obtained, todo, workers):
         name = job.scenario + job.run
         if isinstance(answer, Died):
-            nothing = float("nan")
-            law, rest = job.scenario.split("_", 1)
-            shape, rate = rest.rsplit("_", 1)
-            known_rows[name] = [
-                Row(law, shape, job.engine, job.preset, int(rate), asked, nothing, nothing, nothing, str(answer))
-                for asked in worlds.ASKED[law]
-            ]
+            known_rows[name] = without_figures(job, str(answer))
         else:
             known_rows[name] = answer
             store.put(KIND, keys[name], {"rows": [asdict(row) for row in answer]})

@@ -1,5 +1,8 @@
 """One engine with one preset in one scene of the map, and what each coefficient became."""
 
+import math
+from collections.abc import Mapping
+
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios.engines import STEPPED, opened
@@ -19,18 +22,31 @@ def job_of(law: str, shape: str, rate: int, engine: str, preset: str) -> Job:
 
 def obtained(job: Job) -> list[Row]:
     """A row per coefficient; of an engine that fails, rows without figures that say so."""
-    law, rest = job.scenario.split("_", 1)
-    shape, rate = rest.rsplit("_", 1)
+    law, shape, _ = asked_of(job)
     try:
         found = _figures(job, law, shape)
     except (AvatarsimError, ArithmeticError, ValueError, RuntimeError) as error:
         if isinstance(error, MissingPackage):
             raise
-        nothing = [(asked, (float("nan"),) * 3, described(error)) for asked in worlds.ASKED[law]]
-        return [Row(law, shape, job.engine, job.preset, int(rate), asked, *three, note) for asked, three, note in nothing]
-    return [
-        Row(law, shape, job.engine, job.preset, int(rate), asked, *summed_up(found[asked])) for asked in worlds.ASKED[law]
-    ]
+        return without_figures(job, described(error))
+    return _rows(job, {asked: summed_up(found[asked]) for asked in worlds.ASKED[law]})
+
+
+def without_figures(job: Job, why: str) -> list[Row]:
+    """The same rows of an engine that gave none."""
+    return _rows(job, {asked: (math.nan, math.nan, math.nan, why) for asked in worlds.ASKED[asked_of(job)[0]]})
+
+
+def asked_of(job: Job) -> tuple[str, str, int]:
+    """Law, shape and steps per second that a job is about."""
+    law, rest = job.scenario.split("_", 1)
+    shape, rate = rest.rsplit("_", 1)
+    return law, shape, int(rate)
+
+
+def _rows(job: Job, found: Mapping[float, tuple[float, float, float, str]]) -> list[Row]:
+    law, shape, rate = asked_of(job)
+    return [Row(law, shape, job.engine, job.preset, rate, asked, *figures) for asked, figures in found.items()]
 
 
 def _figures(job: Job, law: str, shape: str) -> dict[float, list[float]]:
