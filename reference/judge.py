@@ -106,7 +106,7 @@ class Judge:
         found = 0.0 if self._sound(positions, orientations).all() else np.nan
         for _, world, near in self._blocks(positions, orientations):
             # a pair without a distance stays nan
-            found = np.maximum(found, np.max(-self._where_deep(world, near, True), initial=0.0))
+            found = np.maximum(found, 0.0 - np.min(self._where_deep(world, near, True), initial=0.0))
         return float(found)
 
     def link_depths(self, positions: Array, orientations: Array) -> Array:

@@ -105,7 +105,7 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
     """p50, p95, p99 [us] per scene and run: from the rows, and where a row is missing from the series; NaN if neither has it."""
     found: dict[str, dict[str, Percentiles]] = {}
     for scene in results.scenes():
-        rows = [row for row in results.rows if row.scenario == scene]
+        rows = results.of(scene)
         for run in dict.fromkeys(row.run for row in rows):
             series = results.series.get(scene, {}).get(run)
             timed = series.frame_time[np.isfinite(series.frame_time)] if series else np.empty(0)
@@ -144,7 +144,7 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
     """A sentence with p99 over all frames of all repeats, where it was measured; "" otherwise."""
-    rows = {run: worst([r for r in results.rows if r.metric == "frame_time_raw_p99" and (r.scenario, r.run) == (scene, run)])
+    rows = {run: worst([r for r in results.of(scene) if r.metric == "frame_time_raw_p99" and r.run == run])
             for run in runs}
     said = tuple(f"{run} {quantity(row.value, 'us')}" for run, row in rows.items() if row and row.value is not None)
     return f" With every disturbance of the host left in, p99 is: {listed(said)}." if said else ""

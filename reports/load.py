@@ -1,8 +1,9 @@
 """Read one run folder: results.json becomes typed rows, series and engine notes. Nothing is computed here."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,18 @@ class Results:
 
     def scenes(self) -> tuple[str, ...]:
         """Scene names in the order in which they first appear."""
-        return tuple(dict.fromkeys(row.scenario for row in self.rows))
+        return tuple(self._by_scene)
+
+    def of(self, scene: str) -> Sequence[Row]:
+        """The rows of one scene."""
+        return self._by_scene.get(scene, ())
+
+    @cached_property
+    def _by_scene(self) -> dict[str, list[Row]]:
+        found: dict[str, list[Row]] = {}
+        for row in self.rows:
+            found.setdefault(row.scenario, []).append(row)
+        return found
 
 
 def load(run_dir: Path) -> Results:

@@ -62,9 +62,9 @@ class Kept:
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     """Everything that a run kept of a scene. Raises InvalidFile for a damaged file."""
     series: Mapping[str, Series] = results.series.get(name, {})
-    runs = list(dict.fromkeys([*series, *(row.run for row in results.rows if row.scenario == name)]))
+    runs = list(dict.fromkeys([*series, *(row.run for row in results.of(name))]))
     # with several seeds a page shows the first, as the series do
-    seed = next((row.seed for row in results.rows if row.scenario == name), 0)
+    seed = next((row.seed for row in results.of(name)), 0)
     scene, recorded = drawn(run_dir, name), shown(run_dir, name, runs, seed)
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)

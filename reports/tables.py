@@ -160,5 +160,5 @@ def ranked_metrics(block: Block) -> tuple[str, ...]:
 
 def more_truths(results: Results, block: Block) -> tuple[str, ...]:
     """Names of the scene's other ground-truth errors, which only results.csv lists."""
-    names = {row.metric for row in results.rows if row.scenario == block.scene and is_truth_error(row.metric)}
+    names = {row.metric for row in results.of(block.scene) if is_truth_error(row.metric)}
     return tuple(sorted(names - {block.truth or ""}))
