@@ -152,10 +152,12 @@ def walk(
     """At most `steps` certified steps towards the goal that `clip_to_limits` has set; the largest part of the last one."""
     largest = 0.0
     stiffen(memory_out)
-    aim(skel, posture_out, settings, memory_out.goal)
-    frame = int(memory_out.flags[FRAME])
-    # where the nearest posture is sought its merit is known once there is a contact
-    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal) if memory_out.flags[CLOSE] == 0.0 else 0.0
+    frame, now = int(memory_out.flags[FRAME]), 0.0
+    if memory_out.flags[CLOSE] == 0.0:
+        # where the nearest posture is sought its merit is known once there is a contact
+        aim(skel, posture_out, settings, memory_out.goal)
+        now = merit(memory_out.goal)
+    memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
     for _ in range(steps):
         if memory_out.flags[PRESSED] > 0.0:
