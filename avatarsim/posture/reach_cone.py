@@ -94,14 +94,8 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
     The edge of what is allowed consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest of
     an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
     """
-    if is_in_reach(skel, link, limb):
-        if swing_of(skel, link, limb) <= most:
-            return limb
-    else:
-        # as a rule the circle allows what is nearest in the polygon, and its crossings with the edges need not be looked for
-        candidate = nearest_of_edges(skel, link, limb)
-        if swing_of(skel, link, candidate) <= most + ROUNDING:
-            return candidate
+    if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
+        return limb
     centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     best = row(skel.sight, link)
     least = chord(best, limb)
@@ -110,10 +104,13 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
         best, least = candidate, chord(candidate, limb)
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
         start, end, inward = edge(skel, link, k)
-        # the end of an edge is the start of another
+        # where that of an edge which is nearest is too far, or allowed, the rest of the edge has nothing to add;
+        # its end is the start of another
         for which in range(4):
             if which == 0:
                 candidate = nearest_on_edge(start, end, inward, limb)
+                if not (chord(candidate, limb) < least):
+                    break
             elif which == 1:
                 candidate = start
             else:
@@ -123,19 +120,8 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
             away = chord(candidate, limb)
             if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
                 best, least = candidate, away
-    return best
-
-
-@kernel
-def nearest_of_edges(skel: Skeleton, link: int, limb: Vec3) -> Vec3:
-    """The direction on the edges of the polygon that is nearest to a limb's."""
-    least, best = 5.0, limb
-    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-        start, end, inward = edge(skel, link, k)
-        candidate = nearest_on_edge(start, end, inward, limb)
-        away = chord(candidate, limb)
-        if away < least:
-            best, least = candidate, away
+                if which == 0:
+                    break
     return best
 
 
