@@ -2,7 +2,7 @@
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.creep import creeps
-from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker_speed
+from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
@@ -155,7 +155,7 @@ def walk(
     frame, now = int(memory_out.flags[FRAME]), 0.0
     if memory_out.flags[CLOSE] == 0.0:
         # where the nearest posture is sought its merit is known once there is a contact
-        aim(skel, posture_out, settings, memory_out.goal)
+        measure_way(skel, posture_out, memory_out.goal)
         now = merit(memory_out.goal)
     memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
@@ -175,7 +175,7 @@ def walk(
 def judge_progress(memory_out: Memory) -> None:
     """Count the frames in a row in which the avatar is not a fifth nearer to the tracker than PAST_FRAMES before.
 
-    After `unstick`, which has aimed from where the frame ends.
+    After `unstick`, which has measured the way from where the frame ends.
     """
     flags, goal = memory_out.flags, memory_out.goal
     now, place, far = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH

@@ -68,12 +68,18 @@ def ways(skel: Skeleton, start: Posture, end: Posture, way_out: Array) -> tuple[
 def aim(skel: Skeleton, posture: Posture, settings: PostureSettings, goal_out: Goal) -> tuple[float, float]:
     """Fill full, step, low and high of the goal, and wanted where it is used; return the largest rotation [rad] and translation
     [m] still to go."""
-    g = goal_out
-    farthest_turn, farthest_move = ways(skel, posture, g.tracker, g.full)
-    if g.closeness.mode[LOCATED] > 0.0:
-        want(skel, posture, g)
-    shorten(skel, posture, settings, g.full, g)
-    return farthest_turn, farthest_move
+    to_go = measure_way(skel, posture, goal_out)
+    shorten(skel, posture, settings, goal_out.full, goal_out)
+    return to_go
+
+
+@kernel
+def measure_way(skel: Skeleton, posture: Posture, goal_out: Goal) -> tuple[float, float]:
+    """Fill full, and wanted where it is used; return what `aim` does."""
+    to_go = ways(skel, posture, goal_out.tracker, goal_out.full)
+    if goal_out.closeness.mode[LOCATED] > 0.0:
+        want(skel, posture, goal_out)
+    return to_go
 
 
 @kernel
