@@ -249,7 +249,11 @@ def seek(
             set_free(memory_out, s)
             flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
             return
-        flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
+        # who does not search a way round is as near as it can be, and waits there
+        searches = may_search(skel, settings, memory_out)
+        flags[PRESSED], flags[SOUGHT] = 0.0, 1.0 if searches else 0.0
+        if not searches:
+            flags[TRAVELS] = 0.0
         if mode == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:
