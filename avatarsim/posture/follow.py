@@ -52,10 +52,10 @@ elsewhere: it is followed joint by joint until the avatar is there or the tracke
 long way the nearest posture is no guide. 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
 CROWD, SPARSE, SPARSE_FRAMES = 6, 4, 3.0
-"""Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend the
-budget on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm. It is over once no more
-than SPARSE were near in so many frames: with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came
-home late."""
+"""Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend
+the budget on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm. It is over once no more than
+SPARSE were near in so many frames: with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home
+late."""
 
 ASTRAY = 0.85
 """[rad] root mean square excess of the tracker's joints over their limits beyond which each goes its own way as well: what is

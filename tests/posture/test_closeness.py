@@ -12,7 +12,7 @@ from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness, mean_reach
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
-from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture
+from avatarsim.world.skeleton import FREE, HINGES, Posture
 from avatarsim.world.world import posture_of
 from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, random_sample
 
@@ -162,8 +162,8 @@ def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
     tracker.angle[hinge] = skel.limits[hinge, 1] + 0.4
     clip_to_limits(skel, tracker, goal)
     assert goal.tracker.angle[hinge] == skel.limits[hinge, 1]
-    # the mean square over the root, its balls and its hinges
-    joints = int(np.isin(skel.kind, (FREE, BALL)).sum() + np.diff(skel.first_dof)[skel.kind == HINGES].sum())
+    # the mean square over hinges and links that have none
+    joints = int((skel.kind != HINGES).sum() + np.diff(skel.first_dof)[skel.kind == HINGES].sum())
     assert goal.closeness.mode[BEYOND] == pytest.approx(0.4**2 / joints)
     # shown: the tracker's posture with each joint clipped
     for mine, inside in zip(posture, goal.tracker, strict=True):
