@@ -2,20 +2,21 @@
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.creep import creeps
-from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, tracker_speed
+from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
-    ASKED,
     BEYOND,
     CALM,
     CLOSE,
     COUNT,
+    CROWDED,
     FRAME,
     HELD_STILL,
     LED,
     LISTED,
     MERIT_WINDOW,
+    NEAR_BODIES,
     NOW,
     PAST,
     PAST_FRAMES,
@@ -50,9 +51,15 @@ OUTRUN = 0.7
 elsewhere: it is followed joint by joint until the avatar is there or the tracker's posture is found to be not free, since on a
 long way the nearest posture is no guide. 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
-CROWD = 4
-"""Near pairs of the last trial beyond which each joint goes its own way too: fingers that press on many things spend the budget
-on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm; 6: one that grasps comes home late."""
+CROWD, SPARSE, SPARSE_FRAMES = 6, 4, 3.0
+"""Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend
+the budget on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm. It is over once no more than
+SPARSE were near in so many frames: with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home
+late."""
+
+ASTRAY = 0.85
+"""[rad] root mean square excess of the tracker's joints over their limits beyond which each goes its own way as well: what is
+nearest to such a posture changes from frame to frame, and the body shifted with it by 0.2 m."""
 
 ALONE, CHANGE = 1.5, 0.25
 """What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
@@ -152,10 +159,12 @@ def walk(
     """At most `steps` certified steps towards the goal that `clip_to_limits` has set; the largest part of the last one."""
     largest = 0.0
     stiffen(memory_out)
-    aim(skel, posture_out, settings, memory_out.goal)
-    frame = int(memory_out.flags[FRAME])
-    # where the nearest posture is sought its merit is known once there is a contact
-    memory_out.goal.window[frame % MERIT_WINDOW] = merit(memory_out.goal) if memory_out.flags[CLOSE] == 0.0 else 0.0
+    frame, now = int(memory_out.flags[FRAME]), 0.0
+    if memory_out.flags[CLOSE] == 0.0:
+        # where the nearest posture is sought its merit is known once there is a contact
+        measure_way(skel, posture_out, memory_out.goal)
+        now = merit(memory_out.goal)
+    memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
     for _ in range(steps):
         if memory_out.flags[PRESSED] > 0.0:
@@ -170,10 +179,21 @@ def walk(
 
 
 @kernel
+def is_crowded(memory_out: Memory) -> bool:
+    """Whether many pairs of bodies are near, or were and there have not yet been frames enough with few."""
+    near, flags = memory_out.pairs.marks[NEAR_BODIES], memory_out.flags
+    if near > CROWD:
+        flags[CROWDED] = SPARSE_FRAMES
+    elif near <= SPARSE:
+        flags[CROWDED] = max(0.0, flags[CROWDED] - 1.0)
+    return bool(flags[CROWDED] > 0.0)
+
+
+@kernel
 def judge_progress(memory_out: Memory) -> None:
     """Count the frames in a row in which the avatar is not a fifth nearer to the tracker than PAST_FRAMES before.
 
-    After `unstick`, which has aimed from where the frame ends.
+    After `unstick`, which has measured the way from where the frame ends.
     """
     flags, goal = memory_out.flags, memory_out.goal
     now, place, far = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH
@@ -213,8 +233,8 @@ def follow(
         return
     memory_out.goal.closeness.mode[WORN] += speed
     # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
-    crowded = memory_out.pairs.marks[ASKED] > CROWD
-    close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not crowded else 0.0
+    lost = is_crowded(memory_out) or memory_out.goal.closeness.mode[BEYOND] > ASTRAY * ASTRAY
+    close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not lost else 0.0
     if close != flags[CLOSE]:
         flags[CLOSE] = close
         memory_out.goal.window[:] = 0.0

@@ -12,11 +12,14 @@ from avatarsim.spatial.vec3 import norm, row, sub
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
+LEAST_EXCESS = 1e-30
+"""[rad^2] what an excess counts at least, so that none is rounded away."""
+
 
 @kernel
 def clip_to_limits(skel: Skeleton, tracker: Posture, goal_out: Goal) -> None:
     """Copy the tracker's posture into the goal: as it is, and each joint at the nearest place inside its limits."""
-    g, beyond = goal_out, 0.0
+    g, beyond, joints = goal_out, 0.0, 0
     inside, own, mode = g.tracker, g.own, g.closeness.mode
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]
@@ -25,10 +28,12 @@ def clip_to_limits(skel: Skeleton, tracker: Posture, goal_out: Goal) -> None:
             own.root[link, k] = tracker.root[link, k]
         turn = columns(tracker.turn, link)
         put_columns(own.turn, link, turn)
+        joints += skel.first_dof[link + 1] - skel.first_dof[link] if kind == HINGES else 1
         if kind == BALL and has_cone(skel, link):
             kept = inside_cone(skel, link, turn)
             if kept != turn:
-                beyond = 1.0
+                excess = norm(step_between(kept, turn))
+                beyond += max(excess * excess, LEAST_EXCESS)
             turn = kept
         put_columns(inside.turn, link, turn)
         if kind == HINGES:
@@ -36,8 +41,8 @@ def clip_to_limits(skel: Skeleton, tracker: Posture, goal_out: Goal) -> None:
                 own.angle[j] = tracker.angle[j]
                 inside.angle[j] = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
                 if inside.angle[j] != own.angle[j]:
-                    beyond = 1.0
-    mode[BEYOND], mode[LOCATED], mode[BEST] = beyond, 0.0, -1.0
+                    beyond += max((own.angle[j] - inside.angle[j]) ** 2, LEAST_EXCESS)
+    mode[BEYOND], mode[LOCATED], mode[BEST] = beyond / max(joints, 1), 0.0, -1.0
 
 
 @kernel
@@ -68,12 +73,18 @@ def ways(skel: Skeleton, start: Posture, end: Posture, way_out: Array) -> tuple[
 def aim(skel: Skeleton, posture: Posture, settings: PostureSettings, goal_out: Goal) -> tuple[float, float]:
     """Fill full, step, low and high of the goal, and wanted where it is used; return the largest rotation [rad] and translation
     [m] still to go."""
-    g = goal_out
-    farthest_turn, farthest_move = ways(skel, posture, g.tracker, g.full)
-    if g.closeness.mode[LOCATED] > 0.0:
-        want(skel, posture, g)
-    shorten(skel, posture, settings, g.full, g)
-    return farthest_turn, farthest_move
+    to_go = measure_way(skel, posture, goal_out)
+    shorten(skel, posture, settings, goal_out.full, goal_out)
+    return to_go
+
+
+@kernel
+def measure_way(skel: Skeleton, posture: Posture, goal_out: Goal) -> tuple[float, float]:
+    """Fill full, and wanted where it is used; return what `aim` does."""
+    to_go = ways(skel, posture, goal_out.tracker, goal_out.full)
+    if goal_out.closeness.mode[LOCATED] > 0.0:
+        want(skel, posture, goal_out)
+    return to_go
 
 
 @kernel

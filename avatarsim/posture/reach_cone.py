@@ -35,12 +35,17 @@ def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
     """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
     sight = row(skel.sight, link)
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    start = row(skel.reach_corner, first)
+    beside = dot(cross(sight, start), limb)
     for k in range(first, last):
-        start, end = row(skel.reach_corner, k), row(skel.reach_corner, k + 1 if k + 1 < last else first)
-        if dot(cross(sight, start), limb) >= -ROUNDING and dot(cross(end, sight), limb) >= -ROUNDING:
+        end = row(skel.reach_corner, k + 1 if k + 1 < last else first)
+        # the side where one triangle ends is where the next one begins
+        next_beside = dot(cross(sight, end), limb)
+        if beside >= -ROUNDING and next_beside <= ROUNDING:
             normal = cross(start, end)
             if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
                 return True
+        start, beside = end, next_beside
     return False
 
 
@@ -103,11 +108,16 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
     if chord(candidate, limb) < least and is_in_reach(skel, link, candidate):
         best, least = candidate, chord(candidate, limb)
     for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        if is_plane_beyond(skel, link, k, limb, least):
+            continue
         start, end, inward = edge(skel, link, k)
-        # the end of an edge is the start of another
+        # where that of an edge which is nearest is too far, or allowed, the rest of the edge has nothing to add;
+        # its end is the start of another
         for which in range(4):
             if which == 0:
                 candidate = nearest_on_edge(start, end, inward, limb)
+                if not (chord(candidate, limb) < least):
+                    break
             elif which == 1:
                 candidate = start
             else:
@@ -117,7 +127,18 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
             away = chord(candidate, limb)
             if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
                 best, least = candidate, away
+                if which == 0:
+                    break
     return best
+
+
+@kernel
+def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
+    """Whether a limb's direction is farther from the plane of an edge than the root of `square`: told without a root."""
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
+    away = dot(normal, limb)
+    return away * away > square * dot(normal, normal)
 
 
 @kernel

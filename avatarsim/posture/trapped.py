@@ -167,15 +167,21 @@ def hold_if_at_rest(memory_out: Memory, way: Way) -> None:
 
 
 @kernel
-def may_search(skel: Skeleton, settings: PostureSettings, memory: Memory) -> bool:
-    """Whether a way is searched at all: not without work, and around what walls the avatar off only as `around` says."""
-    if settings.search_work == 0 or settings.around == 2 or memory.flags[WALLED] == 0.0:
-        return settings.search_work > 0
+def has_joints(skel: Skeleton) -> bool:
+    """Whether anything turns against anything in an avatar."""
     rates = 0
     for link in range(skel.kind.shape[0]):
         if skel.kind[link] != FREE:
             rates += skel.first_dof[link + 1] - skel.first_dof[link]
-    return settings.around == 1 and rates > 0
+    return rates > 0
+
+
+@kernel
+def may_search(skel: Skeleton, settings: PostureSettings, memory: Memory) -> bool:
+    """Whether a way is searched at all: not without work, and around what walls the avatar off only as `around` says."""
+    if settings.search_work == 0 or settings.around == 2 or memory.flags[WALLED] == 0.0:
+        return settings.search_work > 0
+    return settings.around == 1 and has_joints(skel)
 
 
 @kernel
@@ -250,6 +256,9 @@ def seek(
             flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
             return
         flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
+        if not has_joints(skel) and not may_search(skel, settings, memory_out):
+            # it waits where it is nearest, and has no limbs that could get caught there
+            flags[SOUGHT], flags[TRAVELS] = 0.0, 0.0
         if mode == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:

@@ -4,7 +4,7 @@ from avatarsim.collide.support import gap_along
 from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
-from avatarsim.posture.goal import aim, farthest
+from avatarsim.posture.goal import farthest, measure_way
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.workspace import ADDING, CALM, LISTED, PRESSED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
 from avatarsim.settings import PostureSettings
@@ -31,7 +31,7 @@ def unstick(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture_out: Posture, poses_out: Poses, memory_out: Memory
 ) -> None:
     """Count the frames without progress and act on the count."""
-    aim(skel, posture_out, settings, memory_out.goal)
+    measure_way(skel, posture_out, memory_out.goal)
     error = farthest(memory_out.goal)
     flags = memory_out.flags
     if error > ERROR and abs(error - flags[STUCK_ERROR]) < PROGRESS:

@@ -84,10 +84,11 @@ def seek_the_nearest(
             c.mode[BEST] = merit_of(c, c.way, c.pull)
         else:
             locate(skel, goal.tracker, c)
+    memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
+    if c.mode[LOCATED] == 0.0:
         c.mode[LOCATED] = 1.0
         frame = int(memory_out.flags[FRAME]) - 1
-        goal.window[frame % MERIT_WINDOW] = merit_of(c, c.here, goal.wanted)
-    memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
+        goal.window[frame % MERIT_WINDOW] = memory_out.flags[MERIT_NOW]
     couple(skel, memory_out.axes, goal.wanted, c)
     shorten(skel, posture, settings, c.pull, goal)
     scale_step(shorter, goal)

@@ -74,7 +74,8 @@ class Closeness(NamedTuple):
     mode: Array
 
 
-# places in Closeness.mode: 1 if the rows of this step are weighed by the factor; 1 if the tracker is beyond its limits; 1 if
+# places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
+# joints over their limits; 1 if
 # `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody has asked in this frame; way
 # [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of turn_weight
 COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF = range(6)
@@ -129,7 +130,7 @@ class PairMemory(NamedTuple):
     axis (D, S, 3) last direction that held; axis_gap (D, S) its gap at the checked state, valid when axis_stamp == now;
     nearest (D, S, 3), nearest_gap (D, S) exact at the checked state, valid when nearest_stamp == now;
     active (D, S) whether listed; listed (64, 2), age (64); failed (64, 2); marks: now, listed, failed, near bodies,
-    near pairs of the last trial
+    near pairs of the last trial, and of bodies among them
     """
 
     axis: Array
@@ -146,7 +147,7 @@ class PairMemory(NamedTuple):
     marks: Index
 
 
-NOW, LISTED, FAILED, NEARBY, ASKED = range(5)
+NOW, LISTED, FAILED, NEARBY, ASKED, NEAR_BODIES = range(6)
 
 
 class Memory(NamedTuple):
@@ -177,8 +178,8 @@ COUNT, BUILT = range(2)
 # places in Memory.flags
 (
     MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, PAST,
-) = range(21)
+    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, PAST,
+) = range(22)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
@@ -278,7 +279,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns), dtype=np.bool_), np.zeros((LISTED_CAP, 2), dtype=np.int64), np.zeros(LISTED_CAP, dtype=np.int64),
-        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(5, dtype=np.int64),
+        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(6, dtype=np.int64),
     )
     trial = Poses(*(array.copy() for array in poses))
     return Memory(

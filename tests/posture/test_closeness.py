@@ -12,7 +12,7 @@ from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness, mean_reach
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
-from avatarsim.world.skeleton import FREE, Posture
+from avatarsim.world.skeleton import FREE, HINGES, Posture
 from avatarsim.world.world import posture_of
 from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, random_sample
 
@@ -161,7 +161,10 @@ def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
     hinge = int(np.flatnonzero(skel.limits[:, 1] < 100.0)[seed % 3])
     tracker.angle[hinge] = skel.limits[hinge, 1] + 0.4
     clip_to_limits(skel, tracker, goal)
-    assert goal.closeness.mode[BEYOND] == 1.0 and goal.tracker.angle[hinge] == skel.limits[hinge, 1]
+    assert goal.tracker.angle[hinge] == skel.limits[hinge, 1]
+    # the mean square over hinges and links that have none
+    joints = int((skel.kind != HINGES).sum() + np.diff(skel.first_dof)[skel.kind == HINGES].sum())
+    assert goal.closeness.mode[BEYOND] == pytest.approx(0.4**2 / joints)
     # shown: the tracker's posture with each joint clipped
     for mine, inside in zip(posture, goal.tracker, strict=True):
         mine[:] = inside
@@ -179,6 +182,16 @@ def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
     # a shown posture nearer to the tracker's own than the clipped one has nothing left to go
     goal.closeness.mode[BEST] = 2.0 * here
     assert farthest(goal) == 0.0
+
+
+def test_an_excess_that_is_rounded_away_when_squared_is_one() -> None:
+    found = little(SCENE)
+    skel, goal = found.world.skeleton, found.memory.goal
+    tracker = posture_of(skel, found.world.hinges, at(rest(SCENE.avatars), (0.0, 0.0, 0.0)))
+    hinge = int(np.flatnonzero(skel.limits[:, 1] < 100.0)[0])
+    tracker.angle[hinge] = np.nextafter(skel.limits[hinge, 1], np.inf)
+    clip_to_limits(skel, tracker, goal)
+    assert goal.closeness.mode[BEYOND] > 0.0
 
 
 def test_a_far_origin_counts_by_its_distance_and_not_by_the_square() -> None:

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
+from avatarsim.posture.follow import CROWD, SPARSE, is_crowded
+from avatarsim.posture.workspace import NEAR_BODIES
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -20,7 +22,7 @@ from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from reference.judge import Judge
-from tests.posture.little_worlds import X, Y, at, hand, hand_scene, panel, piece
+from tests.posture.little_worlds import X, Y, at, hand, hand_scene, little, panel, piece
 from tests.posture.ride import ride
 from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
 
@@ -42,6 +44,17 @@ def arm() -> Avatar:
             Link("palm", "fore", hinges, piece(0.1), mass, anchor=(0.0, 0.0, 0.4)),
         ),
     )
+
+
+@pytest.mark.nojit
+def test_a_crowd_lasts_until_few_were_near_in_some_frames() -> None:
+    memory = little(Scene("s", (), (hand(),))).memory
+    seen = []
+    for near in (CROWD, CROWD + 1, CROWD, SPARSE, SPARSE, CROWD + 1, SPARSE, CROWD, SPARSE, SPARSE, CROWD, SPARSE):
+        memory.pairs.marks[NEAR_BODIES] = near
+        seen.append(is_crowded(memory))
+    # three frames with few, those with some not counted; then it takes a crowd again
+    assert seen == [False, True, True, True, True, True, True, True, True, False, False, False]
 
 
 WALL = fixed("wall", (Piece(Box((2.0, 0.1, 2.0))),), "wood", (0.6, 0.35, 0.0))

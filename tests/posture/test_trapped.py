@@ -8,7 +8,7 @@ import pytest
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.posture.trapped import LOOK_EVERY
-from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -18,6 +18,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
 from reference.judge import Judge
 from tests.posture.little_worlds import at, hand, panel
 from tests.stability.hostile import DT, link_error
@@ -79,6 +80,18 @@ def goal(scene: Scene, place: Vector) -> TrackerSample:
 def total(records: list[FrameRecord], name: str) -> int:
     """Sum of a count over all frames."""
     return sum(record.counts[name] for record in records)
+
+
+def test_who_does_not_search_a_way_round_a_wall_is_as_near_as_it_can_be_before_it() -> None:
+    """A bar that is pushed on its end through a wall turns broadside on, which brings its middle nearer to the tracker's."""
+    lean = rotation.from_axis_angle((0.0, 0.0, 1.0), 0.3)
+    bar = (Piece(Box((0.4, 0.05, 0.05)), (0.0, 0.0, 0.0), (float(lean[0]), 0.0, 0.0, float(lean[3]))),)
+    beyond = [(0.9, 0.0, 0.0)] * 90
+    wall = slab("wall", (0.5, 0.0, 0.0), (0.02, 3.0, 3.0))
+    records, _ = play((wall,), rigid_avatar("bar", bar, solid(bar, 1.0)), (0.0, 0.0, 0.0), beyond)
+    assert records[-1].counts["walled"] == 1
+    # on its end, leaning by 0.3 rad, its middle would be 0.2 m before the wall
+    assert 0.49 - records[-1].shown.positions[-1, 0] < 0.1
 
 
 @pytest.mark.boundscheck
