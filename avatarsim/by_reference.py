@@ -84,7 +84,16 @@ if not config.DISABLE_JIT:
         if isinstance(tree, Reference):
             return signature(tree, tree), lambda _context, _builder, _signature, values: values[0]
         if isinstance(tree, BaseNamedTuple):
-            return signature(Reference(tree), tree), lambda _context, builder, _signature, values: cgutils.alloca_once_value(
-                builder, values[0]
-            )
+            return signature(Reference(tree), tree), lambda _context, builder, _signature, values: place_of(builder, values[0])
         return None
+
+
+def place_of(builder: Any, value: Any) -> Any:
+    """Where a value lies: where the kernel that returned it left it, if nothing else is written there, or a place made for it."""
+    if isinstance(value, ir.LoadInstr) and isinstance(value.operands[0], ir.AllocaInstr):
+        place = value.operands[0]
+        # numba makes one place for the result of each call, and hands it on first of all.
+        calls = (one for one in value.parent.instructions if isinstance(one, ir.CallInstr))
+        if any(call.args and call.args[0] is place for call in calls):
+            return place
+    return cgutils.alloca_once_value(builder, value)

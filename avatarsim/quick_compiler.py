@@ -16,6 +16,8 @@ from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
 from numba.core.types.functions import BaseFunction
 
+from avatarsim.lean_code import write_lean
+
 
 def quicken() -> None:
     """Remember, from here on, what numba would work out again."""
@@ -31,6 +33,7 @@ def quicken() -> None:
     functions.get_call_type = Meanings(functions.get_call_type)
     PostProcessor.run = Tidied(PostProcessor.run)
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
+    write_lean()
 
 
 def same_options(one: Any, other: Any) -> Any:

@@ -17,32 +17,21 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
 from avatarsim.kernel import kernel
+from avatarsim.world.view import START_AND_SHAPE, next_view
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Tree = TypeVar("Tree")
 
-START_AND_SHAPE = 5
-"""Words that describe an array: its first element, counted in elements of its own type, and up to four lengths."""
-
 WORD = 8
 """Bytes of a word; a flag takes one byte."""
 
-STRIDE = 9
-"""Every array begins at a multiple of so many words: then all 3-vectors, and all 3x3 matrices, are slices of one view each.
-A slice takes 4 ns, a new shape 20 ns."""
-
 
 class Opening(NamedTuple):
-    """The same memory as words, numbers, flags, 3-vectors (n, 3), 3x3 matrices (m, 3, 3) and triples of integers (n, 3)."""
+    """An arena in which a kernel has begun to read."""
 
     words: Index
-    reals: Array
-    flags: Flags
-    vectors: Array
-    matrices: Array
-    triples: Index
 
 
 def packed(tree: Tree) -> tuple[Index, Tree]:
@@ -54,14 +43,14 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     """
     leaves: list[object] = []
     _collect(tree, leaves)
-    head = _rounded(1 + START_AND_SHAPE * len(leaves))
+    head = 1 + START_AND_SHAPE * len(leaves)
     known: dict[int, int] = {}
     arrays, starts, end = [], [], head
     for leaf in leaves:
         array = _as_array(leaf)
         if not isinstance(leaf, np.ndarray | np.void) or id(leaf) not in known:
             known[id(leaf)] = end
-            end += _rounded(-(-array.nbytes // WORD))
+            end += -(-array.nbytes // WORD)
         arrays.append(array)
         starts.append(known[id(leaf)] * WORD // array.itemsize)
     words = np.zeros(end, dtype=np.int64)
@@ -75,10 +64,6 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
         views.append(_like(leaf, view))
     views.reverse()
     return words, _rebuilt(tree, views)
-
-
-def _rounded(words: int) -> int:
-    return -(-words // STRIDE) * STRIDE
 
 
 def _as_array(leaf: object) -> NDArray[np.generic]:
@@ -123,11 +108,7 @@ def _rebuilt(tree: Tree, views: list[object]) -> Tree:
 def opening(words: Index) -> Opening:
     """Begin at the first array. The words must outlive every view."""
     words[0] = 1
-    reals, many = words.view(np.float64), words.shape[0] // STRIDE
-    return Opening(
-        words, reals, words.view(np.bool_), reals.reshape((3 * many, 3)), reals.reshape((many, 3, 3)),
-        words.reshape((3 * many, 3)),
-    )
+    return Opening(words)
 
 
 @kernel
@@ -138,91 +119,41 @@ def described(o: Opening) -> int:
     return k
 
 
-# Each view comes in a tuple of one: without reference counting a compiled function may not return a bare array.
+line = next_view(np.float64, 1)
+"""The next array, of numbers, one axis."""
 
+vectors = next_view(np.float64, 1, 3)
+"""The next array, of numbers, (n, 3)."""
 
-@kernel
-def line(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, one axis."""
-    k, w = described(o), o.words
-    return (o.reals[w[k] : w[k] + w[k + 1]],)
+matrices = next_view(np.float64, 1, 3, 3)
+"""The next array, of numbers, (n, 3, 3)."""
 
+grid = next_view(np.float64, 2)
+"""The next array, of numbers, two axes."""
 
-@kernel
-def vectors(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, (n, 3)."""
-    k, w = described(o), o.words
-    return (o.vectors[w[k] // 3 : w[k] // 3 + w[k + 1]],)
+cube = next_view(np.float64, 3)
+"""The next array, of numbers, three axes."""
 
+stack = next_view(np.float64, 4)
+"""The next array, of numbers, four axes."""
 
-@kernel
-def matrices(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, (n, 3, 3)."""
-    k, w = described(o), o.words
-    return (o.matrices[w[k] // 9 : w[k] // 9 + w[k + 1]],)
+index_line = next_view(np.int64, 1)
+"""The next array, of integers, one axis."""
 
+index_grid = next_view(np.int64, 2)
+"""The next array, of integers, two axes."""
 
-@kernel
-def grid(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, two axes."""
-    k, w = described(o), o.words
-    return (o.reals[w[k] : w[k] + w[k + 1] * w[k + 2]].reshape((w[k + 1], w[k + 2])),)
+flag_line = next_view(np.bool_, 1)
+"""The next array, of flags, one axis."""
 
-
-@kernel
-def cube(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, three axes."""
-    k, w = described(o), o.words
-    return (o.reals[w[k] : w[k] + w[k + 1] * w[k + 2] * w[k + 3]].reshape((w[k + 1], w[k + 2], w[k + 3])),)
-
-
-@kernel
-def stack(o: Opening) -> tuple[Array]:
-    """The next array, of numbers, four axes."""
-    k, w = described(o), o.words
-    size = w[k + 1] * w[k + 2] * w[k + 3] * w[k + 4]
-    return (o.reals[w[k] : w[k] + size].reshape((w[k + 1], w[k + 2], w[k + 3], w[k + 4])),)
-
-
-@kernel
-def index_line(o: Opening) -> tuple[Index]:
-    """The next array, of integers, one axis."""
-    k, w = described(o), o.words
-    return (w[w[k] : w[k] + w[k + 1]],)
-
-
-@kernel
-def triples(o: Opening) -> tuple[Index]:
-    """The next array, of integers, (n, 3)."""
-    k, w = described(o), o.words
-    return (o.triples[w[k] // 3 : w[k] // 3 + w[k + 1]],)
-
-
-@kernel
-def index_grid(o: Opening) -> tuple[Index]:
-    """The next array, of integers, two axes."""
-    k, w = described(o), o.words
-    return (w[w[k] : w[k] + w[k + 1] * w[k + 2]].reshape((w[k + 1], w[k + 2])),)
-
-
-@kernel
-def flag_line(o: Opening) -> tuple[Flags]:
-    """The next array, of flags, one axis."""
-    k, w = described(o), o.words
-    return (o.flags[w[k] : w[k] + w[k + 1]],)
-
-
-@kernel
-def flag_grid(o: Opening) -> tuple[Flags]:
-    """The next array, of flags, two axes."""
-    k, w = described(o), o.words
-    return (o.flags[w[k] : w[k] + w[k + 1] * w[k + 2]].reshape((w[k + 1], w[k + 2])),)
+flag_grid = next_view(np.bool_, 2)
+"""The next array, of flags, two axes."""
 
 
 @kernel
 def real(o: Opening) -> float:
     """The next number."""
-    return float(o.reals[o.words[described(o)]])
+    return float(o.words.view(np.float64)[o.words[described(o)]])
 
 
 @kernel

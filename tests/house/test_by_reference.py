@@ -49,6 +49,26 @@ def deep(inner: Inner, k: int) -> float:
 
 
 @kernel
+def made(x: float) -> Alike:
+    """A tuple that a kernel returns."""
+    return Alike(x, 1.0)
+
+
+@kernel
+def kept_apart(n: int) -> float:
+    """Each result of a call is referred to by itself, and none follows its variable."""
+    first, second = refer(made(1.0)), refer(made(20.0))
+    changing = made(300.0)
+    third = refer(changing)
+    for k in range(n):
+        changing = made(1000.0 * k)
+    total = 0.0
+    for k in range(n):
+        total += refer(made(10000.0 * k)).x
+    return first.x + second.x + third.x + changing.x + total
+
+
+@kernel
 def body(outer: Outer) -> float:
     """Something with every field, in a loop, with the inner tuple handed on."""
     total = outer.alike.x - outer.alike.y
@@ -101,3 +121,7 @@ def test_only_a_named_tuple_is_referred_to():
     else:
         with pytest.raises(Exception, match="refer"):
             of_a_number(1.0)
+
+
+def test_what_kernels_return_is_referred_to_where_each_call_left_it() -> None:
+    assert kept_apart(3) == 1.0 + 20.0 + 300.0 + 2000.0 + 30000.0
