@@ -1,4 +1,7 @@
-"""When two balls first meet: `motion.time_of_impact` for bodies whose turning moves no surface, without their poses."""
+"""When two balls first meet: `motion.time_of_impact` for bodies whose turning moves no surface, without their poses.
+
+And whether two bodies cannot meet at all, because the balls around them do not.
+"""
 
 from math import inf
 
@@ -75,3 +78,26 @@ def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[
             return event, t
         t += step
     return SPENT, t
+
+
+@kernel
+def farthest_along(v: float, a: float, h: float) -> float:
+    """How far [m], at least zero, somebody gets within h seconds who begins at v [m/s] and gains a [m/s^2]."""
+    most = max(0.0, v * h + 0.5 * a * h * h)
+    return max(most, -0.5 * v * v / a) if a < 0.0 < v < -a * h else most
+
+
+@kernel
+def never_meet(memory: Memory, a: int, b: int, h: float) -> bool:
+    """Whether bodies a and b stay apart for h seconds, wherever on their paths either of them stops.
+
+    A plane across where their balls are nearest now stays between them, if both go as far towards each other as they ever do.
+    """
+    (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, 0.0), motion_of(memory, b, 0.0)
+    d = sub(x_a, x_b)
+    apart = norm(d)
+    gap = apart - memory.span[a] - memory.span[b]
+    if not (TOUCH < gap < inf):
+        return False
+    one = farthest_along(-dot(d, v_a) / apart, -dot(d, a_a) / apart, h)
+    return bool(one + farthest_along(dot(d, v_b) / apart, dot(d, a_b) / apart, h) < gap - TOUCH)

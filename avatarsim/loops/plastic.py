@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
+from avatarsim.loops.balls_meet import never_meet
 from avatarsim.loops.blocked import LASTS, block
 from avatarsim.loops.clocks import arrive
 from avatarsim.loops.first_event import event_of_pair
@@ -55,7 +56,8 @@ def go_or_stop(
     """Take the members h seconds along their paths; who meets somebody stops there.
 
     Args:
-        pairs: (count, 2) near pairs of the island, those from number ``first`` on of all.
+        pairs: (count, 2) near pairs of the island, those from number ``first`` on of all. Most lie beside each other and cannot
+            meet whoever stops: nobody asks for them again.
 
     Returns:
         DONE, or NOT_FINITE, or AGAIN if somebody is blocked, which nobody knew: then nobody has moved.
@@ -63,7 +65,9 @@ def go_or_stop(
     kind, count, islands, soonest = memory.paths.kind, pairs.shape[0], memory.islands, memory.soonest
     when = memory.when[first : first + count]
     for p in range(count):
-        when[p] = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h)
+        when[p] = inf
+        if not never_meet(memory, pairs[p, 0], pairs[p, 1], h):
+            when[p] = min(h, event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h))
         if when[p] < 0.0:
             return NOT_FINITE
     new = False
@@ -89,7 +93,7 @@ def go_or_stop(
             p = soonest.head[b] if (one_moves if side == 0 else other_moves) else NONE
             while p != NONE:
                 # of two that stand there is no event
-                when[p] = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], now, h)
+                when[p] = min(h, event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], now, h))
                 if when[p] < 0.0:
                     return NOT_FINITE
                 changed(soonest, when, p, count)

@@ -1,5 +1,6 @@
 """Who meets first, asked again and again while some stop: near pairs by the time of their event, and the pairs of each body."""
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,7 @@ def sooner(when: Array, p: int, q: int) -> int:
 
 @kernel
 def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
-    """Sort pairs (count, 2) by body and by the time (count) [s] of their event."""
+    """Sort pairs (count, 2) by body and by the time (count) [s] of their event; one at inf belongs to nobody, and stays there."""
     tree, count = soonest.tree, pairs.shape[0]
     for p in range(count):
         tree[count + p] = p
@@ -45,7 +46,7 @@ def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
     for j in range(count - 1, 0, -1):
         tree[j] = sooner(when, tree[2 * j], tree[2 * j + 1])
     for p in range(count - 1, -1, -1):
-        for side in range(2):
+        for side in range(2 if when[p] < inf else 0):
             soonest.after[p, side] = soonest.head[pairs[p, side]]
             soonest.head[pairs[p, side]] = p
 

@@ -38,3 +38,10 @@ def test_the_pairs_of_a_body_are_all_that_name_it_in_order() -> None:
             p = next_of(soonest, pairs, p, b)
         assert found == [k for k, pair in enumerate(pairs) if b in pair]
     assert soonest.head[4] == NONE
+
+
+def test_who_never_meets_is_a_pair_of_nobody() -> None:
+    pairs, soonest = np.array([(0, 1), (0, 2), (1, 2)]), make_soonest(3, 3)
+    line_up(soonest, pairs, np.array([0.5, np.inf, 0.2]))
+    assert (soonest.head[0], soonest.head[2]) == (0, 2) and soonest.tree[1] == 2
+    assert next_of(soonest, pairs, 0, 0) == NONE and next_of(soonest, pairs, 0, 1) == 2
