@@ -17,7 +17,7 @@ MANY = 12
 in fresh processes, a hundred scenes take a quarter of an hour."""
 WARM_FRAMES = 10
 """Frames run before: a process that has run other scenes is warm, and only the buffers of this one are new."""
-SLICE = 0.15
+SLICE = 0.2
 """Time [s] that one round of all engines through a scene should take; it decides how many frames are timed, the same for all."""
 LEAST, MOST = 20, 180
 """Frames timed at least and at most: fewer have no percentiles worth the name, more would hold up the other scenes."""
