@@ -6,7 +6,7 @@ from avatarsim.loops import checked, paper, paper_rounds, paper_walk
 from avatarsim.posture import follow, step
 from avatarsim.posture.contact_row import rows_of_listed
 from avatarsim.posture.free_link import free_link, link_contacts
-from avatarsim.posture.goal import aim
+from avatarsim.posture.goal import aim, measure_way
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.separate.overlaps import find_overlaps
@@ -46,7 +46,7 @@ def checked_twin() -> Any:
     one = twin(step.step, {
         "attempt": attempt, "back_off": back_off, "aim": clocked(aim, IK), "adopt": clocked(step.adopt, POSING),
     })
-    walk = twin(follow.walk, {"step": one, "aim": clocked(aim, IK)})
+    walk = twin(follow.walk, {"step": one, "measure_way": clocked(measure_way, IK)})
     frame = twin(follow.follow, {"walk": walk})
     return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
 
