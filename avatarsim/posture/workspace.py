@@ -75,9 +75,9 @@ class Closeness(NamedTuple):
 
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
-# joints over their limits; 1 if
-# `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody has asked in this frame; way
-# [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of turn_weight
+# joints over their limits; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody
+# has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of
+# turn_weight
 COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF = range(6)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom

@@ -19,6 +19,7 @@ from avatarsim.quick_compiler import same_options, variables
 COMPILE = """
 import json
 import re
+from itertools import combinations
 from numba.core import compiler
 from avatarsim import linking
 {before}
@@ -30,28 +31,37 @@ codes = {{}}
 reduce = linking.KernelCacheImpl.reduce
 
 def keep(self, compiled):
-    # Numbers of specialisations count up in the order of compiling, which is another.
+    # Numbers of specialisations and of types count up in the order of compiling, which is another.
     code = re.sub("[0-9]*v[0-9]+", "v", str(compiled.library._final_module))
+    code = re.sub("(Record|Pointer)ILi[0-9]+E", "", code)
     codes[compiled.fndesc.qualname + str(compiled.fndesc.argtypes)] = code
     return reduce(self, compiled)
 
 linking.KernelCacheImpl.reduce = keep
-require_free(build(part_scene("motion")[0]))
-print(json.dumps(codes))
+world = build(part_scene("motion")[0])
+require_free(world)
+codes_so_far = dict(codes)
+from avatarsim.collide.scratch import make_scratch
+from avatarsim.collide.signed_distance import signed_distance
+shapes, vertices, scratch = world.geometry.shapes, world.poses.vertices, make_scratch()
+pairs = combinations(range(len(shapes)), 2)
+answers = [str(signed_distance(vertices, shapes, s, t, (0.0, 0.0, 0.0), scratch)) for s, t in pairs]
+print(json.dumps([codes_so_far, [array.tobytes().hex() for array in world.poses], answers]))
 """
 NUMBAS_PASSES = "linking.KernelCompiler = compiler.Compiler"
+REMEMBERED = "from avatarsim import quick_compiler; quick_compiler.write_lean = lambda: None; quick_compiler.quicken()"
 QUICK = "from avatarsim.quick_compiler import quicken; quicken()"
 
 
 def compiled(before, cache):
-    """LLVM's code of the kernels that place shapes and find how far they are apart, from a process of its own."""
+    """LLVM's code of kernels that place shapes and ask how far they are apart, and their answers, from a process of its own."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
     command = [sys.executable, "-c", COMPILE.format(before=before)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    codes = json.loads(done.stdout)
-    assert len(codes) > 20
-    return codes
+    codes, *answers = json.loads(done.stdout)
+    assert len(codes) > 20 and all(answers)
+    return codes, answers
 
 
 def instructions(code):
@@ -67,12 +77,13 @@ def instructions(code):
 
 
 def test_fewer_passes_and_remembered_answers_give_the_same_code(tmp_path):
-    numbas, ours, quick = (compiled(before, tmp_path / str(k)) for k, before in enumerate((NUMBAS_PASSES, "", QUICK)))
-    assert numbas == ours
-    # Values have other names there, and some blocks another place.
-    assert quick.keys() == ours.keys()
-    for name, code in ours.items():
-        assert instructions(quick[name]) == instructions(code)
+    kinds = (NUMBAS_PASSES, "", REMEMBERED, QUICK)
+    numbas, ours, remembered, quick = (compiled(before, tmp_path / str(k)) for k, before in enumerate(kinds))
+    assert numbas == ours == remembered
+    # What is written leanly gives other names to values and other places to some blocks, but the same instructions and answers.
+    assert quick[1] == ours[1] and quick[0].keys() == ours[0].keys()
+    for name, code in ours[0].items():
+        assert instructions(quick[0][name]) == instructions(code)
         assert len(instructions(code)) > 1
 
 
