@@ -11,6 +11,8 @@ from numba.core import compiler, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
 from numba.core.errors import new_error_context  # type: ignore[attr-defined]  # its annotations leave it out
 
+from avatarsim.kernel_library import KernelLibrary
+
 
 @register_pass(mutates_CFG=False, analysis_only=True)
 class NoAnnotation(AnalysisPass):
@@ -59,7 +61,14 @@ class Pipeline(PassManager):
 
 
 class KernelCompiler(compiler.CompilerBase):
-    """numba's compiler with these passes."""
+    """numba's compiler with these passes, and with LLVM's as `kernel_library` says."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function; its code goes to a library of ours."""
+        codegen, flags = self.state.targetctx.codegen(), self.state.flags
+        self.state.library = KernelLibrary(codegen, function.__qualname__, from_python=not flags.no_cpython_wrapper)
+        self.state.library.enable_object_caching()
+        return super().compile_extra(function)
 
     def define_pipelines(self) -> list[PassManager]:
         """One pipeline; there is no other to fall back to."""

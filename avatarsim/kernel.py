@@ -99,7 +99,7 @@ def source_hash(source: str) -> str:
 
 def _closure(source: Path) -> set[Path]:
     """Return ``source`` and every file of this package that it can reach through imports."""
-    found, waiting = {ROOT / name for name in ("kernel.py", "linking.py", "compiler_passes.py")}, [source]
+    found, waiting = {ROOT / name for name in ("kernel.py", "linking.py", "compiler_passes.py", "kernel_library.py")}, [source]
     while waiting:
         path = waiting.pop()
         if path not in found:

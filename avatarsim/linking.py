@@ -20,22 +20,19 @@ import hashlib
 import importlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 import llvmlite.binding as llvm
 from numba.core import config, sigutils, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.compiler import compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
 
 from avatarsim.compiler_passes import KernelCompiler
-
-SEALED_FROM = 200
-"""Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50; below this value
-compile time falls little, well above it the same code is compiled again in every caller."""
+from avatarsim.kernel_library import KernelLibrary, is_large
 
 PREFIX = "avatarsim-sealed:"
 """What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""
@@ -140,22 +137,51 @@ class WithoutCode:
         return library.name, "object", (library._get_compiled_object(), names_alone(self.compiled))
 
 
+class CodeAlone:
+    """The library of a kernel that is only inlined, as it is kept on disk: its LLVM code."""
+
+    def __init__(self, library: KernelLibrary) -> None:
+        self._final_module = library._final_module  # numba looks there for the environments that are used
+        self.library = library
+
+    def serialize_using_object_code(self) -> tuple[str, bytes]:
+        """What `KernelLibrary.inlined` makes it of again."""
+        return self.library.name, self.library._get_module_for_linking().as_bitcode()
+
+
 class KernelCacheImpl(CompileResultCacheImpl):
     """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, and the sealed kernels it calls."""
 
     def reduce(self, compiled: Any) -> Any:
         name = sealed_name(compiled)
-        # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
-        kept = compiled if name is None else compiled._replace(library=WithoutCode(compiled))
-        return name, called(compiled.library), kept._reduce()
+        library = compiled.library
+        if library.only_inlined:
+            compiled = compiled._replace(library=CodeAlone(library))
+        elif name is not None:
+            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+            compiled = compiled._replace(library=WithoutCode(compiled))
+        return name, library.only_inlined, called(library), compiled._reduce()
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        name, callees, rest = payload
+        name, only_inlined, callees, rest = payload
         if not all(load(callee, known_as) for known_as, callee in callees.items()):
             return None  # as if nothing were on disk
-        compiled = super().rebuild(target_context, rest)
+        compiled = small_again(target_context, *rest) if only_inlined else super().rebuild(target_context, rest)
         compiled.library.sealed_name = name
         return compiled
+
+
+def small_again(
+    context: Any, code: Any, descriptor: Any, environment: Any, signature: Any, objectmode: Any, lifted: Any, annotation: Any,
+    reload: Any, environments: Any,
+) -> Any:
+    """A kernel that is only inlined, from what is kept of it, as numba has one with machine code."""
+    library = KernelLibrary.inlined(context.codegen(), *code)
+    return compile_result(
+        typing_context=context.typing_context, target_context=context, library=library, fndesc=descriptor,
+        entry_point=context.get_executable(library, descriptor, environment), environment=environment, signature=signature,
+        objectmode=objectmode, lifted=lifted, type_annotation=annotation, reload_init=reload, referenced_envs=environments,
+    )
 
 
 class KernelCache(FunctionCache):
@@ -186,10 +212,7 @@ def sealed_name(compiled: Any) -> str | None:
     """Name under which callers find a compiled kernel; None if it is small enough to be inlined."""
     library = compiled.library
     if not hasattr(library, "sealed_name"):
-        function = library._final_module.get_function(compiled.fndesc.llvm_func_name)
-        # To count thousands of instructions takes longer than to compile some of them.
-        first = islice((1 for block in function.blocks for _ in block.instructions), SEALED_FROM)
-        large = sum(first) == SEALED_FROM
+        large = not library.only_inlined and is_large(library._final_module.get_function(compiled.fndesc.llvm_func_name))
         library.sealed_name = _name(compiled) if large and "<locals>" not in compiled.fndesc.qualname else None
     return cast("str | None", library.sealed_name)
 

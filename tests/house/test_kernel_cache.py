@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from avatarsim import compiler_passes, linking
+from avatarsim import compiler_passes, kernel_library, linking
 from avatarsim import kernel as real
 
 CALLEE = (
@@ -33,6 +33,7 @@ def package(tmp_path):
     shutil.copy(real.__file__, root / "kernel.py")
     shutil.copy(linking.__file__, root / "linking.py")
     shutil.copy(compiler_passes.__file__, root / "compiler_passes.py")
+    shutil.copy(kernel_library.__file__, root / "kernel_library.py")
     (root / "__init__.py").write_text("")
     (root / "callee.py").write_text(CALLEE.format("2.0"))
     (root / "caller.py").write_text(CALLER.format("callee"))

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from avatarsim import compiler_passes, linking
+from avatarsim import compiler_passes, kernel_library, linking
 from avatarsim import kernel as real
 from avatarsim.collide.support import support
 
@@ -39,6 +39,7 @@ ASK = """
 import json
 from avatarsim import linking
 from avatarsim.caller import {names}
+from avatarsim.caller import small
 from avatarsim.large import large
 
 values = [f(0.25) for f in ({names},)]
@@ -47,6 +48,7 @@ print(json.dumps({{
     "values": values,
     "compiled": sum(sum(k.stats.cache_misses.values()) for f in ({names}, large) for k in (f, f.called)),
     "specialisations": len(called.overloads),
+    "inlined": [k.library.only_inlined for k in small.called.overloads.values()],
     "by name": [list(linking.called(k.library)) for f in ({names},) for k in f.overloads.values()],
 }}))
 """
@@ -57,7 +59,7 @@ def package(tmp_path):
     """A package with a kernel of some hundred instructions and two that call it."""
     root = tmp_path / "installed" / "avatarsim"
     root.mkdir(parents=True)
-    for module in (real, linking, compiler_passes):
+    for module in (real, linking, compiler_passes, kernel_library):
         shutil.copy(module.__file__, root)
     (root / "__init__.py").write_text("")
     steps = "\n".join(f"    y = y * {1.0 + 1.0 / k} + x / (y + {k}.0)" for k in range(1, 90))
@@ -110,6 +112,18 @@ def test_what_python_calls_and_what_kernels_call_live_together_on_disk(package, 
         again = ask(package, names, cache)
         assert again["values"] == [first["values"][("top", "small").index(name)] for name in names]
         assert again["compiled"] == 0
+
+
+def test_a_small_kernel_is_kept_without_machine_code_and_inlined_from_disk(package, tmp_path):
+    cache = tmp_path / "cache"
+    first = ask(package, ["top"], cache)
+    assert first["inlined"] == [True] and ask(package, ["top"], cache)["inlined"] == []
+    gone = list(cache.rglob("caller.top-*.nb?"))
+    for file in gone:
+        file.unlink()
+    again = ask(package, ["top"], cache)
+    assert gone and again["values"] == first["values"]
+    assert again["inlined"] == [True] and again["compiled"] == 1
 
 
 def test_a_callee_that_is_gone_from_disk_is_compiled_again(package, tmp_path):

@@ -1,0 +1,79 @@
+"""What does LLVM do with the code of a kernel? It is optimised once, and becomes machine code only where that is called.
+
+numba tidies every function with nearly all of LLVM's passes, inlines and tidies again for the sake of reference counting, and
+then begins in earnest. Kernels count no references, and the last of the three does all that the others do. Two kernels of three
+are so small that each caller has them inlined: of these only LLVM's code is kept, which nobody needs to translate or to load.
+"""
+
+from itertools import islice
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+
+SEALED_FROM = 200
+"""Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50; below this value
+compile time falls little, well above it the same code is compiled again in every caller."""
+
+
+def is_large(function: Any) -> bool:
+    """Whether a function of LLVM's has so many instructions that it is called instead of inlined."""
+    # To count thousands of instructions takes longer than to compile some of them.
+    first = islice((1 for block in function.blocks for _ in block.instructions), SEALED_FROM)
+    return sum(first) == SEALED_FROM
+
+
+class NoMachine:
+    """What stands for numba's code generator where there is no machine code."""
+
+    @staticmethod
+    def set_env(name: str, environment: object) -> None:
+        """Nobody reads an environment from code that never runs."""
+
+
+class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no annotations here
+    """numba's library of one compiled function, for a kernel.
+
+    `only_inlined` becomes true when the code turns out to be small, unless Python calls it.
+    """
+
+    def __init__(self, codegen: Any, name: str, from_python: bool) -> None:
+        super().__init__(codegen, name)
+        self.from_python, self.only_inlined = from_python, False
+
+    @classmethod
+    def inlined(cls, codegen: Any, name: str, code: bytes) -> "KernelLibrary":
+        """The library of a small kernel from its LLVM code."""
+        library = cls(codegen, name, from_python=False)
+        library._final_module, library.only_inlined = llvm.parse_bitcode(code), True
+        library._finalize_final_module()
+        return library
+
+    @property
+    def codegen(self) -> Any:
+        """Where an environment is handed to the machine code."""
+        return NoMachine if self.only_inlined else self._codegen
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Where the machine code of a function lies; 0 if there is none."""
+        self._ensure_finalized()
+        return 0 if self.only_inlined else int(super().get_pointer_to_function(name))
+
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        manager, builder = self._codegen._module_pass_manager()
+        manager.run(self._final_module, builder)
+        if not self.from_python:
+            # What was linked in is known by another linkage.
+            own = [one for one in self._final_module.functions if not one.is_declaration and one.linkage == llvm.Linkage.external]
+            self.only_inlined = not any(is_large(function) for function in own)
+
+    def _finalize_final_module(self) -> None:
+        if self.only_inlined:
+            self._finalize_dynamic_globals()
+            self._verify_declare_only_symbols()
+            self._finalized = True
+        else:
+            super()._finalize_final_module()
