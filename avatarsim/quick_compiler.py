@@ -1,20 +1,26 @@
 """What does numba work out anew although the answer is known? Remembered here, in processes that do nothing but compile kernels.
 
 Half of a compile is numba's own Python. It tries all meanings of `+` for every addition, compares dozens of compiler options at
-every look into a table, reports every call of LLVM to nested timers, and tunes a list of passes for functions that are only
-declared. None of that changes what comes out; `quicken` leaves it out. It changes numba itself, for the whole process, and
-therefore only `python -m avatarsim --part` calls it: numba's other users in the process of an application keep numba as it is.
+every look into a table, and reports every call of LLVM to nested timers. None of that changes what comes out; `quicken` leaves it
+out. It changes numba itself, for the whole process, and therefore only `python -m avatarsim --parts` calls it: numba's other users
+in the process of an application keep numba as it is.
 """
 
+import sys
 from contextlib import nullcontext
+from functools import cache
+from types import BuiltinFunctionType, FunctionType, SimpleNamespace
 from typing import Any
 
 import llvmlite.binding.ffi
-from numba.core import event, ir, transforms
-from numba.core.codegen import CPUCodegen, CPUCodeLibrary
+from numba.core import base, byteflow, event, ir, ssa, transforms
+from numba.core.base import BaseContext
+from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
+from numba.core.types.abstract import Type
 from numba.core.types.functions import BaseFunction
+from numba.core.typing.context import BaseContext as BaseTypingContext
 
 from avatarsim.lean_code import write_lean
 
@@ -26,13 +32,21 @@ def quicken() -> None:
     llvmlite.binding.ffi.lib = llvmlite.binding.ffi.lib._lib
     # Whether LLVM writes 1.23 as 1.23 in this locale was asked once for every function.
     CPUCodegen._check_llvm_bugs = lambda codegen: None
-    CPUCodeLibrary._optimize_functions = optimize_defined
     TargetConfig.__eq__ = same_options
     TargetConfig.__hash__ = lambda options: len(options.options)
     functions: Any = BaseFunction
     functions.get_call_type = Meanings(functions.get_call_type)
     PostProcessor.run = Tidied(PostProcessor.run)
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
+    # Its function is found in a table; whether that one takes the place in the source was asked for every call.
+    base._has_loc = cache(base._has_loc)  # type: ignore[attr-defined]  # numba's annotations leave it out
+    kinds: Any = Type
+    kinds.__hash__, kinds.__eq__ = remembered_hash({}), same_kind
+    for owner in (BaseContext, BaseTypingContext):
+        contexts: Any = owner
+        contexts.refresh = Known(contexts.refresh)
+    # Reports that nobody reads, one for every instruction and more.
+    ssa._logger = byteflow._logger = SimpleNamespace(debug=lambda *_: None)  # type: ignore[assignment]
     write_lean()
 
 
@@ -43,28 +57,64 @@ def same_options(one: Any, other: Any) -> Any:
     return one is other or one._values == other._values or one.values() == other.values()
 
 
-def optimize_defined(library: Any, module: Any) -> None:
-    """numba's first tidying of a module's functions, without those that are only declared there."""
-    module.data_layout = library._codegen._data_layout
-    for function in module.functions:
-        if not function.is_declaration:
-            manager, builder = library._codegen._function_pass_manager()
-            manager.run(function, builder)
+PLAIN = frozenset((str, int, float, bool, type(None), type, FunctionType, BuiltinFunctionType, ir.Loc, ir.UndefinedType))
+"""Kinds of parts of an instruction that are no variables and have none."""
 
 
 def variables(value: Any, found: list[Any]) -> list[Any]:
     """The variables of an instruction's parts, in numba's order, added to ``found``."""
-    if isinstance(value, ir.Var):
-        found.append(value)
-    elif isinstance(value, ir.Inst):
-        found += value.list_vars()
-    elif isinstance(value, list | tuple):
+    kind = type(value)
+    if kind is dict:
+        for part in value.values():
+            if type(part) is ir.Var:
+                found.append(part)
+            elif type(part) not in PLAIN:
+                variables(part, found)
+    elif kind is tuple or kind is list:
         for part in value:
             variables(part, found)
-    elif isinstance(value, dict):
-        for part in value.values():
-            variables(part, found)
+    elif kind is ir.Var:
+        found.append(value)
+    elif kind is ir.Expr:
+        variables(value._kws, found)
+    elif isinstance(value, ir.Inst):
+        found += value.list_vars()
     return found
+
+
+def same_kind(one: Any, other: Any) -> bool:
+    """Whether two of numba's types are equal; mostly they are one and the same."""
+    return one is other or (one.__class__ is other.__class__ and one.key == other.key)
+
+
+def remembered_hash(known: dict[int, tuple[int, Any]]) -> Any:
+    """The hash of each of numba's types, which never change; that of a tuple of tuples of arrays is long in the making."""
+
+    def found(kind: Any) -> int:
+        entry = known.get(id(kind))
+        if entry is None:
+            # The type is kept, so that no other gets its id.
+            entry = known[id(kind)] = hash(kind.key), kind
+        return entry[0]
+
+    return found
+
+
+class Known:
+    """numba's look for newly declared functions, before every compile, only after a module was imported: importing declares."""
+
+    def __init__(self, look: Any) -> None:
+        self.look = look
+        self.modules: dict[Any, int] = {}
+
+    def __get__(self, context: Any, owner: Any = None) -> Any:
+        return lambda: self.run(context)
+
+    def run(self, context: Any) -> None:
+        """Look if there may be something new."""
+        if self.modules.get(context) != len(sys.modules):
+            self.look(context)
+            self.modules[context] = len(sys.modules)
 
 
 class Tidied:
