@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+import time
 
 from avatarsim.compile_ahead import PARTS, compile_everything, compile_part
 from avatarsim.quick_compiler import quicken
@@ -13,13 +14,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="python -m avatarsim", description="Compile the engine's kernels now instead of at their first use; kept on disk."
     )
-    parser.add_argument("--part", choices=PARTS, help="only this part, in this process")
-    part = parser.parse_args().part
-    if part is None:
+    parser.add_argument("--parts", choices=PARTS, nargs="+", help="only these parts, in this process")
+    parts = parser.parse_args().parts
+    if parts is None:
         return 0 if compile_everything() else 1
     quicken()
-    compile_part(part)
-    sys.stdout.flush()
+    for part in parts:
+        begun = time.monotonic()
+        compile_part(part)
+        print(f"  {part}: compiled in {time.monotonic() - begun:.0f} s", flush=True)
     # What was compiled is on disk; to take down millions of objects one by one would cost seconds.
     os._exit(0)
 

@@ -4,7 +4,6 @@ import fcntl
 import gc
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,17 +21,18 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 
-PARTS = ("posture", "motion", "paper", "together")
-"""What is compiled, each in a process of its own; the last one adds what joins the others and runs after them."""
+SHARES = (("posture", "paper"), ("motion",))
+"""What is compiled at once, each share in a process of its own, its parts one after the other; the shares take equally long.
+What posture and motion compile is all that a scene with both calls. Memory grows by half a gigabyte per process."""
 
-AT_ONCE = 2
-"""Compilers at once: the third part is short, and memory grows by half a gigabyte per compiler."""
+PARTS = tuple(part for share in SHARES for part in share)
+"""All parts."""
 
 Say = Callable[[str], None]
 
 
 def part_scene(part: str) -> tuple[Scene, str]:
-    """A small scene that calls every kernel of a part, and the preset to run it with."""
+    """A small scene that calls every kernel of a part, or of posture and motion together, and the preset to run it with."""
     ball = (Piece(Sphere(0.05)),)
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
     loose = simulated("ball", ball, "wood", solid(ball, 0.2), (0.0, 0.0, 0.2))
@@ -85,25 +85,18 @@ def compile_everything(say: Say = print) -> bool:
     with turn(stamp):
         if stamp.exists():
             return True
-        started, good = time.monotonic(), True
-        for group in (PARTS[:-1], PARTS[-1:]):
-            good = run_parts(list(group), say, started) and good
+        good = run_shares(SHARES, say)
         if good:
             stamp.touch()
     return good
 
 
-def run_parts(waiting: list[str], say: Say, started: float) -> bool:
-    """Compile parts in child processes, AT_ONCE at a time; False if one of them failed."""
-    running: dict[str, subprocess.Popen[bytes]] = {}
-    good = True
-    while waiting or running:
-        while waiting and len(running) < AT_ONCE:
-            part = waiting.pop(0)
-            running[part] = subprocess.Popen([sys.executable, "-m", "avatarsim", "--part", part], cwd=ROOT.parent)
-        time.sleep(0.1)
-        for part in [name for name, child in running.items() if child.poll() is not None]:
-            code = running.pop(part).returncode
-            say(f"  {part}: {'compiled' if code == 0 else f'failed with code {code}'} after {time.monotonic() - started:.0f} s")
-            good = good and code == 0
-    return good
+def run_shares(shares: tuple[tuple[str, ...], ...], say: Say) -> bool:
+    """Compile shares in child processes, which say what they have done; False if one of them failed."""
+    command = [sys.executable, "-m", "avatarsim", "--parts"]
+    children = [subprocess.Popen([*command, *share], cwd=ROOT.parent) for share in shares]
+    codes = [child.wait() for child in children]
+    for share, code in zip(shares, codes, strict=True):
+        if code != 0:
+            say(f"  {', '.join(share)}: failed with code {code}")
+    return not any(codes)

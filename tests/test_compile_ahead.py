@@ -1,11 +1,12 @@
 """Kernels compiled ahead: once, by one process, and never taken for done when a part failed."""
 
+import gc
 from pathlib import Path
 
 import pytest
 
-from avatarsim import compile_ahead
-from avatarsim.compile_ahead import PARTS, compile_everything, compile_part, part_scene, run_parts
+from avatarsim import compile_ahead, linking
+from avatarsim.compile_ahead import PARTS, SHARES, compile_everything, compile_part, part_scene, run_shares
 
 
 @pytest.fixture
@@ -15,35 +16,50 @@ def stamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("part", [*PARTS, "together"])
 def test_every_part_runs(part: str) -> None:
     compile_part(part)
     scene, preset = part_scene(part)
     assert scene.effects.dynamics == (part in ("motion", "together")) and (preset == "paper") == (part == "paper")
 
 
-def test_all_parts_are_compiled_once_and_the_joining_one_last(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
-    monkeypatch.setattr(compile_ahead, "run_parts", lambda parts, say, started: asked.extend(parts) or True)
+def called() -> set[str]:
+    """Large kernels that are in memory, and kernels that Python called, with their types."""
+    kernels = [one for one in gc.get_objects() if type(one) is linking.KernelDispatcher]
+    found = {f"{one.py_func.__module__}.{one.py_func.__qualname__}{types}" for one in kernels for types in one.overloads}
+    return found | set(linking._CALLEES)
+
+
+def test_a_scene_with_posture_and_motion_calls_nothing_that_these_do_not() -> None:
+    for part in PARTS:
+        compile_part(part)
+    known = called()
+    compile_part("together")
+    assert len(known) > 100 and called() == known
+
+
+def test_all_parts_are_compiled_once(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, ...]] = []
+    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, say: asked.extend(shares) or True)
     said: list[str] = []
     assert compile_everything(said.append) and stamp.exists() and len(said) == 1
-    assert asked == list(PARTS) and asked[-1] == "together"
-    assert compile_everything(said.append) and len(said) == 1 and asked == list(PARTS)
+    assert asked == list(SHARES)
+    assert compile_everything(said.append) and len(said) == 1 and asked == list(SHARES)
 
 
 def test_a_part_that_fails_leaves_no_stamp(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compile_ahead, "run_parts", lambda parts, say, started: parts[0] == "together")
+    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, say: False)
     assert not compile_everything(lambda line: None) and not stamp.exists()
 
 
 def test_a_failing_child_is_reported_by_its_code(capfd: pytest.CaptureFixture[str]) -> None:
     said: list[str] = []
-    assert not run_parts(["no-such-part"], said.append, 0.0)
-    assert len(said) == 1 and said[0].startswith("  no-such-part: failed with code 2")
+    assert not run_shares((("no-such-part",),), said.append)
+    assert said == ["  no-such-part: failed with code 2"]
     assert "invalid choice: 'no-such-part'" in capfd.readouterr().err
 
 
 def test_where_nothing_can_be_kept_nothing_is_compiled_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compile_ahead, "compiled_stamp", lambda: None)
-    monkeypatch.setattr(compile_ahead, "run_parts", lambda *_: pytest.fail("compiled"))
+    monkeypatch.setattr(compile_ahead, "run_shares", lambda *_: pytest.fail("compiled"))
     assert compile_everything()
