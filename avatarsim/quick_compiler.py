@@ -2,8 +2,8 @@
 
 Half of a compile is numba's own Python. It tries all meanings of `+` for every addition, compares dozens of compiler options at
 every look into a table, and reports every call of LLVM to nested timers. None of that changes what comes out; `quicken` leaves it
-out. It changes numba itself, for the whole process, and therefore only `python -m avatarsim --parts` calls it: numba's other users
-in the process of an application keep numba as it is.
+out. It changes numba itself, for the whole process, and therefore only `python -m avatarsim --parts` calls it: numba's other
+users in the process of an application keep numba as it is.
 """
 
 import sys
@@ -13,6 +13,7 @@ from types import BuiltinFunctionType, FunctionType, SimpleNamespace
 from typing import Any
 
 import llvmlite.binding.ffi
+import llvmlite.ir.types
 from numba.core import base, byteflow, event, ir, ssa, transforms
 from numba.core.base import BaseContext
 from numba.core.codegen import CPUCodegen
@@ -39,14 +40,17 @@ def quicken() -> None:
     PostProcessor.run = Tidied(PostProcessor.run)
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
     # Its function is found in a table; whether that one takes the place in the source was asked for every call.
-    base._has_loc = cache(base._has_loc)  # type: ignore[attr-defined]  # numba's annotations leave it out
+    base._has_loc = cache(base._has_loc)
     kinds: Any = Type
     kinds.__hash__, kinds.__eq__ = remembered_hash({}), same_kind
     for owner in (BaseContext, BaseTypingContext):
         contexts: Any = owner
         contexts.refresh = Known(contexts.refresh)
+    # LLVM was asked for the size of a type by way of a module of its own, as text.
+    layouts: Any = llvmlite.ir.types.Type
+    layouts.get_abi_size, layouts.get_abi_alignment = told_once(layouts.get_abi_size), told_once(layouts.get_abi_alignment)
     # Reports that nobody reads, one for every instruction and more.
-    ssa._logger = byteflow._logger = SimpleNamespace(debug=lambda *_: None)  # type: ignore[assignment]
+    ssa._logger = byteflow._logger = SimpleNamespace(debug=lambda *_: None)
     write_lean()
 
 
@@ -98,6 +102,21 @@ def remembered_hash(known: dict[int, tuple[int, Any]]) -> Any:
         return entry[0]
 
     return found
+
+
+def told_once(ask: Any) -> Any:
+    """What LLVM says about the layout of a type, for the one machine that is compiled for; types are known by what is written."""
+    known: dict[str, Any] = {}
+
+    def told(kind: Any, target_data: Any, context: Any = None) -> Any:
+        if context is not None:
+            return ask(kind, target_data, context)
+        answer = known.get(str(kind))
+        if answer is None:
+            answer = known[str(kind)] = ask(kind, target_data)
+        return answer
+
+    return told
 
 
 class Known:

@@ -10,11 +10,12 @@ from collections import Counter
 from itertools import product
 
 import pytest
-from numba.core import ir
+from llvmlite.ir import types as llvm_types
+from numba.core import ir, types
 from numba.core.compiler import Flags
 from numba.core.targetconfig import TargetConfig
 
-from avatarsim.quick_compiler import same_options, variables
+from avatarsim.quick_compiler import Known, remembered_hash, same_kind, same_options, told_once, variables
 
 COMPILE = """
 import json
@@ -112,3 +113,43 @@ def test_variables_are_found_as_numba_finds_them(kind):
     }[kind]
     parts = vars(made)
     assert variables(parts, []) == made._rec_list_vars(parts) and len(variables(parts, [])) >= 3
+
+
+def test_hashes_and_equality_of_types_are_numbas():
+    pair = types.Tuple((types.float64, types.Array(types.int64, 2, "C")))
+    kinds = [types.int64, types.float64, types.Array(types.int64, 2, "C"), types.Array(types.int64, 1, "C"), pair]
+    found = remembered_hash({})
+    assert [found(kind) for kind in kinds] == [found(kind) for kind in kinds] == [hash(kind) for kind in kinds]
+    for one, other in product(kinds, kinds):
+        assert same_kind(one, other) == (one == other)
+    assert not same_kind(types.int64, "int64")
+
+
+def test_sizes_of_types_are_asked_once_each():
+    asked = []
+
+    def size(kind, target_data, context=None):
+        asked.append(str(kind))
+        return len(asked)
+
+    told = told_once(size)
+    word, pair = llvm_types.IntType(64), llvm_types.LiteralStructType([llvm_types.IntType(64)] * 2)
+    assert [told(kind, None) for kind in (word, pair, llvm_types.IntType(64), pair)] == [1, 2, 1, 2]
+    # A type that has a name may mean something else in another context.
+    assert told(word, None, "context") == 3 and asked == ["i64", "{i64, i64}", "i64"]
+
+
+def test_new_declarations_are_looked_for_once_a_module_was_imported(monkeypatch):
+    looks = []
+
+    class Context:
+        refresh = Known(looks.append)
+
+    one, other = Context(), Context()
+    for context in (one, one, other, one):
+        context.refresh()
+    assert looks == [one, other]
+    monkeypatch.setitem(sys.modules, "just_imported", sys)
+    one.refresh()
+    one.refresh()
+    assert looks == [one, other, one]
