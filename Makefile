@@ -83,8 +83,9 @@ report: $(READY)  ## the pages again, from the files of the last run
 test: $(READY)  ## every test; then a slice with the kernels as plain Python, and one with index checks
 	@$(COMPILED)
 	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
-	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -m nojit
-	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -m boundscheck
+	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m nojit
+	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
+	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m boundscheck
 
 look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py

@@ -113,6 +113,25 @@ def extrapolate(positions: Array, orientations: Array, steps: float, ahead: Arra
 
 
 @kernel
+def turned_on(turns: Array, links: Integers, share: float, left: Array, right: Array, aimed: Array) -> int:
+    """Write left a (a^-1 b)^share right for each turn b of `links` but the first, a the one before it, into aimed (n - 1, links,
+    4); 0 on return.
+
+    The turn goes on as it was beyond a share of 1; left and right (links, 4) turn it into the frames of who is to follow."""
+    for i in range(1, len(turns)):
+        for j in range(len(links)):
+            k = links[j]
+            aw, ax, ay, az = turns[i - 1, k, 0], turns[i - 1, k, 1], turns[i - 1, k, 2], turns[i - 1, k, 3]
+            w, x, y, z = _multiply(aw, -ax, -ay, -az, turns[i, k, 0], turns[i, k, 1], turns[i, k, 2], turns[i, k, 3])
+            w, x, y, z = _scaled_turn(w, x, y, z, share)
+            w, x, y, z = _multiply(aw, ax, ay, az, w, x, y, z)
+            w, x, y, z = _multiply(left[j, 0], left[j, 1], left[j, 2], left[j, 3], w, x, y, z)
+            aimed[i - 1, j, 0], aimed[i - 1, j, 1], aimed[i - 1, j, 2], aimed[i - 1, j, 3] = _multiply(
+                w, x, y, z, right[j, 0], right[j, 1], right[j, 2], right[j, 3])
+    return 0
+
+
+@kernel
 def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops: Array, turns: Array) -> int:
     """Bring the rotations `turns` (links, 4) of the links `balls` within `stops` (swing, lower and upper
     twist); 0 on return.

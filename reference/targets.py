@@ -5,10 +5,11 @@ taken between the samples at the two ends of the frame: linear for positions and
 rotations.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
@@ -23,6 +24,7 @@ from reference.target_kernels import (
     clamp_balls,
     extrapolate,
     interpolate,
+    turned_on,
 )
 
 Array = NDArray[np.float64]
@@ -126,6 +128,21 @@ class Targets:
         positions, orientations = np.empty_like(goals.positions[1:]), np.empty_like(goals.orientations[1:])
         extrapolate(goals.positions, goals.orientations, steps, positions, orientations)
         return positions, orientations
+
+
+class Followed:
+    """Turns of some links as an engine that leads them by a share of each step's turn states them: left turn right."""
+
+    def __init__(self, links: Sequence[int], left: ArrayLike, right: ArrayLike) -> None:
+        self._links = np.array(links, dtype=np.int64)
+        self._left, self._right = (np.array(frames, dtype=np.float64).reshape(-1, 4) for frames in (left, right))
+
+    def aimed(self, turns: Array, share: float) -> Array:
+        """(n - 1, links, 4) of `turns` (n, all links, 4): each of the second and later, `share` of the way to it from the one
+        before it, beyond 1 as far past it."""
+        found = np.empty((len(turns) - 1, len(self._links), 4))
+        turned_on(turns, self._links, share, self._left, self._right, found)
+        return found
 
 
 def _kind(joint: object) -> int:

@@ -10,28 +10,26 @@ from math import nan
 
 from scenarios.job import Job
 from scenarios.seats import Seats
-from scenarios.timing import MOST_FRAMES, Clocked, Turns, loaded, warmed
+from scenarios.timing import MOST_FRAMES, Clocked, Turns, loaded
 
 MANY = 12
 """Scenes in a comparison from which on each gets a glance only, unless full lengths are asked for: measured at their own lengths
 in fresh processes, a hundred scenes take a quarter of an hour."""
-WARM_FRAMES = 10
-"""Frames run before: a process that has run other scenes is warm, and only the buffers of this one are new."""
 SLICE = 0.2
 """Time [s] that one round of all engines through a scene should take; it decides how many frames are timed, the same for all."""
 LEAST, MOST = 20, 180
 """Frames timed at least and at most: fewer have no percentiles worth the name, more would hold up the other scenes."""
 ROUNDS = 2
-"""Repeats of each; with one, a disturbance could not be told from a frame's own cost."""
+"""Repeats of each; with one, neither a disturbance nor buffers that grow could be told from a frame's own cost. A warm-up would
+be a third load, and loading takes most of the time that a glance takes."""
 PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 
 
-def glance(jobs: Sequence[Job], seats: Seats, at_length: bool = False) -> list[Clocked]:
-    """Time all `jobs` of one scene: warm up side by side, then one at a time, all over the same frames: MOST_FRAMES `at_length`,
-    otherwise what fits into a SLICE. Loading, which for many scenes takes longer than the frames, is done side by side."""
+def glance(jobs: Sequence[Job], cost: float, seats: Seats, at_length: bool = False) -> list[Clocked]:
+    """Time all `jobs` of one scene, one at a time, all over the same frames: MOST_FRAMES `at_length`, otherwise what fits into a
+    SLICE if a frame of all of them together takes `cost` [s]. Loading, often longer than the frames, is done side by side."""
     table = [Turns(job, seats.at(job.run)) for job in jobs]
-    cost = sum(warmed(table, WARM_FRAMES))
     few = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
     frames = MOST_FRAMES if at_length else few
     for _ in range(ROUNDS):
@@ -41,5 +39,5 @@ def glance(jobs: Sequence[Job], seats: Seats, at_length: bool = False) -> list[C
 
 
 def _without_warm_up(clocked: Clocked) -> Clocked:
-    """A warm-up is that of a fresh process, which this was not."""
+    """A warm-up is that of a fresh process, and here is none."""
     return clocked if clocked.timed is None else replace(clocked, timed=replace(clocked.timed, warmup=nan))

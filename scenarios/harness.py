@@ -120,8 +120,8 @@ class Run:
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    everyday = self.scenarios[scene].everyday
-                    for clocked in timed_pass(chosen, full) if few else glance(chosen, seats, everyday):
+                    cost, everyday = sum(self.outcomes[job.stem].frame_seconds for job in chosen), self.scenarios[scene].everyday
+                    for clocked in timed_pass(chosen, full) if few else glance(chosen, cost, seats, everyday):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
                     self.write_now_and_then()

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from scenarios.provenance import code_hash, scene_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
 
+FRAME_SECONDS = "frame_seconds"
+"""Key in a recording's meta: median time [s] of a frame while other runs went on; too rough to be shown, it says how many frames
+a glance can take."""
 REFUSAL = "refusal"
 """Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
 
@@ -56,8 +60,12 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     try:
         frames.append(engine.load(scene, settings, scenario.dt))
         about["settings"] = dict(engine.settings_as_run())
+        spent = []
         for sample in samples:
+            begun = perf_counter()
             frames.append(engine.advance(sample, scenario.dt))
+            spent.append(perf_counter() - begun)
+        about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
     except MissingPackage as error:
         return Outcome(job, "not-measured", str(error), about=about)
     except StartOverlaps as error:
@@ -96,7 +104,8 @@ def concluded(
     told["lapsed"] = dict(scene.lapsed)
     overlap = tuple(found.overlap.tolist())
     hashes = tuple(recording.state_hashes.tolist())
-    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes)
+    cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
+    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, cost)
 
 
 def described(error: BaseException) -> str:

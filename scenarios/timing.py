@@ -36,11 +36,11 @@ class Turns:
         self.job, self.seat, self.note, self.warmup, self.spent = job, seat, "", 0.0, 0.0
         self.repeats: list[Repeat] = []
 
-    def warmed(self) -> float:
-        """Hear of the warm-up that it was told to run; seconds per frame it had, 0 when it failed."""
-        found = None if self.note else self.hear()
+    def warmed(self) -> None:
+        """Hear of the warm-up that it was told to run, which counts by itself."""
+        if not self.note:
+            self.hear()
         self.warmup, self.spent = self.spent, 0.0
-        return 1e-9 * float(np.median(found[0])) if found else 0.0
 
     def turn(self) -> None:
         """The frames of one repeat, with nobody else at work."""
@@ -80,13 +80,6 @@ def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
     return [at for at in asked if not at.note]
 
 
-def warmed(table: Sequence[Turns], frames: int) -> list[float]:
-    """Let all run so many frames side by side; seconds per frame that each had, 0 for those that failed."""
-    for at in loaded(table, [frames] * len(table)):
-        at.seat.go()
-    return [at.warmed() for at in table]
-
-
 def timed_pass(
     jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
     seats: Sequence[Seat] = (),
@@ -100,7 +93,10 @@ def timed_pass(
     try:
         for k, job in enumerate(jobs):
             table.append(Turns(job, seats[k] if seats else Seat()))
-        warmed(table, WARM_FRAMES)
+        for at in loaded(table, [WARM_FRAMES] * len(table)):
+            at.seat.go()
+        for at in table:
+            at.warmed()
         for _ in range(REPEATS):
             again = [(at, count) for at, count in zip(table, counts, strict=True) if full or at.spent < ENOUGH]
             for at in loaded([at for at, _ in again], [count for _, count in again]):

@@ -11,6 +11,8 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.world import World
 
 Array = NDArray[np.float64]
+Raw = tuple[Array, ...]
+"""Poses, velocities and mass centres of all of MuJoCo's bodies at one instant, as it states them."""
 
 
 class Reading:
@@ -19,24 +21,26 @@ class Reading:
     def __init__(self, world: World, data: mujoco.MjData) -> None:
         self._model, self._data, self._ids = world.model, data, world.body_ids
         self._trees = world.model.body_rootid[self._ids]
+        # views of MuJoCo's own memory, which stays where it is
+        self._seen = (data.xpos, data.xquat, data.cvel, data.xipos, data.subtree_com)
 
-    def raw(self) -> Array:
-        """(n, 19) place [m], turn, spin [rad/s] and velocity [m/s] as MuJoCo states them, mass centres of body and tree [m].
+    def raw(self) -> Raw:
+        """All bodies in MuJoCo's order: place [m], turn, spin [rad/s] and velocity [m/s], mass centre and that of the tree [m].
 
         From qpos: after a step xpos is one step old, so kinematics runs again first."""
-        model, data, ids = self._model, self._data, self._ids
+        model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
-        parts = (data.xpos[ids], data.xquat[ids], data.cvel[ids], data.xipos[ids], data.subtree_com[self._trees])
-        return np.concatenate(parts, axis=1)
+        return tuple(array.copy() for array in self._seen)
 
-    def snapshots(self, times: Sequence[float], raw: Sequence[Array]) -> tuple[Snapshot, ...]:
+    def snapshots(self, times: Sequence[float], raw: Sequence[Raw]) -> tuple[Snapshot, ...]:
         """What was read at `times` [s] since load, as body frames. All at once, since numpy costs as much per call as a step."""
-        rows = np.array(raw)
-        positions, orientations, spins = rows[..., :3].copy(), rows[..., 3:7].copy(), rows[..., 7:10].copy()
+        ids = self._ids
+        places, turns, motions, centres, trees = (np.array(states) for states in zip(*raw, strict=True))
+        positions, orientations, spins = places[:, ids], turns[:, ids], motions[:, ids, :3]
         # MuJoCo states velocities about the centre of mass of the whole tree
-        velocities = rows[..., 10:13] + rotation.cross(spins, rows[..., 13:16] - rows[..., 16:])
+        velocities = motions[:, ids, 3:] + rotation.cross(spins, centres[:, ids] - trees[:, self._trees])
         return tuple(
             Snapshot(time, positions[k], orientations[k], velocities[k], spins[k]) for k, time in enumerate(times)
         )

@@ -13,7 +13,7 @@ from avatarsim.spatial import rotation
 from reference.in_pybullet.shapes import wxyz, xyzw
 from reference.in_pybullet.world import World
 from reference.presets import Chosen
-from reference.targets import Goals
+from reference.targets import Followed, Goals
 
 Array = NDArray[np.float64]
 Planned = tuple[Callable[[list[int], Any], None], list[int], list[Any]]
@@ -47,9 +47,19 @@ class Drive:
             joints.append(joint)
             places.append(at)
         self._hinges = by_body
-        self._balls: dict[int, list[tuple[int, int]]] = {}
+        balls: dict[int, list[tuple[int, int]]] = {}
         for body, joint, k in world.balls:
-            self._balls.setdefault(body, []).append((joint, k))
+            balls.setdefault(body, []).append((joint, k))
+        self._balls: list[tuple[int, list[int], Followed]] = []
+        for body, entries in balls.items():
+            frames = np.array([self._frames[k] for _, k in entries])
+            followed = Followed([k for _, k in entries], rotation.conjugate(frames), frames)
+            self._balls.append((body, [joint for joint, _ in entries], followed))
+        roots = [world.parts[part] for part, _ in world.roots]
+        self._rooted = [link for _, link in world.roots]
+        self._held = np.array([part.centre for part in roots]).reshape(-1, 3)
+        self._root = Followed(self._rooted, [rotation.IDENTITY] * len(roots), [rotation.IDENTITY] * len(roots))
+        self._inertial = np.array([part.frame for part in roots]).reshape(-1, 4)
 
     def start(self, turns: Array, angles: Array) -> None:
         """Put all joints at the first posture, take away Bullet's own motors, tie the roots."""
@@ -79,21 +89,18 @@ class Drive:
         """
         self._step, self._joints = step, self._plan_hinges(goals, step) + self._plan_balls(goals)
         lead = CONSTRAINT_LAG if self._constraints and self._chosen["feed_forward"].value else 0.0
-        parts = [self._world.parts[part] for part, _ in self._world.roots]
-        links = [link for _, link in self._world.roots]
-        before, after = goals.positions[:-1, links], goals.positions[1:, links]
-        turns = rotation.slerp(goals.orientations[:-1, links], goals.orientations[1:, links], np.asarray(1.0 + lead))
-        centres = np.array([part.centre for part in parts]).reshape(-1, 3)
-        self._centres = after + lead * (after - before) + rotation.rotate(turns, centres)
-        self._turns = rotation.multiply(turns, np.array([part.frame for part in parts]).reshape(-1, 4))
+        before, after = goals.positions[:-1, self._rooted], goals.positions[1:, self._rooted]
+        turns = self._root.aimed(goals.orientations, 1.0 + lead)
+        self._centres = (after + lead * (after - before) + rotation.rotate(turns, self._held)).tolist()
+        self._turns = rotation.multiply(turns, self._inertial)[..., [1, 2, 3, 0]].tolist()
 
     def aim(self, k: int) -> None:
         """Aim at posture k >= 1 of the goals last planned for."""
         for index, (part, _) in enumerate(self._world.roots):
-            centre, turn = self._centres[k - 1, index], self._turns[k - 1, index]
+            centre, turn = self._centres[k - 1][index], self._turns[k - 1][index]
             if self._constraints:
                 pybullet.changeConstraint(
-                    self._constraints[index], centre.tolist(), xyzw(turn), maxForce=self._numbers["root_force"],
+                    self._constraints[index], centre, turn, maxForce=self._numbers["root_force"],
                     physicsClientId=self._client,
                 )
             else:
@@ -101,11 +108,11 @@ class Drive:
         for motor, joints, steps in self._joints:
             motor(joints, steps[k - 1])
 
-    def _chase(self, body: int, centre: Array, turn: Array) -> None:
+    def _chase(self, body: int, centre: list[float], turn: list[float]) -> None:
         """The velocity that reaches a pose of the mass centre in one step, no faster than the cap."""
         at, now = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
-        velocity = (centre - np.array(at)) / self._step
-        spin = rotation.to_rotation_vector(rotation.multiply(turn, rotation.conjugate(wxyz(now)))) / self._step
+        velocity = (np.array(centre) - np.array(at)) / self._step
+        spin = rotation.to_rotation_vector(rotation.multiply(wxyz(turn), rotation.conjugate(wxyz(now)))) / self._step
         cap = self._numbers["root_speed"]
         if cap > 0.0:
             velocity *= min(1.0, cap / max(float(np.linalg.norm(velocity)), 1e-12))
@@ -135,13 +142,9 @@ class Drive:
         share = min(1.0, self._numbers["ball_gain"] * MOTOR_ERP)
         ahead = 1.0 + (1.0 - share) / share if self._chosen["feed_forward"].value else 1.0
         planned: list[Planned] = []
-        for body, entries in self._balls.items():
-            links = [link for _, link in entries]
-            frames = np.array([self._frames[link] for link in links])
-            turns = rotation.slerp(goals.turns[:-1, links], goals.turns[1:, links], np.asarray(ahead))
-            aimed = rotation.multiply(rotation.conjugate(frames), rotation.multiply(turns, frames))
-            steps = aimed[..., [1, 2, 3, 0]].tolist()
-            planned.append((partial(self._move_balls, body), [joint for joint, _ in entries], steps))
+        for body, joints, followed in self._balls:
+            steps = followed.aimed(goals.turns, ahead)[..., [1, 2, 3, 0]].tolist()
+            planned.append((partial(self._move_balls, body), joints, steps))
         return planned
 
     def _move_balls(self, body: int, joints: list[int], goal: list[list[float]]) -> None:

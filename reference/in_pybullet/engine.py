@@ -71,10 +71,11 @@ class PybulletEngine:
         self._set_bodies()
         up = -np.array(scene.gravity)
         held = zip(self._world.parts[len(scene.bodies) :], scene.links, strict=True) if self._lifts else ()
-        self._lifting = [
-            (row, part, (link.mass.mass * up).tolist()) for row, (part, link) in enumerate(held, start=len(scene.bodies))
-        ]
         self._reading = Reading(self._world, scene)
+        self._lifting = [
+            (self._reading.read.index(row), part, (link.mass.mass * up).tolist())
+            for row, (part, link) in enumerate(held, start=len(scene.bodies))
+        ]
         self._drive = Drive(self._world, scene, self._chosen)
         self._drive.start(rotation.normalised(scene.first_sample.rotations), scene.first_sample.angles)
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
@@ -178,9 +179,9 @@ class PybulletEngine:
         """Hold driven links against gravity, by their mass centres: Bullet has no gravity per body.
 
         The force is given in the world, for Bullet turns one that is given in the link's frame along with the link."""
-        for row, part, force in self._lifting:
+        for place, part, force in self._lifting:
             pybullet.applyExternalForce(
-                part.body, part.link, force, self._now[row, :3].tolist(), pybullet.WORLD_FRAME, physicsClientId=self._client
+                part.body, part.link, force, self._now[place][:3], pybullet.WORLD_FRAME, physicsClientId=self._client
             )
 
     def _number(self, name: str) -> float:

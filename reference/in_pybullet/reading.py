@@ -13,6 +13,8 @@ from avatarsim.spatial import rotation
 from reference.in_pybullet.world import World
 
 Array = NDArray[np.float64]
+State = tuple[float, ...]
+"""(13,) place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s] of a mass centre, as Bullet has them."""
 
 
 class Reading:
@@ -23,37 +25,40 @@ class Reading:
         self._frames = rotation.conjugate(np.array([part.frame for part in world.parts]))
         self._centres = np.array([part.centre for part in world.parts])
         self._still = np.zeros((len(world.parts), 13))
-        self._bases: list[tuple[int, int]] = []
-        self._links: dict[int, tuple[list[int], list[int]]] = {}
+        self._bases: list[int] = []
+        self._links: dict[int, list[int]] = {}
+        bases: list[int] = []
+        linked: dict[int, list[int]] = {}
         for k, part in enumerate(world.parts):
             if part.link >= 0:
-                rows, links = self._links.setdefault(part.body, ([], []))
-                rows.append(k)
-                links.append(part.link)
+                linked.setdefault(part.body, []).append(k)
+                self._links.setdefault(part.body, []).append(part.link)
             elif scene.roles[k] is Role.FIXED:
                 # what never moves is read once; many scenes hold more of it than of anything else
                 self._still[k] = self._base(part.body)
             else:
-                self._bases.append((k, part.body))
+                bases.append(k)
+                self._bases.append(part.body)
+        self.read = [*bases, *(k for rows in linked.values() for k in rows)]
         self._hinges: dict[int, list[int]] = {}
         for body, joint in world.hinges:
             self._hinges.setdefault(body, []).append(joint)
 
-    def raw(self) -> Array:
-        """(n, 13) place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s] of every mass centre, as Bullet has them now."""
-        rows = self._still.copy()
-        for k, body in self._bases:
-            rows[k] = self._base(body)
-        for body, (places, links) in self._links.items():
+    def raw(self) -> list[State]:
+        """What moves, in the order of `read`, as Bullet has it now."""
+        found = [self._base(body) for body in self._bases]
+        for body, links in self._links.items():
             states = pybullet.getLinkStates(
                 body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=self._client
             )
-            rows[places] = [(*state[0], *state[1], *state[6], *state[7]) for state in states]
-        return rows
+            found += [(*state[0], *state[1], *state[6], *state[7]) for state in states]
+        return found
 
-    def snapshots(self, times: Sequence[float], raw: Sequence[Array]) -> tuple[Snapshot, ...]:
-        """What was read at `times` [s] since load, as body frames."""
-        rows = np.array(raw)
+    def snapshots(self, times: Sequence[float], raw: Sequence[list[State]]) -> tuple[Snapshot, ...]:
+        """What was read at `times` [s] since load, as body frames. All at once, since numpy costs as much per call as a step."""
+        rows = np.broadcast_to(self._still, (len(raw), *self._still.shape)).copy()
+        if self.read:
+            rows[:, self.read] = raw
         orientations = rotation.multiply(rows[..., [6, 3, 4, 5]], self._frames)
         positions = rows[..., :3] - rotation.rotate(orientations, self._centres)
         velocities, spins = rows[..., 7:10].copy(), rows[..., 10:].copy()
@@ -69,7 +74,7 @@ class Reading:
             found += [state[0] for state in states]
         return np.array(found, dtype=np.float64)
 
-    def _base(self, body: int) -> tuple[float, ...]:
+    def _base(self, body: int) -> State:
         at, turn = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
         velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=self._client)
         return (*at, *turn, *velocity, *spin)

@@ -1,5 +1,6 @@
 """Our convex pieces as Bullet collision shapes, vertex for vertex."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,7 +22,7 @@ def xyzw(quaternion: Array | Quaternion) -> list[float]:
     return [x, y, z, w]
 
 
-def wxyz(quaternion: tuple[float, ...]) -> Array:
+def wxyz(quaternion: Sequence[float]) -> Array:
     """Scalar first, as everywhere else."""
     x, y, z, w = quaternion
     return np.array([w, x, y, z])

@@ -9,7 +9,7 @@ from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
-from reference.targets import Targets
+from reference.targets import Followed, Targets
 from tests.agreement.scenes import LIMITS, every_joint, posture
 
 SCENE = Scene("targets", avatars=(every_joint(),), start=posture(every_joint(), 0))
@@ -88,3 +88,19 @@ def test_poses_ahead_go_on_as_the_motion_came() -> None:
     assert np.abs(positions[0, 0] - start.positions[0] - [0.3, 0.0, 0.0]).max() <= 1e-12
     wanted = rotation.multiply(rotation.from_axis_angle((0.0, 0.0, 1.0), 0.3), start.rotations[0])
     assert np.abs(np.abs(orientations[0, 0] @ wanted) - 1.0) <= 1e-12
+
+
+@given(st.integers(0, 10**6), st.floats(0.0, 9.0))
+def test_turns_go_on_as_the_plain_interpolation_does(seed: int, share: float) -> None:
+    rng = np.random.default_rng(seed)
+    turns = rotation.normalised(rng.normal(size=(1, 6, 4)))
+    # no step of a frame turns a joint by half a circle, where either way round is right
+    for _ in range(3):
+        step = rotation.from_rotation_vector(0.1 * rng.normal(size=(1, 6, 3)))
+        turns = np.concatenate([turns, rotation.multiply(turns[-1:], step)])
+    links, left, right = [4, 0, 5], rotation.normalised(rng.normal(size=(3, 4))), rotation.normalised(rng.normal(size=(3, 4)))
+    plain = rotation.slerp(turns[:-1, links], turns[1:, links], np.asarray(share))
+    expected = rotation.multiply(left, rotation.multiply(plain, right))
+    found = Followed(links, left, right).aimed(turns, share)
+    np.testing.assert_allclose(found, expected, atol=1e-13)
+    assert Followed([], [], []).aimed(turns, share).shape == (3, 0, 4)

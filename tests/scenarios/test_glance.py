@@ -7,7 +7,7 @@ import pytest
 
 from scenarios import glance as module
 from scenarios.catalog import get
-from scenarios.glance import LEAST, MOST, ROUNDS
+from scenarios.glance import LEAST, MOST, ROUNDS, SLICE
 from scenarios.job import Job
 from scenarios.seats import Seats
 from tests.scenarios.bad_engines import joined
@@ -17,9 +17,9 @@ BAD = ("dies", "raises", "tunnels")
 
 def test_scenes_share_processes_and_every_engine_has_the_same_frames() -> None:
     with Seats() as seats:
-        first = module.glance([Job("ball_drop", engine, "default") for engine in ("avatarsim", "mujoco")], seats)
+        first = module.glance([Job("ball_drop", engine, "default") for engine in ("avatarsim", "mujoco")], 1e-3, seats)
         processes = {run: seat.child.pid for run, seat in seats.taken.items()}
-        second = module.glance([Job("zeno", engine, "default") for engine in ("avatarsim", "mujoco")], seats)
+        second = module.glance([Job("zeno", engine, "default") for engine in ("avatarsim", "mujoco")], 1e-3, seats)
         assert {run: seat.child.pid for run, seat in seats.taken.items()} == processes and len(processes) == 2
         children = [seat.child for seat in seats.taken.values()]
     assert not any(child.is_alive() for child in children)
@@ -38,7 +38,7 @@ def test_who_dies_says_so_and_the_next_scene_gets_a_new_process(
     monkeypatch.syspath_prepend(joined(tmp_path))
     with Seats() as seats:
         for scene in ("ball_drop", "zeno"):
-            dies, raises, lives = module.glance([Job(scene, engine, "default", frames=9) for engine in BAD], seats)
+            dies, raises, lives = module.glance([Job(scene, engine, "default", frames=9) for engine in BAD], 1e-3, seats)
             assert dies.timed is None and "killed by signal 9" in dies.note
             assert raises.timed is None and "the solver has lost its way" in raises.note
             assert lives.timed is not None
@@ -46,20 +46,20 @@ def test_who_dies_says_so_and_the_next_scene_gets_a_new_process(
 
 def test_somebody_who_stops_it_waits_for_nobody() -> None:
     with pytest.raises(KeyboardInterrupt), Seats() as seats:
-        module.glance([Job("ball_drop", "avatarsim", "default", frames=9)], seats)
+        module.glance([Job("ball_drop", "avatarsim", "default", frames=9)], 1e-3, seats)
         child = seats.taken["avatarsim/default"].child
         raise KeyboardInterrupt
     assert not child.is_alive()
 
 
-def test_slow_engines_are_timed_over_fewer_frames(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "SLICE", 1e-9)
+@pytest.mark.parametrize(("cost", "frames"), [(1.0, LEAST), (SLICE / 30, 30), (1e-9, MOST), (0.0, MOST)])
+def test_slow_engines_are_timed_over_fewer_frames(cost: float, frames: int) -> None:
     with Seats() as seats:
-        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], seats)
-    assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, LEAST)
+        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], cost, seats)
+    assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, frames)
 
 
 def test_everyday_scenes_are_timed_at_their_length() -> None:
     with Seats() as seats:
-        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], seats, at_length=True)
+        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], 1e-3, seats, at_length=True)
     assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, get("ball_drop").as_run(False).frames)
