@@ -1,18 +1,18 @@
 """Contact forces that are constant over a stretch of time: what holds, slows and stops bodies that stay in touch."""
 
-from math import hypot, inf
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contact_solver import change, solve_contacts, solve_roughly, sweeps, unsolved
-from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, Contacts, axis, push_along, velocity_at, weigh_after
+from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, sweeps, unsolved
+from avatarsim.impact.contacts import Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
-from avatarsim.impact.relative_velocity import tangential_velocity
+from avatarsim.impact.slipping import end_of_slip, slip_on
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import along, cross, dot, norm, put_row, row, sub
+from avatarsim.spatial.vec3 import along, cross, dot, put_row, row, sub
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -48,13 +48,6 @@ slower."""
 
 SWEEPS = 600
 """Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
-
-SLIPPED = 1e-8
-"""The end of a slip is looked for if it would go farther than this [m] in the segment. Smaller: a sticking edge that pivots,
-whose slip is a remainder of third order, shortens its segments without end."""
-
-PARALLEL = 1e-9
-"""Normals nearer to each other than this are of one face."""
 
 GUESSES = 8
 """Times normals and the friction of those who slip are set in turn, before all is solved together."""
@@ -108,75 +101,6 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
-
-
-@kernel
-def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
-    """Whether contacts i and k are of the same shapes, or of one body and a face that nobody moves, be it of several pieces."""
-    if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
-        return True
-    if contacts.driven[i] != contacts.driven[k]:
-        return False
-    for side in range(2):
-        if contacts.body[i, side] != contacts.body[k, side]:
-            if masses.inverse_mass[contacts.body[i, side]] > 0.0 or masses.inverse_mass[contacts.body[k, side]] > 0.0:
-                return False
-    return norm(sub(axis(contacts, i, 0), axis(contacts, k, 0))) < PARALLEL
-
-
-@kernel
-def end_of_slip(
-    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
-) -> float:
-    """Time <= h at which the first slip ends.
-
-    Summed over the points of a face that slip at the start, because how they share the friction is not unique: less
-    friction than sliding gives means that the slip ended at that part of h; a slip that reversed went through zero on the way.
-    Whether it ended, strengths tell: under a box that spins the frictions point all around and cancel, and yet nothing sticks.
-    When it ended, power tells: frictions of many points strain against each other to no effect, and have no power together.
-    """
-    soonest = h
-    count, start = contacts.used[0], 0
-    while start < count:
-        end, limit, pull, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
-        while end < count and one_face(contacts, masses, start, end):
-            if contacts.impulse[end, 0] > 0.0:
-                u0 = tangential_velocity(axis(contacts, end, 0), velocity_at(contacts, end, linear, angular))
-                if norm(u0) * h > SLIPPED:
-                    limit += contacts.friction[end] * contacts.impulse[end, 0]
-                    pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
-                    most += contacts.friction[end] * contacts.impulse[end, 0] * norm(u0)
-                    for i in range(1, 3):
-                        power -= contacts.impulse[end, i] * dot(axis(contacts, end, i), u0)
-                    touching = end
-            end += 1
-        if limit > 0.0:
-            n = axis(contacts, touching, 0)
-            u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
-            slip, share = norm(u0), pull / limit
-            u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
-            u1 = tangential_velocity(n, u1)
-            if share < 1.0 - 1e-7:
-                share = power / most if 0.0 < power < share * most else share
-                soonest = min(soonest, h * share)
-            elif dot(u0, u1) < 0.0:
-                soonest = min(soonest, h * slip / (slip + norm(u1)))
-        start = end
-    return soonest
-
-
-@kernel
-def slip_on(
-    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
-) -> None:
-    """Give all who slip at the start of a segment of h seconds the friction of those who slip all the time."""
-    for k in range(contacts.used[0]):
-        u = tangential_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
-        slip = norm(u)
-        if contacts.driven[k] == NOT_DRIVEN and contacts.impulse[k, 0] > 0.0 and slip * h > SLIPPED:
-            pull = contacts.friction[k] * contacts.impulse[k, 0] / slip
-            x, y = -pull * dot(axis(contacts, k, 1), u), -pull * dot(axis(contacts, k, 2), u)
-            change(contacts, masses, k, (0.0, x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]), linear_end, angular_end)
 
 
 @kernel

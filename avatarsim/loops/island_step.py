@@ -1,5 +1,7 @@
 """One island from where it stands to its next event: the inner turn of the upper loop."""
 
+from math import inf
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +13,7 @@ from avatarsim.loops.auditing import audit, energy_of, stay
 from avatarsim.loops.clocks import arrive, depart
 from avatarsim.loops.first_event import first_event
 from avatarsim.loops.plastic import AGAIN, STALL, clog, go_or_stop
-from avatarsim.loops.responding import impacts, segment
+from avatarsim.loops.responding import impacts, is_brisk, segment
 from avatarsim.loops.touching import BROKEN, NO_ROOM, find_contacts
 from avatarsim.loops.unsqueeze import unsqueeze
 from avatarsim.loops.upper_memory import (
@@ -47,6 +49,9 @@ WORK_CAP = 12000
 
 PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
 """Most plastic steps of a frame, and the work that they may take together; visits per contact point, and work per near pair."""
+
+CROWD = 100
+"""Contact points of which the first sweeps of one solve are as much work as a frame has."""
 
 DEEPEST = -7e-7
 """Gap [m] below which positions are corrected. Must be well below the dip of resting pairs (see `time_of_impact`): to lift a body
@@ -108,15 +113,16 @@ def step(
     status = OUT_OF_ROOM if outcome == NO_ROOM else status
     # who touches nobody flies on at no cost
     hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
-    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, hasty)
+    ends = hasty or is_late(memory, velocities, members)
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, ends)
     if contacts.used[0] > 0:
         spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, switches)
         status = spent if spent != DONE else status
         wait(velocities, memory, members, left)
     longest = until_tail_ends(memory, members, now, left)
-    if hasty:
+    if ends:
         longest = min(longest, dt / pieces_of(contacts, pairs))
-    h = segment(dynamics, velocities, memory, members, longest, hasty)
+    h = segment(dynamics, velocities, memory, members, longest, ends)
     until = h
     if not all_keep(poses, velocities, memory, members, h):
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
@@ -134,12 +140,13 @@ def step(
             until *= 0.5
     depart(poses, velocities, memory, members, now)
     t = until
-    if hasty:
+    if ends:
         memory.counts[PLASTIC] += 1
         status = OUT_OF_SEGMENTS
         outcome = go_or_stop(geometry, poses, velocities, memory, members, pairs, first, until)
         if outcome != DONE:
             return outcome
+        note_lateness(memory, members)
     else:
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, False)
         t, pair = first_event(geometry, memory, pairs, until) if switches.continuous else (until, -1)
@@ -148,6 +155,7 @@ def step(
         if t < STALL and pair >= 0:
             clog(memory, pairs[pair, 0], pairs[pair, 1])
         for m in range(size):
+            islands.late[members[m]] = 0
             arrive(geometry, poses, velocities, memory, members[m], t)
     for m in range(size):
         islands.due[members[m]] = dt if t == left or now + t > dt * (1.0 - 1e-14) else now + t
@@ -157,9 +165,34 @@ def step(
     contacts.visits[0] = 0
     last_for(memory, t / h, h)
     hand_over(dynamics, velocities, memory)
-    if not audit(dynamics, poses, velocities, memory, members, hasty, kinetic + potential):
+    if not audit(dynamics, poses, velocities, memory, members, ends, kinetic + potential):
         stay(geometry, poses, velocities, memory, members)
     return status
+
+
+@kernel
+def is_late(memory: Memory, velocities: Velocities, members: Index) -> bool:
+    """Whether these are a crowd in motion that ran out of budget in the last frame, and will again.
+
+    Its impacts are resolved as ever, and then it goes to the end of the frame at once. A segment before that would be as much
+    work, and get no farther than to the first event of them all, which is near.
+    """
+    if memory.contacts.used[0] > CROWD and is_brisk(memory, velocities, members):
+        for m in range(members.shape[0]):
+            if memory.islands.late[members[m]] == 1:
+                return True
+    return False
+
+
+@kernel
+def note_lateness(memory: Memory, members: Index) -> None:
+    """After a plastic step: the members are late if it stopped anybody."""
+    late = 0
+    for m in range(members.shape[0]):
+        if memory.islands.stops[members[m]] < inf:
+            late = 1
+    for m in range(members.shape[0]):
+        memory.islands.late[members[m]] = late
 
 
 @kernel

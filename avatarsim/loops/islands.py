@@ -22,7 +22,7 @@ class Islands(NamedTuple):
     found (1) how many; order (nb) members of island i at first[i] <= m < first[i + 1]; pairs (room, 2) near pairs, those of
     island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
     charged (nb) number of the last segment of a body in this frame; spent (nb) what of its budget of segments its island has
-    spent;
+    spent; late (nb) 1 for who was in an island of which a plastic step stopped somebody in its last frame;
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
     stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
@@ -37,6 +37,7 @@ class Islands(NamedTuple):
     mark: Index
     charged: Index
     spent: Index
+    late: Index
     begun: Array
     due: Array
     stops: Array
@@ -53,7 +54,7 @@ def make_islands(bodies: int, room: int) -> Islands:
     return Islands(
         np.zeros(1, np.int64), np.zeros(n, np.int64), np.zeros(n + 1, np.int64), np.zeros((room, 2), np.int64),
         np.zeros(n + 1, np.int64), np.full(n, -1, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64),
-        np.zeros(n),
+        np.zeros(n, np.int64), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors),
     )
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from avatarsim.loops.island_step import CROWD, is_late, note_lateness
 from avatarsim.loops.upper_memory import CONTACTS, DONE, OUT_OF_IMPACTS, OUT_OF_SEGMENTS, PLASTIC, WORK
 from avatarsim.scene.shape import Box
 from tests.loops.upper_world import World, ball, slab, thing
@@ -60,3 +61,24 @@ def test_a_wall_that_lands_keeps_its_budget() -> None:
     # sweeps without such a bound took two millions
     assert most < 500000
     assert least >= -1e-6
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+def test_a_crowd_is_late_while_plastic_steps_stop_somebody() -> None:
+    """Everybody of the island is, in motion and with many contacts; one at rest, or of few contacts, gets its segments."""
+    world = World([slab(), *tower(3, 0.1)])
+    memory, members = world.memory, np.array([1, 2, 3])
+    memory.islands.stops[:] = np.inf
+    memory.islands.late[:] = 1
+    note_lateness(memory, members)
+    assert memory.islands.late.tolist() == [1, 0, 0, 0]
+    memory.islands.stops[2] = 1e-3
+    note_lateness(memory, members[:2])
+    assert memory.islands.late.tolist() == [1, 1, 1, 0]
+    memory.contacts.used[0], world.velocities.linear[3, 2] = CROWD + 1, -1.0
+    assert is_late(memory, world.velocities, members)
+    assert not is_late(memory, world.velocities, members[2:])
+    assert not is_late(memory, world.velocities, members[:2])
+    memory.contacts.used[0] = CROWD
+    assert not is_late(memory, world.velocities, members)
