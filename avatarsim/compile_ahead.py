@@ -27,7 +27,7 @@ from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
 
-SHARES = (("distance", "posture", "paper"), ("motion",))
+SHARES = (("distance", "posture"), ("motion", "paper"))
 """What is compiled at once, each share in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all others ask for, come first in one and a third of the way through the other: who needs a kernel that somebody
 else is compiling waits. What posture and motion compile is all that a scene with both calls. Memory grows by half a gigabyte per
