@@ -38,7 +38,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
+from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
 
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
@@ -49,7 +49,8 @@ JUMP = 0.2
 OUTRUN = 0.7
 """[rad] a tracker that turns a joint more than this within a frame, as no joint can in two steps, or a root by a jump, is
 elsewhere: it is followed joint by joint until the avatar is there or the tracker's posture is found to be not free, since on a
-long way the nearest posture is no guide. 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
+long way the nearest posture is no guide: limbs that stretch get caught. Who has no joints has none, and is nearest all the way.
+0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
 CROWD, SPARSE, SPARSE_FRAMES = 6, 4, 3.0
 """Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend
@@ -144,6 +145,16 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
 
 
 @kernel
+def has_joints(skel: Skeleton) -> bool:
+    """Whether anything turns against anything in an avatar."""
+    rates = 0
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] != FREE:
+            rates += skel.first_dof[link + 1] - skel.first_dof[link]
+    return rates > 0
+
+
+@kernel
 def stiffen(memory_out: Memory) -> None:
     """Bring the weight of angles nearer to that of a posture in contact, or of one beyond limits alone: listed pairs press."""
     mode, touches = memory_out.goal.closeness.mode, memory_out.pairs.marks[LISTED] > 0
@@ -225,7 +236,7 @@ def follow(
         # whoever jumps wants to go elsewhere
         flags[LED] = 0.0
         flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
-    if speed > OUTRUN or moved > JUMP:
+    if (speed > OUTRUN or moved > JUMP) and has_joints(skel):
         flags[TRAVELS] = 1.0
     if flags[LED] == UNDER_WAY:
         flags[SLOW] += 1.0
@@ -243,6 +254,8 @@ def follow(
     if speed >= PUSHING:
         flags[PRESSED] = 0.0
     if flags[LED] != HELD_STILL:
-        flags[STEPPED] = walk(geo, skel, settings, settings.steps, posture_out, poses_out, memory_out)
+        # a thrown hand that is let go of a wall has its way back and the tracker's
+        more = 1 if moved > settings.steps * settings.move_cap and not has_joints(skel) else 0
+        flags[STEPPED] = walk(geo, skel, settings, settings.steps + more, posture_out, poses_out, memory_out)
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)
     judge_progress(memory_out)

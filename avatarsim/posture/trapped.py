@@ -7,7 +7,7 @@ tracker's. Both are said in every frame that they last, the time included in whi
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
-from avatarsim.posture.follow import notice_others
+from avatarsim.posture.follow import has_joints, notice_others
 from avatarsim.posture.goal import aim
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import adopt, try_step
@@ -55,7 +55,7 @@ from avatarsim.posture.workspace import (
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
-from avatarsim.world.skeleton import FREE, Posture, Skeleton
+from avatarsim.world.skeleton import Posture, Skeleton
 
 AT_REST = 1e-2
 """[rad or m] tracker and avatar that move less than this per frame rest: the avatar then waits while a way is searched. Else
@@ -167,16 +167,6 @@ def hold_if_at_rest(memory_out: Memory, way: Way) -> None:
 
 
 @kernel
-def has_joints(skel: Skeleton) -> bool:
-    """Whether anything turns against anything in an avatar."""
-    rates = 0
-    for link in range(skel.kind.shape[0]):
-        if skel.kind[link] != FREE:
-            rates += skel.first_dof[link + 1] - skel.first_dof[link]
-    return rates > 0
-
-
-@kernel
 def may_search(skel: Skeleton, settings: PostureSettings, memory: Memory) -> bool:
     """Whether a way is searched at all: not without work, and around what walls the avatar off only as `around` says."""
     if settings.search_work == 0 or settings.around == 2 or memory.flags[WALLED] == 0.0:
@@ -258,7 +248,7 @@ def seek(
         flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
         if not has_joints(skel) and not may_search(skel, settings, memory_out):
             # it waits where it is nearest, and has no limbs that could get caught there
-            flags[SOUGHT], flags[TRAVELS] = 0.0, 0.0
+            flags[SOUGHT] = 0.0
         if mode == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:

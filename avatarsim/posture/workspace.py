@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.posture.kinematics import forward
+from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
@@ -25,13 +26,6 @@ FAILED_CAP = 64
 
 LEAST_WEIGHT = 1e-6
 """Weights are divided by: 0 would give steps that are no numbers."""
-
-TURN_SHARE = 1.0
-"""What angles weigh beside link origins; 1: as their means in metres, a radian being a link's mean reach. 0.7: offsets a tenth
-smaller where limbs are pressed on, angles larger, and limbs get caught more often. 1.4: the other way round, and chains lag."""
-
-FAR = 4.0
-"""Mean reaches of a link beyond which an origin pulls no harder; larger, and limbs stretch to a far tracker."""
 
 MERIT_WINDOW = 8
 """Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
@@ -247,20 +241,6 @@ def _closeness(skel: Skeleton) -> Closeness:
     )
 
 
-def mean_reach(geo: Geometry, skel: Skeleton, poses: Poses) -> float:
-    """How far [m] an average link reaches from its joint; 1 where nothing does."""
-    reaches = []
-    for link in range(len(skel.kind)):
-        b = skel.first + link
-        far = [
-            float(np.linalg.norm(poses.vertices[geo.shapes.start[s] : geo.shapes.start[s + 1]] - poses.position[b], axis=1).max())
-            + float(geo.shapes.radius[s])
-            for s in range(geo.first_shape[b], geo.first_shape[b + 1])
-        ]
-        reaches += [max(far)] if far else []
-    return float(np.mean(reaches)) if reaches else 1.0
-
-
 def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     """Fresh memory for a world whose bodies stand at `poses`."""
     nl, nd, ns, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.body), len(geo.first_shape) - 1
@@ -293,8 +273,7 @@ def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, 
     memory = make_memory(geo, skel, poses)
     forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
     memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
-    measure, reach = memory.goal.closeness, mean_reach(geo, skel, poses)
-    joints = int((np.diff(skel.first_dof) > 0).sum())
-    measure.turn_weight[:] *= TURN_SHARE * reach**2 * len(skel.kind) / max(joints, 1)
-    measure.far[0] = FAR * reach
+    measure = memory.goal.closeness
+    measure.turn_weight[:] *= turn_weight(geo, skel, poses)
+    measure.far[0] = FAR * mean_reach(geo, skel, poses)
     return memory

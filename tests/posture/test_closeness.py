@@ -9,7 +9,7 @@ from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit
 from avatarsim.posture.follow import ALONE, stiffen
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
-from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness, mean_reach
+from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.world.skeleton import FREE, HINGES, Posture
@@ -199,14 +199,6 @@ def test_a_far_origin_counts_by_its_distance_and_not_by_the_square() -> None:
     c.far[0], c.there[:] = 0.2, c.here
     c.there[0, 0] += 5.0
     assert merit_of(c, c.here, np.zeros(len(c.pull))) == pytest.approx(0.2 * (5.0 - 0.1))
-
-
-def test_the_mean_reach_of_links_is_measured_from_their_joints() -> None:
-    found = little(SCENE)
-    geo, skel, _, poses = found.parts
-    # capsules of 0.3 and 0.1 m from the joint, with caps of 0.04 m; hull: twice its half length; box and ball: the ball's top
-    expected = [0.34, 0.3, 0.4, 0.14, 0.34]
-    assert mean_reach(geo, skel, poses) == pytest.approx(np.mean(expected), rel=0.03)
 
 
 def test_angles_weigh_more_where_only_limits_are_in_the_way_and_change_their_weight_step_by_step() -> None:

@@ -92,6 +92,8 @@ def test_who_does_not_search_a_way_round_a_wall_is_as_near_as_it_can_be_before_i
     assert records[-1].counts["walled"] == 1
     # on its end, leaning by 0.3 rad, its middle would be 0.2 m before the wall
     assert 0.49 - records[-1].shown.positions[-1, 0] < 0.1
+    # without limbs that could get caught there is nothing to wait for: it turns before anybody has looked what walls it off
+    assert records[8].counts["walled"] == 0 and 0.49 - records[8].shown.positions[-1, 0] < 0.15
 
 
 @pytest.mark.boundscheck
