@@ -15,10 +15,10 @@ from scenarios.timing import MOST_FRAMES, Clocked, Turns, loaded
 MANY = 12
 """Scenes in a comparison from which on each gets a glance only, unless full lengths are asked for: measured at their own lengths
 in fresh processes, a hundred scenes take a quarter of an hour."""
-SLICE = 0.2
+SLICE = 0.3
 """Time [s] that one round of all engines through a scene should take; it decides how many frames are timed, the same for all."""
-LEAST, MOST = 20, 180
-"""Frames timed at least and at most: fewer have no percentiles worth the name, more would hold up the other scenes."""
+LEAST, MOST = 30, 180
+"""Frames timed at least and at most: with fewer, what falls would be timed in the air; more would hold up the other scenes."""
 ROUNDS = 2
 """Repeats of each; with one, neither a disturbance nor buffers that grow could be told from a frame's own cost. A warm-up would
 be a third load, and loading takes most of the time that a glance takes."""
