@@ -53,6 +53,9 @@ NUMBAS_PASSES = "linking.KernelCompiler.define_pipelines = compiler.Compiler.def
 REMEMBERED = "from avatarsim import quick_compiler; quick_compiler.write_lean = lambda: None; quick_compiler.quicken()"
 QUICK = "from avatarsim.quick_compiler import quicken; quicken()"
 
+OPPOSITE = {"une": "oeq", "ule": "ogt", "ult": "oge", "uge": "olt", "ugt": "ole", "ueq": "one", "uno": "ord"}
+"""Comparisons of floats by those that are true where they are false."""
+
 
 def compiled(before, cache):
     """LLVM's code of kernels that place shapes and ask how far they are apart, and their answers, from a process of its own."""
@@ -74,7 +77,8 @@ def work_on_numbers(code):
     for line in code.splitlines():
         plain = re.sub(r'%"[^"]*"|%[\w.$-]+', "%", line.strip().split(" = ", 1)[-1])
         if re.match(r"f(add|sub|mul|div|rem|neg) |fcmp |(tail )?call (double|i32)", plain):
-            found[re.sub("^fcmp [a-z]+", "fcmp", re.sub(r", ![\w.]+ ![\w.]+", "", plain))] += 1
+            plain = re.sub(r", ![\w.]+ ![\w.]+", "", plain)
+            found[re.sub("^fcmp ([a-z]+)", lambda asked: f"fcmp {OPPOSITE.get(asked[1], asked[1])}", plain)] += 1
     return found
 
 
