@@ -82,10 +82,10 @@ def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
 
 def timed_pass(
     jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
-    seats: Sequence[Seat] = (),
+    seats: Sequence[Seat] = (), repeats: int = REPEATS,
 ) -> list[Clocked]:
     """Time all `jobs` of one scene, each in a fresh process, or in those of `seats`, one each, which go on. They warm up side by
-    side; then one at a time, turn by turn, REPEATS times round.
+    side; then one at a time, turn by turn, `repeats` times round.
 
     `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES)."""
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
@@ -97,7 +97,7 @@ def timed_pass(
             at.seat.go()
         for at in table:
             at.warmed()
-        for _ in range(REPEATS):
+        for _ in range(repeats):
             again = [(at, count) for at, count in zip(table, counts, strict=True) if full or at.spent < ENOUGH]
             for at in loaded([at for at, _ in again], [count for _, count in again]):
                 at.turn()

@@ -12,6 +12,9 @@ from scenarios.timing import Clocked, timed_pass
 AT_ONE_TABLE = 9
 """Processes that wait for their turn together. More: more memory, and more is lost when a run is killed; fewer: engines that are
 compared were timed further apart."""
+REPEATS = 2
+"""How often the frames of a cell are run. One could not tell a disturbance from a frame's own cost; a third would be a quarter of
+the time a sweep takes and tells less: two threes of six repeats differ as much as the three pairs do."""
 
 
 def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
@@ -35,7 +38,7 @@ def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], Non
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         clocked = timed_pass(
             [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
-            seats=[seats.at(chair) for chair in chairs],
+            seats=[seats.at(chair) for chair in chairs], repeats=REPEATS,
         )
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut))

@@ -45,7 +45,9 @@ def converge(
     }
     keys = {job.stem: key(job) for job in asked.values()}
     entries = {job.stem: found for job in asked.values() if (found := store.get(KIND, keys[job.stem])) is not None}
-    todo = [job for job in asked.values() if job.stem not in entries]
+    # the longest first: begun last, one of them would keep a single processor busy while the others have nothing left to do
+    finest_first = sorted(asked, key=lambda wish: -wish[-1])
+    todo = [asked[wish] for wish in finest_first if asked[wish].stem not in entries]
     said = Estimate("convergence", len(todo), sys.stderr)
     for job, answer in side_by_side(partial(_ran, store=store, keys=keys), todo, workers):
         died = {"run": job.run, "note": str(answer), "overlap": None, "beyond": None}

@@ -7,7 +7,7 @@ from scenarios.job import Job
 from scenarios.measure.timing import Timed
 from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.clock import AT_ONE_TABLE, rendered, tables, time_entry, times
+from scenarios.sweep.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
 from scenarios.sweep.grid import BY_ENGINE, Setting
 from scenarios.timing import Clocked
 
@@ -49,3 +49,4 @@ def test_processes_go_on_from_table_to_table() -> None:
             processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
     assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
     assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
+    assert {str(entry["note"]).partition(" of")[0] for entry in kept.values()} == {f"{REPEATS} repeats"}

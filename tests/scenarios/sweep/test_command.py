@@ -36,15 +36,15 @@ class Counted:
         values = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0}
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": values, "missing": {}}
 
-    def clock(self, jobs: list[Job], full: bool, frames: list[int], seats: list[object]) -> list[object]:
+    def clock(self, jobs: list[Job], full: bool, frames: list[int], seats: list[object], repeats: int) -> list[object]:
         import numpy as np
 
         from scenarios.measure.timing import Timed
         from scenarios.timing import Clocked
 
         self.timed += [job.preset for job in jobs]
-        timed = [Timed(np.full((2, count), 5000, dtype=np.int64)) for count in frames]
-        return [Clocked(job, found, "2 repeats") for job, found in zip(jobs, timed, strict=True)]
+        timed = [Timed(np.full((repeats, count), 5000, dtype=np.int64)) for count in frames]
+        return [Clocked(job, found, f"{repeats} repeats") for job, found in zip(jobs, timed, strict=True)]
 
 
 @pytest.fixture

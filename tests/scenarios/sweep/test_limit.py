@@ -88,6 +88,7 @@ def test_known_runs_are_not_asked_again(tmp_path: Path, monkeypatch: pytest.Monk
         limits_run.converge(*words)
     first, asked[:] = list(asked), []
     found = limits_run.converge(*words)
+    assert str(FINEST) in first[0]
     assert len(first) == 3 and not set(first) & set(asked) and len(first + asked) == len(RATES) + 1
     asked[:] = []
     assert limits_run.converge(*words) == found and asked == []
