@@ -20,8 +20,11 @@ SLICE = 0.3
 LEAST, MOST = 30, 180
 """Frames timed at least and at most: with fewer, what falls would be timed in the air; more would hold up the other scenes."""
 ROUNDS = 2
-"""Repeats of each; with one, neither a disturbance nor buffers that grow could be told from a frame's own cost. A warm-up would
-be a third load, and loading takes most of the time that a glance takes."""
+"""Repeats of few frames; with one, neither a disturbance nor buffers that grow could be told from a frame's own cost. A warm-up
+would be a third load, and loading takes most of the time that a glance takes."""
+ONCE = 300
+"""Frames from which on one round is enough: what disturbs a few of them is lost among the others, and slow engines would take a
+fifth of the whole pass for a second."""
 PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 
@@ -35,6 +38,8 @@ def glance(jobs: Sequence[Job], cost: float, seats: Seats, at_length: bool = Fal
     for _ in range(ROUNDS):
         for turns in loaded(table, [frames] * len(table)):
             turns.turn()
+        if any(turns.frames >= ONCE for turns in table):
+            break
     return [_without_warm_up(turns.clocked()) for turns in table]
 
 

@@ -26,8 +26,8 @@ from scenarios.timing import Clocked, timed_pass
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
 of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
-SELDOM = 20.0
-"""The same in multiples of what the last writing took: nobody should wait for writing more than a twentieth of the time."""
+SELDOM = 50.0
+"""The same in multiples of what the last writing took: nobody should wait for writing more than a fiftieth of the time."""
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,11 @@ class Turns:
         self.job, self.seat, self.note, self.warmup, self.spent = job, seat, "", 0.0, 0.0
         self.repeats: list[Repeat] = []
 
+    @property
+    def frames(self) -> int:
+        """How many frames its repeats have had; 0 before the first."""
+        return len(self.repeats[0][0]) if self.repeats else 0
+
     def warmed(self) -> None:
         """Hear of the warm-up that it was told to run, which counts by itself."""
         if not self.note:
@@ -65,8 +70,9 @@ class Turns:
         names = sorted({name for repeat in self.repeats for name in repeat[1]})
         silent = [0] * around.shape[1]
         stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
+        times = "1 repeat" if len(around) == 1 else f"{len(around)} repeats"
         timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats))
-        return Clocked(self.job, timed, self.note or f"{len(self.repeats)} repeats of {around.shape[1]} frames")
+        return Clocked(self.job, timed, self.note or f"{times} of {around.shape[1]} frames")
 
 
 def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:

@@ -7,7 +7,7 @@ import pytest
 
 from scenarios import glance as module
 from scenarios.catalog import get
-from scenarios.glance import LEAST, MOST, ROUNDS, SLICE
+from scenarios.glance import LEAST, MOST, ONCE, ROUNDS, SLICE
 from scenarios.job import Job
 from scenarios.seats import Seats
 from tests.scenarios.bad_engines import joined
@@ -59,7 +59,11 @@ def test_slow_engines_are_timed_over_fewer_frames(cost: float, frames: int) -> N
     assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, frames)
 
 
-def test_everyday_scenes_are_timed_at_their_length() -> None:
+@pytest.mark.parametrize("scene", ["ball_drop", "arm_in_corner"])
+def test_everyday_scenes_are_timed_at_their_length_and_long_ones_once(scene: str) -> None:
     with Seats() as seats:
-        [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], 1e-3, seats, at_length=True)
-    assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, get("ball_drop").as_run(False).frames)
+        [clocked] = module.glance([Job(scene, "avatarsim", "default")], 1e-3, seats, at_length=True)
+    frames = get(scene).as_run(False).frames
+    assert clocked.timed is not None and clocked.timed.around_ns.shape == (1 if frames >= ONCE else ROUNDS, frames)
+    assert (frames >= ONCE) == (scene == "arm_in_corner")
+    assert clocked.note == f"{'1 repeat' if frames >= ONCE else '2 repeats'} of {frames} frames"
