@@ -18,6 +18,8 @@ from numba.core.lowering import Lower
 from numba.cpython import slicing
 from numba.np import arrayobj
 
+from avatarsim.lean_calls import write_lean_calls
+
 PURE = frozenset(
     "load getelementptr extractvalue insertvalue alloca bitcast inttoptr ptrtoint trunc zext sext sitofp fptosi uitofp "
     "add sub mul sdiv srem and or xor shl ashr lshr icmp fcmp select fadd fsub fmul fdiv fneg".split()
@@ -43,6 +45,7 @@ def write_lean() -> None:
     Assign.__str__ = lambda assign: f"{assign.target.name} = ..."
     library: Any = CPUCodeLibrary
     library.add_ir_module = pruned(library.add_ir_module)
+    write_lean_calls()
 
 
 def extract_value(builder: Any, whole: Any, place: Any, name: str = "") -> Any:
