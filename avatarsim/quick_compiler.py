@@ -14,7 +14,7 @@ from typing import Any
 
 import llvmlite.binding.ffi
 import llvmlite.ir.types
-from numba.core import base, byteflow, event, ir, ssa, transforms
+from numba.core import base, byteflow, errors, event, ir, lowering, ssa, transforms, typeinfer
 from numba.core.base import BaseContext
 from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
@@ -29,6 +29,7 @@ from avatarsim.lean_code import write_lean
 def quicken() -> None:
     """Remember, from here on, what numba would work out again."""
     event.install_timer = lambda kind, callback: nullcontext()
+    lowering.new_error_context = typeinfer.new_error_context = While
     # LLVM is called a million times; nobody else is there to be locked out, and nobody times it.
     llvmlite.binding.ffi.lib = llvmlite.binding.ffi.lib._lib
     # Whether LLVM writes 1.23 as 1.23 in this locale was asked once for every function.
@@ -117,6 +118,22 @@ def told_once(ask: Any) -> Any:
         return answer
 
     return told
+
+
+class While:
+    """What numba is about to do with an instruction, told by the error if there is one; numba makes a generator for every one."""
+
+    __slots__ = ("what", "args", "kwargs")
+
+    def __init__(self, what: str, /, *args: Any, **kwargs: Any) -> None:
+        self.what, self.args, self.kwargs = what, args, kwargs
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        if isinstance(error, errors.NumbaError):
+            error.add_context(self.what.format(*self.args, **self.kwargs))
 
 
 class Known:

@@ -12,9 +12,10 @@ import pytest
 from llvmlite.ir import types as llvm_types
 from numba.core import ir, types
 from numba.core.compiler import Flags
+from numba.core.errors import NumbaTypeError
 from numba.core.targetconfig import TargetConfig
 
-from avatarsim.quick_compiler import Known, remembered_hash, same_kind, same_options, told_once, variables
+from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables
 
 COMPILE = """
 import json
@@ -147,3 +148,10 @@ def test_new_declarations_are_looked_for_once_a_module_was_imported(monkeypatch)
     one.refresh()
     one.refresh()
     assert looks == [one, other, one]
+
+
+def test_an_error_says_what_it_happened_in():
+    error = NumbaTypeError("no such thing")
+    with pytest.raises(NumbaTypeError) as raised, While("typing of {what}", what="a call"):
+        raise error
+    assert raised.value is error and error.contexts == ["typing of a call"]
