@@ -30,6 +30,9 @@ def quicken() -> None:
     """Remember, from here on, what numba would work out again."""
     event.install_timer = lambda kind, callback: nullcontext()
     lowering.new_error_context = typeinfer.new_error_context = While
+    # Warnings are shown as they come; for every instruction numba put Python's own list of filters away and back.
+    told: Any = errors
+    told.WarningsFixer.catch_warnings = lambda _fixer, filename=None, lineno=None: nullcontext()
     # LLVM is called a million times; nobody else is there to be locked out, and nobody times it.
     llvmlite.binding.ffi.lib = llvmlite.binding.ffi.lib._lib
     # Whether LLVM writes 1.23 as 1.23 in this locale was asked once for every function.
@@ -42,6 +45,9 @@ def quicken() -> None:
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
     # Its function is found in a table; whether that one takes the place in the source was asked for every call.
     base._has_loc = cache(base._has_loc)
+    # No class stands in for one of numba's types, which abstract base classes allow for.
+    meta: Any = type(Type)
+    meta.__instancecheck__, meta.__subclasscheck__ = type.__instancecheck__, type.__subclasscheck__
     kinds: Any = Type
     kinds.__hash__, kinds.__eq__ = remembered_hash({}), same_kind
     for owner in (BaseContext, BaseTypingContext):
