@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-import time
 
 from avatarsim.compile_ahead import PARTS, compile_everything, compile_part
 from avatarsim.quick_compiler import quicken
@@ -20,9 +19,7 @@ def main() -> int:
         return 0 if compile_everything() else 1
     quicken()
     for part in parts:
-        begun = time.monotonic()
         compile_part(part)
-        print(f"  {part}: compiled in {time.monotonic() - begun:.0f} s", flush=True)
     # What was compiled is on disk; to take down millions of objects one by one would cost seconds.
     os._exit(0)
 

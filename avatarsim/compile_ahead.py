@@ -4,7 +4,8 @@ import fcntl
 import gc
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import cast
@@ -14,6 +15,7 @@ import numpy as np
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
+from avatarsim.compile_progress import Progress, Say
 from avatarsim.engine import Settings
 from avatarsim.kernel import ROOT, cache_folder, config
 from avatarsim.linking import KernelDispatcher
@@ -36,7 +38,8 @@ process."""
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
 
-Say = Callable[[str], None]
+LOOK = 0.5
+"""[s] between two looks at how far the processes are; longer delays the end, shorter takes time from them."""
 
 
 def part_scene(part: str) -> tuple[Scene, str]:
@@ -110,10 +113,14 @@ def compile_everything(say: Say = print) -> bool:
 
 
 def run_shares(shares: tuple[tuple[str, ...], ...], say: Say) -> bool:
-    """Compile shares in child processes, which say what they have done; False if one of them failed."""
-    command = [sys.executable, "-m", "avatarsim", "--parts"]
+    """Compile shares in child processes and say how far they are; False if one of them failed."""
+    command, progress = [sys.executable, "-m", "avatarsim", "--parts"], Progress(say)
     children = [subprocess.Popen([*command, *share], cwd=ROOT.parent) for share in shares]
-    codes = [child.wait() for child in children]
+    while any(child.poll() is None for child in children):
+        progress.show()
+        time.sleep(LOOK)
+    codes = [child.returncode for child in children]
+    progress.end()
     for share, code in zip(shares, codes, strict=True):
         if code != 0:
             say(f"  {', '.join(share)}: failed with code {code}")

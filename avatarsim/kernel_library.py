@@ -5,6 +5,7 @@ then begins in earnest. Kernels count no references, and the last of the three d
 are so small that each caller has them inlined: of these only LLVM's code is kept, which nobody needs to translate or to load.
 """
 
+import re
 from itertools import islice
 from typing import Any
 
@@ -14,6 +15,14 @@ from numba.core.codegen import JITCodeLibrary
 SEALED_FROM = 200
 """Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50; below this value
 compile time falls little, well above it the same code is compiled again in every caller."""
+
+NEVER_RAISE: set[str] = set()
+"""Functions that never raise, by the names that LLVM knows them by in this process: who calls one need not look at its status."""
+
+
+def may_raise(function: Any) -> bool:
+    """Whether a function of LLVM's may return another status than 0."""
+    return any(status != "0" for status in re.findall(r"^ *ret i32 (\S+)", str(function), re.MULTILINE))
 
 
 def is_large(function: Any) -> bool:

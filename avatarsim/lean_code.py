@@ -15,8 +15,11 @@ from numba.core.analysis import compute_cfg_from_blocks, compute_use_defs
 from numba.core.codegen import CPUCodeLibrary
 from numba.core.ir import Assign
 from numba.core.lowering import Lower
+from numba.core.postproc import PostProcessor
 from numba.cpython import slicing
 from numba.np import arrayobj
+
+from avatarsim.lean_calls import write_lean_calls
 
 PURE = frozenset(
     "load getelementptr extractvalue insertvalue alloca bitcast inttoptr ptrtoint trunc zext sext sitofp fptosi uitofp "
@@ -37,12 +40,15 @@ def write_lean() -> None:
     arrayobj.make_array = plain_arrays(arrayobj.make_array)
     lower: Any = Lower
     lower._find_singly_assigned_variable = kept_variables(lower._find_singly_assigned_variable)
-    lower.delvar = lambda _lower, _name: None
+    # Nobody counts references: where a variable is used last is of no interest.
+    processor: Any = PostProcessor
+    processor._insert_var_dels = lambda _processor, extend_lifetimes=False: None
     lower.storevar = storevar
     # numba spells out every instruction that it lowers, for a report that nobody wants.
     Assign.__str__ = lambda assign: f"{assign.target.name} = ..."
     library: Any = CPUCodeLibrary
     library.add_ir_module = pruned(library.add_ir_module)
+    write_lean_calls()
 
 
 def extract_value(builder: Any, whole: Any, place: Any, name: str = "") -> Any:

@@ -14,7 +14,7 @@ from typing import Any
 
 import llvmlite.binding.ffi
 import llvmlite.ir.types
-from numba.core import base, byteflow, event, ir, ssa, transforms
+from numba.core import base, byteflow, errors, event, ir, lowering, ssa, transforms, typeinfer
 from numba.core.base import BaseContext
 from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
@@ -29,6 +29,10 @@ from avatarsim.lean_code import write_lean
 def quicken() -> None:
     """Remember, from here on, what numba would work out again."""
     event.install_timer = lambda kind, callback: nullcontext()
+    lowering.new_error_context = typeinfer.new_error_context = While
+    # Warnings are shown as they come; for every instruction numba put Python's own list of filters away and back.
+    told: Any = errors
+    told.WarningsFixer.catch_warnings = lambda _fixer, filename=None, lineno=None: nullcontext()
     # LLVM is called a million times; nobody else is there to be locked out, and nobody times it.
     llvmlite.binding.ffi.lib = llvmlite.binding.ffi.lib._lib
     # Whether LLVM writes 1.23 as 1.23 in this locale was asked once for every function.
@@ -41,6 +45,9 @@ def quicken() -> None:
     ir.Inst._rec_list_vars = lambda instruction, value: variables(value, [])
     # Its function is found in a table; whether that one takes the place in the source was asked for every call.
     base._has_loc = cache(base._has_loc)
+    # No class stands in for one of numba's types, which abstract base classes allow for.
+    meta: Any = type(Type)
+    meta.__instancecheck__, meta.__subclasscheck__ = type.__instancecheck__, type.__subclasscheck__
     kinds: Any = Type
     kinds.__hash__, kinds.__eq__ = remembered_hash({}), same_kind
     for owner in (BaseContext, BaseTypingContext):
@@ -117,6 +124,22 @@ def told_once(ask: Any) -> Any:
         return answer
 
     return told
+
+
+class While:
+    """What numba is about to do with an instruction, told by the error if there is one; numba makes a generator for every one."""
+
+    __slots__ = ("what", "args", "kwargs")
+
+    def __init__(self, what: str, /, *args: Any, **kwargs: Any) -> None:
+        self.what, self.args, self.kwargs = what, args, kwargs
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        if isinstance(error, errors.NumbaError):
+            error.add_context(self.what.format(*self.args, **self.kwargs))
 
 
 class Known:
