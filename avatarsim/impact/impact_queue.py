@@ -69,21 +69,36 @@ def next_approach(
 ) -> tuple[int, float]:
     """`fastest_approach` after the block first <= k < last was resolved: only who touches a body that was hit is looked at again.
 
-    ``hit`` (nb): working memory.
+    ``hit`` (nb): working memory, 0 for all bodies of contacts.
     """
-    count = contacts.used[0]
-    for k in range(count):
+    mark_hit(contacts, masses, first, last, hit, 1)
+    head, fastest = -1, 0.0
+    for k in range(contacts.used[0]):
+        if hit[contacts.body[k, 0]] + hit[contacts.body[k, 1]] > 0:
+            contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
+        if contacts.approach[k] < fastest:
+            head, fastest = k, contacts.approach[k]
+    mark_hit(contacts, masses, first, last, hit, 0)
+    return head, fastest
+
+
+@kernel
+def nobody_hit(contacts: Contacts, hit: Index) -> None:
+    """Make ``hit`` (nb) ready for `next_approach`."""
+    for k in range(contacts.used[0]):
         hit[contacts.body[k, 0]], hit[contacts.body[k, 1]] = 0, 0
+
+
+@kernel
+def mark_hit(contacts: Contacts, masses: Masses, first: int, last: int, hit: Index, mark: int) -> None:
+    """Mark the bodies of a block: those of its contacts that have a target."""
     for k in range(first, last):
         if contacts.target[k] != -inf:
             for side in range(2):
                 b = contacts.body[k, side]
                 # what nothing moves is beneath many
-                hit[b] = 1 if masses.inverse_mass[b] > 0.0 else 0
-    for k in range(count):
-        if hit[contacts.body[k, 0]] + hit[contacts.body[k, 1]] > 0:
-            contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
-    return head_of_queue(contacts)
+                if masses.inverse_mass[b] > 0.0:
+                    hit[b] = mark
 
 
 @kernel
@@ -98,27 +113,25 @@ def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
 
     Returns (first, last, number of points): the block lies within first <= k < last.
     """
-    first, last, points = -1, 0, 0
-    count = contacts.used[0]
-    start = 0
-    while start < count:
-        end, tied = start, False
-        while end < count and same_pair(contacts, start, end):
-            v = contacts.approach[end]
-            contacts.target[end] = max(0.0, velocity_after(contacts.restitution[end], v)) if v < 0.0 else 0.0
-            if contacts.target[end] <= REST_SPEED * contacts.pace[0]:
-                contacts.target[end] = 0.0
-            if v <= fastest * (1.0 - TIE):
-                tied = True
-            end += 1
-        if tied:
-            first = start if first < 0 else first
-            last = end
-            points += end - start
-        else:
-            for k in range(start, end):
-                contacts.target[k] = -inf
-        start = end
+    first, last, points, count, k = -1, 0, 0, contacts.used[0], 0
+    while k < count:
+        contacts.target[k] = -inf
+        if not (contacts.approach[k] <= fastest * (1.0 - TIE)):
+            k += 1
+            continue
+        start = k
+        while start > 0 and same_pair(contacts, start - 1, k):
+            start -= 1
+        k += 1
+        while k < count and same_pair(contacts, start, k):
+            k += 1
+        for i in range(start, k):
+            v = contacts.approach[i]
+            target = velocity_after(contacts.restitution[i], v) if v < 0.0 else 0.0
+            contacts.target[i] = target if target > REST_SPEED * contacts.pace[0] else 0.0
+        first = start if first < 0 else first
+        last = k
+        points += k - start
     for k in range(first, last):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     return first, last, points
@@ -241,11 +254,12 @@ def collect(contacts: Contacts, first: int, last: int, received: Array) -> None:
 def settle(
     contacts: Contacts, masses: Masses, members: Index, hasty: bool, tolerance: float, tries: int, sweeps_cap: int, linear: Array,
     angular: Array,
-    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
+    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array, touching: int, h: float,
 ) -> float:
     """Take away what approach is left, all contacts together and without rebound; returns the residual [m/s].
 
-    No energy is added, even if the solver stops half way.
+    Contacts from number ``touching`` on do not touch, and may approach by their gap in ``h`` seconds. No energy is added, even if
+    the solver stops half way.
     """
     count = contacts.used[0]
     for m in range(members.shape[0]):
@@ -253,7 +267,7 @@ def settle(
         put_row(linear_before, b, row(linear, b))
         put_row(angular_before, b, row(angular, b))
     for k in range(count):
-        contacts.target[k] = 0.0
+        contacts.target[k] = 0.0 if k < touching else -contacts.gap[k] / h
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     if hasty:
         left = solve_roughly(contacts, masses, 0, count, linear, angular, tolerance, tries, sweeps_cap, before, direction)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, sweeps, unsolved
-from avatarsim.impact.contacts import Contacts, axis, push_along, velocity_at, weigh_after
+from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.slipping import end_of_slip, slip_on
 from avatarsim.kernel import kernel
@@ -59,6 +59,10 @@ ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
 
 
+APART = 1e-6
+"""Contacts that are farther open than this [m], but for those with driven bodies, do not touch: `loops.ahead` foresees them."""
+
+
 class Care(NamedTuple):
     """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
     attempts; 1 attempt asks for `solve_roughly`."""
@@ -86,7 +90,12 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
-        if v * h > HOP or v > PARTING * contacts.pace[0]:
+        if contacts.gap[k] >= APART and contacts.driven[k] == NOT_DRIVEN:
+            # the mean of both velocities may close it, whatever forces are in between
+            closing = dot(axis(contacts, k, 0), row(contacts.bend, k))
+            contacts.target[k] = max(0.0, -h * closing) - 2.0 * (contacts.gap[k] - STAND_OFF) / h - v
+            contacts.slide[k, 0], contacts.slide[k, 1] = 0.0, 0.0
+        elif v * h > HOP or v > PARTING * contacts.pace[0]:
             contacts.target[k] = -inf
             for i in range(3):
                 contacts.impulse[k, i] = 0.0
@@ -101,6 +110,27 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
+
+
+@kernel
+def aim_at_once(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
+    """Set the least velocities that each contact may have for all of h seconds: so that none is closed at their end.
+
+    Their paths are straight, so half of the bend of each is added, less what the arms of the middle know of it. What bends apart
+    would dip on its way; it comes apart instead.
+    """
+    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
+    for k in range(contacts.used[0]):
+        gap = contacts.gap[k]
+        way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
+        if way < 0.0 and not can_pay(contacts, k, -gap, linear):
+            way = 0.0
+        a, b = contacts.body[k, 0], contacts.body[k, 1]
+        known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
+        bend = sub(row(contacts.bend, k), known)
+        contacts.target[k] = max(0.0, -0.5 * h * dot(axis(contacts, k, 0), bend)) - max(-LIFT * contacts.pace[0], way / h)
+        contacts.slide[k, 0] = -0.5 * h * dot(axis(contacts, k, 1), bend)
+        contacts.slide[k, 1] = -0.5 * h * dot(axis(contacts, k, 2), bend)
 
 
 @kernel
@@ -125,6 +155,7 @@ def fall(
 def hold(
     contacts: Contacts, masses: Masses, members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
     linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array, care: Care,
+    at_once: bool,
 ) -> tuple[float, float]:
     """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
 
@@ -133,6 +164,7 @@ def hold(
         members: the bodies that the contacts are between, but for fixed and sleeping ones.
         masses: driven bodies must not yield in them.
         linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
+        at_once: the velocities at the end are to be those of the whole segment, see `aim_at_once`.
 
     Returns:
         (length of the segment [s], residual [m/s]).
@@ -145,7 +177,10 @@ def hold(
         count = contacts.used[0]
         # forces that act at the arms of the middle do the work of a path that bends, to second order
         weigh_after(contacts, masses, 0.5 * h)
-        aim(contacts, h, linear, angular)
+        if at_once:
+            aim_at_once(contacts, h, linear, angular)
+        else:
+            aim(contacts, h, linear, angular)
         fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
         for k in range(count):
             for i in range(3):

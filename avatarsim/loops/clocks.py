@@ -29,6 +29,8 @@ def depart(poses: Poses, velocities: Velocities, memory: Memory, members: Index,
         put_columns(memory.began.rotation, b, columns(poses.rotation, b))
         put_row(islands.linear, b, row(velocities.linear, b))
         put_row(islands.angular, b, row(velocities.angular, b))
+        put_row(islands.linear_before, b, row(velocities.linear, b))
+        put_row(islands.angular_before, b, row(velocities.angular, b))
         put_row(islands.received, b, row(memory.received, b))
         put_row(islands.owed_linear, b, row(memory.owed_linear, b))
         put_row(islands.owed_angular, b, row(memory.owed_angular, b))
@@ -51,11 +53,18 @@ def arrive(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Mem
 
 @kernel
 def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float) -> None:
-    """Take body b back to ``now``, which lies on its last path. What it received since then is taken to be even in time."""
+    """Take body b back to ``now``, which lies on its last path. What it received since then is taken to be even in time.
+
+    So is what changed its velocity at once: in between it then has no more energy than in the mean of both ends.
+    """
     islands = memory.islands
     lasted, t = islands.due[b] - islands.begun[b], max(0.0, now - islands.begun[b])
     share = t / lasted if lasted > 0.0 else 0.0
     arrive(geometry, poses, velocities, memory, b, t)
+    undone = sub(row(islands.linear_before, b), row(islands.linear, b))
+    put_row(velocities.linear, b, along(row(velocities.linear, b), 1.0 - share, undone))
+    undone = sub(row(islands.angular_before, b), row(islands.angular, b))
+    put_row(velocities.angular, b, along(row(velocities.angular, b), 1.0 - share, undone))
     take_share(islands.received, b, share, memory.received)
     take_share(islands.owed_linear, b, share, memory.owed_linear)
     take_share(islands.owed_angular, b, share, memory.owed_angular)

@@ -9,11 +9,12 @@ from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import to_world
 from avatarsim.kernel import kernel
+from avatarsim.loops.ahead import look_ahead, meets_driven, of_balls
 from avatarsim.loops.auditing import audit, energy_of, stay
 from avatarsim.loops.clocks import arrive, depart
 from avatarsim.loops.first_event import first_event
 from avatarsim.loops.plastic import AGAIN, STALL, clog, go_or_stop
-from avatarsim.loops.responding import impacts, is_brisk, segment
+from avatarsim.loops.responding import change_at_once, impacts, is_brisk, note_change, segment, settle_ahead
 from avatarsim.loops.touching import BROKEN, NO_ROOM, find_contacts
 from avatarsim.loops.unsqueeze import unsqueeze
 from avatarsim.loops.upper_memory import (
@@ -114,15 +115,24 @@ def step(
     # who touches nobody flies on at no cost
     hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
     ends = hasty or is_late(memory, velocities, members)
+    looks = ends and not meets_driven(contacts)
+    at_once = looks and of_balls(memory)
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, ends)
     if contacts.used[0] > 0:
-        spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, switches)
+        spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, not looks, switches)
         status = spent if spent != DONE else status
         wait(velocities, memory, members, left)
     longest = until_tail_ends(memory, members, now, left)
     if ends:
         longest = min(longest, dt / pieces_of(contacts, pairs))
-    h = segment(dynamics, velocities, memory, members, longest, ends)
+    touching = contacts.used[0]
+    if looks:
+        look_ahead(geometry, dynamics, poses, velocities, pairs, memory, longest)
+        if not at_once:
+            settle_ahead(velocities, memory, members, touching, longest)
+    h = segment(dynamics, velocities, memory, members, longest, ends, at_once)
+    if at_once:
+        change_at_once(velocities, memory, members)
     until = h
     if not all_keep(poses, velocities, memory, members, h):
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
@@ -132,6 +142,8 @@ def step(
         i = islands.label[lead]
         # whoever joins or leaves makes it another island; who touched was near before, so contacts stay otherwise
         if islands.first[i + 1] - islands.first[i] != size or not still_those(memory, i):
+            if at_once:
+                change_at_once(velocities, memory, members)
             return AGAIN if status == DONE else status
         first = islands.pair_first[i]
         members = islands.order[islands.first[i] : islands.first[i + 1]]
@@ -139,14 +151,18 @@ def step(
         while not all_keep(poses, velocities, memory, members, until):
             until *= 0.5
     depart(poses, velocities, memory, members, now)
+    if at_once:
+        note_change(memory, members)
     t = until
     if ends:
         memory.counts[PLASTIC] += 1
         status = OUT_OF_SEGMENTS
         outcome = go_or_stop(geometry, poses, velocities, memory, members, pairs, first, until)
         if outcome != DONE:
+            if at_once:
+                change_at_once(velocities, memory, members)
             return outcome
-        note_lateness(memory, members)
+        note_lateness(memory, members, touching)
     else:
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, False)
         t, pair = first_event(geometry, memory, pairs, until) if switches.continuous else (until, -1)
@@ -185,9 +201,12 @@ def is_late(memory: Memory, velocities: Velocities, members: Index) -> bool:
 
 
 @kernel
-def note_lateness(memory: Memory, members: Index) -> None:
-    """After a plastic step: the members are late if it stopped anybody."""
+def note_lateness(memory: Memory, members: Index, touching: int) -> None:
+    """After a plastic step: the members are late if it stopped anybody, or kept anybody from meeting who did not touch."""
     late = 0
+    for k in range(touching, memory.contacts.used[0]):
+        if memory.contacts.impulse[k, 0] > 0.0:
+            late = 1
     for m in range(members.shape[0]):
         if memory.islands.stops[members[m]] < inf:
             late = 1

@@ -26,6 +26,7 @@ class Islands(NamedTuple):
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
     stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
+    linear_before, angular_before (nb, 3): the same velocities, but as they were before a plastic step changed them at once.
     """
 
     found: Index
@@ -46,6 +47,8 @@ class Islands(NamedTuple):
     received: Array
     owed_linear: Array
     owed_angular: Array
+    linear_before: Array
+    angular_before: Array
 
 
 def make_islands(bodies: int, room: int) -> Islands:
@@ -56,6 +59,7 @@ def make_islands(bodies: int, room: int) -> Islands:
         np.zeros(n + 1, np.int64), np.full(n, -1, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64),
         np.zeros(n, np.int64), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors),
+        np.zeros(vectors), np.zeros(vectors),
     )
 
 

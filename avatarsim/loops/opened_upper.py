@@ -59,6 +59,7 @@ def opened_islands(o: Opening) -> Islands:
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0], line(o)[0],
         vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], vectors(o)[0],
     )
 
 

@@ -72,7 +72,9 @@ def go_or_stop(
             return NOT_FINITE
     new = False
     for p in range(count):
-        if when[p] < STALL and clog(memory, pairs[p, 0], pairs[p, 1]):
+        # balls have no corners that could block
+        balls = memory.ball[pairs[p, 0]] + memory.ball[pairs[p, 1]] == 2
+        if when[p] < STALL and not balls and clog(memory, pairs[p, 0], pairs[p, 1]):
             new = True
     if new:
         return AGAIN

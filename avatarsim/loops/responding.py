@@ -9,7 +9,7 @@ from avatarsim.impact.contact_solver import FIRST_TRY
 from avatarsim.impact.contact_time import time_to_contact
 from avatarsim.impact.contacts import SHARP, Contacts, weigh
 from avatarsim.impact.events import APPROACH, IMPACT, Events
-from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, next_approach, resolve_impact, settle
+from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, next_approach, nobody_hit, resolve_impact, settle
 from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold
 from avatarsim.impact.rolling import curvature
 from avatarsim.kernel import kernel
@@ -88,10 +88,11 @@ arm of a tenth of a millimetre, is a spin of 1e-5."""
 @kernel
 def impacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
-    now: float, hasty: bool, switches: Switches,
+    now: float, hasty: bool, settles: bool, switches: Switches,
 ) -> int:
     """Resolve all impacts of this instant, ``hasty`` all at once and without rebound; returns DONE or OUT_OF_IMPACTS.
 
+    What approach these leave is ended if ``settles``; else the step does that, see `settle_ahead` and `resting.aim_at_once`.
     Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
@@ -103,6 +104,7 @@ def impacts(
     if head < 0 or fastest >= -calm:
         return status
     slow = REST_SPEED * contacts.pace[0]
+    nobody_hit(contacts, memory.islands.mark)
     while head >= 0 and fastest < -slow:
         if resolved >= patience or contacts.visits[0] > VISITS or resolved * contacts.used[0] > LOOKS:
             status = OUT_OF_IMPACTS
@@ -125,18 +127,39 @@ def impacts(
         head, fastest = next_approach(contacts, memory.strike, first, last, v, w, memory.islands.mark)
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
-    if fastest < -calm:
-        # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
-        rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
-        few = contacts.used[0] <= MANY and not rough
-        care = care_for(memory, velocities, members, rough)
-        # forces brake what is left within a nanometre
-        tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
-        settle(
-            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps, v, w,
-            memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
-        )
+    if fastest < -calm and settles:
+        settle_rest(velocities, memory, members, hasty, fastest, calm, contacts.used[0], 0.0)
     return status
+
+
+@kernel
+def settle_rest(
+    velocities: Velocities, memory: Memory, members: Index, hasty: bool, fastest: float, calm: float, touching: int, h: float
+) -> None:
+    """End what approach is left, ``fastest`` [m/s] < 0 at most; contacts from ``touching`` on may close their gap in h [s]."""
+    contacts, slow = memory.contacts, REST_SPEED * memory.contacts.pace[0]
+    # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
+    rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
+    few = contacts.used[0] <= MANY and not rough
+    care = care_for(memory, velocities, members, rough)
+    # forces brake what is left within a nanometre
+    tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
+    settle(
+        contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps,
+        velocities.linear, velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction,
+        memory.received, touching, h,
+    )
+
+
+@kernel
+def settle_ahead(velocities: Velocities, memory: Memory, members: Index, touching: int, h: float) -> None:
+    """Before a plastic step of h seconds: end all approach of contacts before number ``touching``, and what closes the others."""
+    contacts = memory.contacts
+    contacts.standing[0] = 0
+    weigh(contacts, memory.strike)
+    _, fastest = fastest_approach(contacts, velocities.linear, velocities.angular)
+    if fastest < -BRISKLY_SETTLED:
+        settle_rest(velocities, memory, members, True, fastest, BRISKLY_SETTLED, touching, h)
 
 
 @kernel
@@ -182,8 +205,13 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 
 
 @kernel
-def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool) -> float:
-    """Forces and paths of the members for at most ``left`` seconds; returns for how long they hold."""
+def segment(
+    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool, at_once: bool
+) -> float:
+    """Forces and paths of the members for at most ``left`` seconds; returns for how long they hold.
+
+    With ``at_once`` those whom forces hold go straight on, with the velocities that they have at the end: `change_at_once`.
+    """
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
     for m in range(members.shape[0]):
@@ -209,16 +237,21 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members:
             h = left / ceil(left / h)
         recall_forces(contacts, memory.last)
         care = care_for(memory, velocities, members, hasty)
+        if at_once:
+            # impacts are in these forces too: who approached on would stop at once, and all of his neighbours
+            care = Care(care.tolerance, care.first, HASTY.sweeps, care.attempts)
         h, residual = hold(
             contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
             velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction, care,
+            at_once,
         )
         remember_forces(contacts, h, members, memory.last)
         memory.counts[SOLVES] += 1
         memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0
         memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
         for k in range(count):
-            if contacts.impulse[k, 0] > 0.0:
+            # at once gravity is all at the start: who touches must have it as his neighbours do
+            if contacts.impulse[k, 0] > 0.0 or at_once:
                 held[contacts.body[k, 0]], held[contacts.body[k, 1]] = 1, 1
     for m in range(members.shape[0]):
         b = members[m]
@@ -235,9 +268,33 @@ def segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, members:
                 put_row(velocities.linear, b, acceleration)
                 put_row(velocities.angular, b, acceleration)
             else:
-                acceleration, twist = scale(sub(v_end, v), 1.0 / h), scale(sub(w_end, w), 1.0 / h)
+                if not at_once:
+                    acceleration, twist = scale(sub(v_end, v), 1.0 / h), scale(sub(w_end, w), 1.0 / h)
         elif moving[b] == 1:
             acceleration = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
         put_row(paths.linear, b, acceleration)
         put_row(paths.angular, b, twist)
     return h
+
+
+@kernel
+def change_at_once(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Swap the velocities of held members for those at the end of their segment, or back again if there is to be another one."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.paths.kind[b] == HELD:
+            v, w = row(velocities.linear, b), row(velocities.angular, b)
+            put_row(velocities.linear, b, row(memory.linear_end, b))
+            put_row(velocities.angular, b, row(memory.angular_end, b))
+            put_row(memory.linear_end, b, v)
+            put_row(memory.angular_end, b, w)
+
+
+@kernel
+def note_change(memory: Memory, members: Index) -> None:
+    """After `change_at_once`: keep the velocities that held members had before, for `clocks.go_back`."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.paths.kind[b] == HELD:
+            put_row(memory.islands.linear_before, b, row(memory.linear_end, b))
+            put_row(memory.islands.angular_before, b, row(memory.angular_end, b))

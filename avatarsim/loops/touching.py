@@ -47,6 +47,60 @@ def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:
 
 
 @kernel
+def find_points(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, a: int, b: int, driven: int,
+    sa: int, sb: int, reach: float,
+) -> tuple[int, float, bool]:
+    """Append to ``memory.contacts`` the points of shapes sa of body a and sb of body b that are nearer than ``reach`` [m].
+
+    Returns (status of the query, smallest gap [m], inf if none is nearer; whether there was room for all).
+    """
+    contacts, found, has_room = memory.contacts, memory.manifold, True
+    shapes, vertices = geometry.shapes, poses.vertices
+    memory.counts[WORK] += QUERY_WORK
+    status, gap, n, on_a, on_b = signed_distance_up_to(vertices, shapes, sa, sb, (0.0, 0.0, 0.0), reach, memory.scratch)
+    if status == NOT_FINITE or not (gap < reach):
+        return status, inf, True
+    raw, before = n, contacts.used[0]
+    smooth = is_smooth(shapes, sa) or is_smooth(shapes, sb)
+    # one point for both keeps angular momentum to rounding; balls, and what rolls on what nobody moves, keep their exact laws of
+    # friction
+    own = memory.ball[a] + memory.ball[b] > 0 or (smooth and dynamics.role[a] * dynamics.role[b] == FIXED)
+    count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
+    for i in range(count):
+        p_a, p_b = row(found.on_a, i), row(found.on_b, i)
+        if not own:
+            p_a = p_b = scale((p_a[0] + p_b[0], p_a[1] + p_b[1], p_a[2] + p_b[2]), 0.5)
+        arm_a, arm_b = sub(p_a, row(poses.position, a)), sub(p_b, row(poses.position, b))
+        k = contacts.used[0]
+        if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i]):
+            has_room = False
+            break
+        contacts.face[k] = found.face[0]
+    if memory.ball[a] + memory.ball[b] == 2:
+        # heaps of balls are many contacts; theirs is a closed form
+        for k in range(before, contacts.used[0]):
+            contacts.smooth[k] = TWO_BALLS
+    elif smooth:
+        note_smooth(vertices, shapes, contacts, poses, sa, sb, raw, before)
+    elif found.face[0] == 0 and count == 1:
+        of_a, _, e = lone_edge(vertices, shapes, sa, neg(raw))
+        of_b, _, f = lone_edge(vertices, shapes, sb, raw)
+        if of_a and of_b and contacts.used[0] > before:
+            put_row(contacts.edge_a, before, e)
+            put_row(contacts.edge_b, before, f)
+    if memory.clogged[0] >= memory.frames[0] and is_blocked(memory.blocked, a, b, memory.frames[0]):
+        if driven == NOT_DRIVEN and not add_corners(geometry, poses, velocities, contacts, sa, sb, raw):
+            has_room = False
+    pieces = geometry.body.shape[0]
+    for k in range(before, contacts.used[0]):
+        contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
+        contacts.friction[k] = dynamics.friction[dynamics.material[a], dynamics.material[b]]
+        contacts.key[k] = (sa * pieces + sb) * POINTS_OF_PAIR + k - before
+    return status, gap, has_room
+
+
+@kernel
 def find_contacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
 ) -> tuple[int, float]:
@@ -56,11 +110,8 @@ def find_contacts(
 
     Returns (outcome, smallest gap [m], inf without contacts).
     """
-    contacts, found = memory.contacts, memory.manifold
-    contacts.used[0] = 0
+    memory.contacts.used[0] = 0
     worst, outcome = inf, FOUND
-    shapes, vertices = geometry.shapes, poses.vertices
-    pieces = geometry.body.shape[0]
     forget(memory, pairs)
     for p in range(pairs.shape[0]):
         a, b = pairs[p, 0], pairs[p, 1]
@@ -72,51 +123,13 @@ def find_contacts(
                 reach = TOUCH if driven == NOT_DRIVEN else DRIVEN_TOUCH
                 if boxes_apart(poses.boxes, sa, sb, reach):
                     continue
-                memory.counts[WORK] += QUERY_WORK
-                status, gap, n, on_a, on_b = signed_distance_up_to(
-                    vertices, shapes, sa, sb, (0.0, 0.0, 0.0), reach, memory.scratch
-                )
+                before = memory.contacts.used[0]
+                status, gap, room = find_points(geometry, dynamics, poses, velocities, memory, a, b, driven, sa, sb, reach)
                 if status == NOT_FINITE:
                     return BROKEN, worst
-                if not (gap < reach):
-                    continue
-                raw, before = n, contacts.used[0]
-                smooth = is_smooth(shapes, sa) or is_smooth(shapes, sb)
-                # one point for both keeps angular momentum to rounding; balls, and what rolls on what nobody moves, keep their
-                # exact laws of friction
-                own = memory.ball[a] + memory.ball[b] > 0 or (smooth and dynamics.role[a] * dynamics.role[b] == FIXED)
-                count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
                 worst = min(worst, gap)
-                for i in range(count):
-                    p_a, p_b = row(found.on_a, i), row(found.on_b, i)
-                    if not own:
-                        p_a = p_b = scale((p_a[0] + p_b[0], p_a[1] + p_b[1], p_a[2] + p_b[2]), 0.5)
-                    arm_a, arm_b = sub(p_a, row(poses.position, a)), sub(p_b, row(poses.position, b))
-                    k = contacts.used[0]
-                    if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i]):
-                        outcome = NO_ROOM
-                        break
-                    contacts.face[k] = found.face[0]
-                if memory.ball[a] + memory.ball[b] == 2:
-                    # heaps of balls are many contacts; theirs is a closed form
-                    for k in range(before, contacts.used[0]):
-                        contacts.smooth[k] = TWO_BALLS
-                elif smooth:
-                    note_smooth(vertices, shapes, contacts, poses, sa, sb, raw, before)
-                elif found.face[0] == 0 and count == 1:
-                    of_a, _, e = lone_edge(vertices, shapes, sa, neg(raw))
-                    of_b, _, f = lone_edge(vertices, shapes, sb, raw)
-                    if of_a and of_b and contacts.used[0] > before:
-                        put_row(contacts.edge_a, before, e)
-                        put_row(contacts.edge_b, before, f)
-                if memory.clogged[0] >= memory.frames[0] and is_blocked(memory.blocked, a, b, memory.frames[0]):
-                    if driven == NOT_DRIVEN and not add_corners(geometry, poses, velocities, contacts, sa, sb, raw):
-                        outcome = NO_ROOM
-                for k in range(before, contacts.used[0]):
-                    contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
-                    contacts.friction[k] = dynamics.friction[dynamics.material[a], dynamics.material[b]]
-                    contacts.key[k] = (sa * pieces + sb) * POINTS_OF_PAIR + k - before
-                if contacts.used[0] > before:
+                outcome = outcome if room else NO_ROOM
+                if memory.contacts.used[0] > before:
                     note(geometry, poses, memory, sa, sb, before)
     level_seams(geometry, poses, velocities, memory)
     return outcome, worst

@@ -104,8 +104,8 @@ def regroup(
         memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
     part(islands, memory.pairs, min(count, room), memory.moving, memory.joins)
     memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
-    if now > 0.0:
-        for b in range(memory.moving.shape[0]):
-            if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
-                go_back(geometry, poses, velocities, memory, b, now)
+    # at the start of a frame too: who went to its end at once may be joined by who has yet to begin
+    for b in range(memory.moving.shape[0]):
+        if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
+            go_back(geometry, poses, velocities, memory, b, now)
     return DONE if count <= room else OUT_OF_ROOM

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.impact.contacts import add_contact, make_contacts, weigh
-from avatarsim.impact.impact_queue import choose_block, fastest_approach, next_approach
+from avatarsim.impact.impact_queue import REST_SPEED, TIE, choose_block, fastest_approach, next_approach
 from avatarsim.impact.masses import Masses
 
 BODIES, POINTS = 7, 16
@@ -15,7 +15,7 @@ BODIES, POINTS = 7, 16
 @pytest.mark.parametrize("seed", range(20))
 def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    contacts, hit = make_contacts(POINTS), np.ones(BODIES, np.int64)
+    contacts, hit = make_contacts(POINTS), np.zeros(BODIES, np.int64)
     masses = Masses(np.array([0.0, *rng.uniform(0.5, 2.0, BODIES - 1)]), np.zeros((BODIES, 3, 3)))
     for _ in range(POINTS):
         a, b = rng.choice(BODIES, 2, replace=False)
@@ -33,5 +33,37 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
             linear[b] += rng.normal(size=3)
         found = next_approach(contacts, masses, first, last, linear, angular, hit)
         seen = contacts.approach.copy()
+        assert not hit.any()
         assert found == fastest_approach(contacts, linear, angular)
         np.testing.assert_array_equal(seen, contacts.approach)
+
+
+def whole_table(contacts, fastest: float) -> tuple[int, int, int]:
+    """The dumb twin of `choose_block`: pair by pair, through all of them."""
+    count, start, chosen = int(contacts.used[0]), 0, []
+    while start < count:
+        pair = [k for k in range(start, count) if (contacts.body[start : k + 1] == contacts.body[start]).all()]
+        tied = any(contacts.approach[k] <= fastest * (1.0 - TIE) for k in pair)
+        for k in pair:
+            v = contacts.approach[k]
+            target = -contacts.restitution[k] * v if v < 0.0 else 0.0
+            contacts.target[k] = -np.inf if not tied else target if target > REST_SPEED else 0.0
+        chosen += pair if tied else []
+        start = pair[-1] + 1
+    return min(chosen), max(chosen) + 1, len(chosen)
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+@pytest.mark.parametrize("seed", range(20))
+def test_a_block_is_all_pairs_that_tie(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    contacts = make_contacts(POINTS)
+    for k in range(POINTS):
+        assert add_contact(contacts, 1 + k // 3, 0, 0, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
+    contacts.approach[:] = rng.choice([-1.0, -0.5, -1e-3, 0.2], POINTS)
+    contacts.approach[int(rng.integers(POINTS))] = -1.0
+    contacts.restitution[:] = rng.choice([0.0, 0.5], POINTS)
+    found, targets = choose_block(contacts, -1.0), contacts.target.copy()
+    assert found == whole_table(contacts, -1.0)
+    np.testing.assert_array_equal(targets, contacts.target)

@@ -66,15 +66,15 @@ def test_a_wall_that_lands_keeps_its_budget() -> None:
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_a_crowd_is_late_while_plastic_steps_stop_somebody() -> None:
-    """Everybody of the island is, in motion and with many contacts; one at rest, or of few contacts, gets its segments."""
+    """Or keep somebody apart. Everybody of the island is late, in motion and with many contacts; others get their segments."""
     world = World([slab(), *tower(3, 0.1)])
     memory, members = world.memory, np.array([1, 2, 3])
     memory.islands.stops[:] = np.inf
     memory.islands.late[:] = 1
-    note_lateness(memory, members)
+    note_lateness(memory, members, 0)
     assert memory.islands.late.tolist() == [1, 0, 0, 0]
     memory.islands.stops[2] = 1e-3
-    note_lateness(memory, members[:2])
+    note_lateness(memory, members[:2], 0)
     assert memory.islands.late.tolist() == [1, 1, 1, 0]
     memory.contacts.used[0], world.velocities.linear[3, 2] = CROWD + 1, -1.0
     assert is_late(memory, world.velocities, members)
@@ -82,3 +82,9 @@ def test_a_crowd_is_late_while_plastic_steps_stop_somebody() -> None:
     assert not is_late(memory, world.velocities, members[:2])
     memory.contacts.used[0] = CROWD
     assert not is_late(memory, world.velocities, members)
+    memory.islands.stops[2], memory.contacts.used[0] = np.inf, 2
+    memory.contacts.impulse[0, 0] = 1.0
+    note_lateness(memory, members, 1)
+    assert memory.islands.late.tolist() == [1, 0, 0, 0]
+    note_lateness(memory, members, 0)
+    assert memory.islands.late.tolist() == [1, 1, 1, 1]

@@ -1,0 +1,97 @@
+"""Who would meet before a plastic step ends counts in it as touching already: free to come as near as that, and no nearer.
+
+Without that the step sends bodies into one another and then stops them where they meet, and with them all who touch them.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.status import NOT_FINITE
+from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, velocity_at
+from avatarsim.kernel import kernel
+from avatarsim.loops.touching import DRIVEN, find_points
+from avatarsim.loops.upper_memory import Memory
+from avatarsim.motion.time_of_impact import STAND_OFF
+from avatarsim.spatial.vec3 import dot, norm, row, sub
+from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.geometry import Geometry, Poses
+
+Index = NDArray[np.int64]
+
+
+@kernel
+def look_ahead(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory, h: float
+) -> None:
+    """Append to ``memory.contacts`` the points of near pairs (count, 2) that do not touch, but will within h seconds.
+
+    Forces of the step are not known yet: one of two may fall while the other is held. Such points have no friction, since they do
+    not touch yet. Who finds no room is not foreseen, and stops where it meets somebody.
+    """
+    contacts = memory.contacts
+    touching, k = contacts.used[0], 0
+    for p in range(pairs.shape[0]):
+        a, b = pairs[p, 0], pairs[p, 1]
+        if k < touching and contacts.body[k, 0] == a and contacts.body[k, 1] == b:
+            while k < touching and contacts.body[k, 0] == a and contacts.body[k, 1] == b:
+                k += 1
+            continue
+        if memory.moving[a] + memory.moving[b] == 0 or dynamics.role[a] == DRIVEN or dynamics.role[b] == DRIVEN:
+            continue
+        d = sub(row(poses.position, a), row(poses.position, b))
+        pull = h * norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+        v = sub(row(velocities.linear, a), row(velocities.linear, b))
+        turns = spin(velocities, memory, a) + spin(velocities, memory, b)
+        reach = h * (norm(v) + pull + turns)
+        if memory.moving[a] == 1 and memory.moving[b] == 1:
+            apart = norm(d)
+            if apart - memory.span[a] - memory.span[b] > h * (turns + pull - dot(d, v) / apart):
+                continue
+        for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
+            for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
+                first = contacts.used[0]
+                status, _, room = find_points(
+                    geometry, dynamics, poses, velocities, memory, a, b, NOT_DRIVEN, sa, sb, reach + STAND_OFF
+                )
+                if not room or status == NOT_FINITE:
+                    return
+                if not meets(dynamics, velocities, memory, first, h):
+                    contacts.used[0] = first
+                for i in range(first, contacts.used[0]):
+                    contacts.friction[i] = 0.0
+
+
+@kernel
+def spin(velocities: Velocities, memory: Memory, b: int) -> float:
+    """Largest velocity [m/s] of a point of body b about its centre of mass."""
+    return float(norm(row(velocities.angular, b)) * memory.reach[b])
+
+
+@kernel
+def meets(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int, h: float) -> bool:
+    """Whether any contact from ``first`` on may be closed within h seconds, be it that one of its bodies falls alone."""
+    contacts = memory.contacts
+    for k in range(first, contacts.used[0]):
+        n, v, g = axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular), dynamics.gravity
+        if contacts.gap[k] + h * (dot(n, v) - h * abs(dot(n, (g[0], g[1], g[2])))) < STAND_OFF:
+            return True
+    return False
+
+
+@kernel
+def meets_driven(contacts: Contacts) -> bool:
+    """Whether anybody touches a driven body."""
+    for k in range(contacts.used[0]):
+        if contacts.driven[k] != NOT_DRIVEN:
+            return True
+    return False
+
+
+@kernel
+def of_balls(memory: Memory) -> bool:
+    """Whether whoever touches is a ball or touches one, and nobody touches a driven body."""
+    contacts = memory.contacts
+    for k in range(contacts.used[0]):
+        if memory.ball[contacts.body[k, 0]] + memory.ball[contacts.body[k, 1]] == 0 or contacts.driven[k] != NOT_DRIVEN:
+            return False
+    return True
