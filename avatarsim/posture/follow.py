@@ -10,6 +10,7 @@ from avatarsim.posture.workspace import (
     CALM,
     CLOSE,
     COUNT,
+    COUPLED,
     CROWDED,
     FRAME,
     HELD_STILL,
@@ -79,6 +80,12 @@ Without it limbs that find a better place to rest at whip there, 47 degrees in a
 CALM_SPEED, PUSHING = 1e-3, 1e-2
 """[rad or m] a tracker that moves less than the first per frame rests; one that moves more than the second is followed as fast
 as one can, whatever limbs are pressed into."""
+
+SETTLED = 0.05
+"""[rad or m] a step in contact that moves nothing farther ends the frame of an avatar that came no nearer lately: another one
+takes as long and brings a hundredth of the way, which the next frame brings as well. 0.1: limbs rest more than a millimetre short
+of a wall that turns them. Where something has just come in the way all steps are taken, or a foot that the floor caught stays
+caught."""
 
 SPEED_MEMORY = 0.8
 """Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
@@ -163,6 +170,12 @@ def stiffen(memory_out: Memory) -> None:
 
 
 @kernel
+def is_held(memory: Memory) -> bool:
+    """Whether the last step was one in contact, towards a posture that the avatar has not come a fifth nearer to of late."""
+    return bool(memory.goal.closeness.mode[COUPLED] > 0.0 and memory.flags[SLOW] > 0.0)
+
+
+@kernel
 def walk(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, steps: int, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
@@ -184,7 +197,8 @@ def walk(
                 memory_out.goal.trust[j] = min(memory_out.goal.trust[j], most)
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
-        if there or largest < ARRIVED or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
+        enough = SETTLED if is_held(memory_out) else ARRIVED
+        if there or largest < enough or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
     return largest
 
