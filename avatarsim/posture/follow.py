@@ -53,11 +53,12 @@ elsewhere: it is followed joint by joint until the avatar is there or the tracke
 long way the nearest posture is no guide: limbs that stretch get caught. Who has no joints has none, and is nearest all the way.
 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
-CROWD, SPARSE, SPARSE_FRAMES = 6, 4, 3.0
-"""Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend
-the budget on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm. It is over once no more than
-SPARSE were near in so many frames: with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home
-late."""
+CROWD, TOUCHING, SPARSE, SPARSE_FRAMES = 9, 5, 4, 3.0
+"""Near pairs of bodies in the last trial beyond which each joint goes its own way too, or more than TOUCHING of them and of pairs
+in touch: fingers that press on many things spend the budget on rows, are wedged for some frames, and then jump. Six near pairs
+alone are arms that fold before a chest, or a human who gets up: going their own way they end a twentieth farther from the user's,
+and jump twice as far; 24, and a hand in a corner jumps by 15 mm. It is over once no more than SPARSE were near in so many frames:
+with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home late."""
 
 ASTRAY = 0.85
 """[rad] root mean square excess of the tracker's joints over their limits beyond which each goes its own way as well: what is
@@ -205,9 +206,10 @@ def walk(
 
 @kernel
 def is_crowded(memory_out: Memory) -> bool:
-    """Whether many pairs of bodies are near, or were and there have not yet been frames enough with few."""
-    near, flags = memory_out.pairs.marks[NEAR_BODIES], memory_out.flags
-    if near > CROWD:
+    """Whether many pairs of bodies are near or in touch, or were and there have not yet been frames enough with few."""
+    pairs, flags = memory_out.pairs, memory_out.flags
+    near, touching = pairs.marks[NEAR_BODIES], pairs.marks[LISTED]
+    if near > CROWD or min(near, touching) > TOUCHING:
         flags[CROWDED] = SPARSE_FRAMES
     elif near <= SPARSE:
         flags[CROWDED] = max(0.0, flags[CROWDED] - 1.0)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.posture.follow import CROWD, SPARSE, is_crowded, is_held
-from avatarsim.posture.workspace import COUPLED, NEAR_BODIES, SLOW
+from avatarsim.posture.follow import CROWD, SPARSE, TOUCHING, is_crowded, is_held
+from avatarsim.posture.workspace import COUPLED, LISTED, NEAR_BODIES, SLOW
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -65,6 +65,16 @@ def test_held_is_who_touches_and_came_no_nearer() -> None:
         memory.goal.closeness.mode[COUPLED], memory.flags[SLOW] = coupled, slow
         seen.append(is_held(memory))
     assert seen == [False, False, False, True]
+
+
+@pytest.mark.nojit
+def test_fewer_make_a_crowd_when_as_many_are_in_touch() -> None:
+    memory = little(Scene("s", (), (hand(),))).memory
+    seen = []
+    for near, touching in ((TOUCHING + 1, TOUCHING), (TOUCHING, CROWD), (TOUCHING + 1, TOUCHING + 1)):
+        memory.pairs.marks[NEAR_BODIES], memory.pairs.marks[LISTED] = near, touching
+        seen.append(is_crowded(memory))
+    assert seen == [False, False, True]
 
 
 WALL = fixed("wall", (Piece(Box((2.0, 0.1, 2.0))),), "wood", (0.6, 0.35, 0.0))
