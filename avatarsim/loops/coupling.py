@@ -14,13 +14,13 @@ from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
 from avatarsim.loops.pressing import press
 from avatarsim.loops.recoil import recoil
-from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.kinematics import carry, take
 from avatarsim.posture.workspace import Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.geometry import Geometry, Poses, place
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
 Array = NDArray[np.float64]
@@ -41,7 +41,8 @@ class Springs(NamedTuple):
 
     offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press` added [m/s];
     mass (nl) [kg]; still (nd) no step; axes (nd, 3) of the tracker's posture, way (nd) the step by which its joints yield;
-    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1).
+    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only where
+    somebody asked for them.
     """
 
     settings: CouplingSettings
@@ -140,6 +141,15 @@ def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out
 
 
 @kernel
+def place_displaced(geo: Geometry, skel: Skeleton, offset: Array, poses_out: Poses) -> None:
+    """Give the links that have an offset (nl, 3) their boxes: of nobody else does anybody ask where the middle is."""
+    for link in range(skel.kind.shape[0]):
+        x = row(offset, link)
+        if dot(x, x) > 0.0:
+            place(geo, poses_out, skel.first + link)
+
+
+@kernel
 def pull(
     geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, memory: Memory, dt: float, target_out: Posture,
     velocities_out: Velocities, springs_out: Springs,
@@ -154,12 +164,13 @@ def pull(
         before, now = s.one, s.other
     else:
         before, now = s.other, s.one
-    forward(geo, skel, target_out, s.still, now, s.axes)
+    carry(skel, target_out, s.still, now, s.axes)
     # with the offsets of the last frame, which the shown poses belong to
-    press(geo, skel, dynamics, memory, shown, before, s.offset, s.mass, s.settings, dt, s.pressed)
+    press(geo, skel, dynamics, memory, shown, s.offset, s.mass, s.settings, dt, before, s.pressed)
     relax(skel, s.mass, s.settings, dt, s.offset, s.rate, target_out.root)
     for link in range(skel.kind.shape[0]):
         put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
+    place_displaced(geo, skel, s.offset, now)
     if recoil(skel, target_out, now, s.axes, s.offset, memory.goal.inverse_weight, s.way):
         take(skel, target_out, s.way)
     tracked_velocities(skel, before, now, s.rate, dt, velocities_out)

@@ -14,7 +14,7 @@ from avatarsim.posture.workspace import COUNT, Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Array, Dynamics
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.geometry import Geometry, Poses, place
 from avatarsim.world.skeleton import FREE, Skeleton
 
 
@@ -32,12 +32,12 @@ def lag(skel: Skeleton, shown: Poses, tracked: Poses, offset: Rows, link: int) -
 
 @kernel
 def press(
-    geo: Geometry, skel: Skeleton, dynamics: Dynamics, memory: Memory, shown: Poses, tracked: Poses, offset: Rows, mass: Array,
-    settings: CouplingSettings, dt: float, pressed_out: Rows,
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, memory: Memory, shown: Poses, offset: Rows, mass: Array,
+    settings: CouplingSettings, dt: float, tracked_out: Poses, pressed_out: Rows,
 ) -> None:
     """Velocities pressed (nl, 3) [m/s] that links gain in dt against the simulated bodies that held them last.
 
-    A link that several bodies hold presses on the one that holds it back most.
+    A link that several bodies hold presses on the one that holds it back most. Of tracked, boxes of these links are made here.
     """
     pressed_out[:, :] = 0.0
     rows, first = memory.rows, geo.first_shape[skel.first]
@@ -48,7 +48,8 @@ def press(
         if dynamics.role[geo.body[b]] != SIMULATED:
             continue
         link, n = geo.body[a] - skel.first, axis_of(memory, a - first, b)
-        held = dot(lag(skel, shown, tracked, offset, link), n)
+        place(geo, tracked_out, skel.first + link)
+        held = dot(lag(skel, shown, tracked_out, offset, link), n)
         if held > 0.0:
             _, gained = coupled(mass[link], settings.spring, settings.damping, scale(n, held), (0.0, 0.0, 0.0), dt)
             before = row(pressed_out, link)

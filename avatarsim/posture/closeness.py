@@ -21,6 +21,9 @@ WORN_OUT = 0.1
 """[rad or m] way of avatar and tracker after which the second derivatives are taken anew. 0: every step, 10 us more per frame
 of a human in contact; 1: limbs overshoot."""
 
+NEAR = 1.0 - 1e-12
+"""Share of the square of `far` below which an origin is nearer than that whatever the rounding, and no root is taken."""
+
 
 @kernel
 def locate(skel: Skeleton, posture: Posture, closeness_out: Closeness) -> None:
@@ -56,7 +59,7 @@ def gather(skel: Skeleton, masses: bool, closeness_out: Closeness) -> None:
     for link in range(skel.kind.shape[0]):
         # a far one pulls no harder than one at `far`, or limbs would stretch
         way = sub(row(c.there, link), row(c.here, link))
-        n = c.far[0] / max(c.far[0], norm(way))
+        n = 1.0 if dot(way, way) < NEAR * c.far[0] * c.far[0] else c.far[0] / max(c.far[0], norm(way))
         c.number[link] = n
         put_row(c.way, link, scale(way, n))
         for i in range(3):

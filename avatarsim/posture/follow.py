@@ -10,6 +10,7 @@ from avatarsim.posture.workspace import (
     CALM,
     CLOSE,
     COUNT,
+    COUPLED,
     CROWDED,
     FRAME,
     HELD_STILL,
@@ -52,11 +53,12 @@ elsewhere: it is followed joint by joint until the avatar is there or the tracke
 long way the nearest posture is no guide: limbs that stretch get caught. Who has no joints has none, and is nearest all the way.
 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
-CROWD, SPARSE, SPARSE_FRAMES = 6, 4, 3.0
-"""Near pairs of bodies in the last trial beyond which each joint goes its own way too: fingers that press on many things spend
-the budget on rows, are wedged for some frames, and then jump. 24: a hand in a corner jumps by 15 mm. It is over once no more than
-SPARSE were near in so many frames: with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home
-late."""
+CROWD, TOUCHING, SPARSE, SPARSE_FRAMES = 9, 5, 4, 3.0
+"""Near pairs of bodies in the last trial beyond which each joint goes its own way too, or more than TOUCHING of them and of pairs
+in touch: fingers that press on many things spend the budget on rows, are wedged for some frames, and then jump. Six near pairs
+alone are arms that fold before a chest, or a human who gets up: going their own way they end a twentieth farther from the user's,
+and jump twice as far; 24, and a hand in a corner jumps by 15 mm. It is over once no more than SPARSE were near in so many frames:
+with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home late."""
 
 ASTRAY = 0.85
 """[rad] root mean square excess of the tracker's joints over their limits beyond which each goes its own way as well: what is
@@ -79,6 +81,12 @@ Without it limbs that find a better place to rest at whip there, 47 degrees in a
 CALM_SPEED, PUSHING = 1e-3, 1e-2
 """[rad or m] a tracker that moves less than the first per frame rests; one that moves more than the second is followed as fast
 as one can, whatever limbs are pressed into."""
+
+SETTLED = 0.05
+"""[rad or m] a step in contact that moves nothing farther ends the frame of an avatar that came no nearer lately: another one
+takes as long and brings a hundredth of the way, which the next frame brings as well. 0.1: limbs rest more than a millimetre short
+of a wall that turns them. Where something has just come in the way all steps are taken, or a foot that the floor caught stays
+caught."""
 
 SPEED_MEMORY = 0.8
 """Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
@@ -163,6 +171,12 @@ def stiffen(memory_out: Memory) -> None:
 
 
 @kernel
+def is_held(memory: Memory) -> bool:
+    """Whether the last step was one in contact, towards a posture that the avatar has not come a fifth nearer to of late."""
+    return bool(memory.goal.closeness.mode[COUPLED] > 0.0 and memory.flags[SLOW] > 0.0)
+
+
+@kernel
 def walk(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, steps: int, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
@@ -184,16 +198,18 @@ def walk(
                 memory_out.goal.trust[j] = min(memory_out.goal.trust[j], most)
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
-        if there or largest < ARRIVED or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
+        enough = SETTLED if is_held(memory_out) else ARRIVED
+        if there or largest < enough or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
     return largest
 
 
 @kernel
 def is_crowded(memory_out: Memory) -> bool:
-    """Whether many pairs of bodies are near, or were and there have not yet been frames enough with few."""
-    near, flags = memory_out.pairs.marks[NEAR_BODIES], memory_out.flags
-    if near > CROWD:
+    """Whether many pairs of bodies are near or in touch, or were and there have not yet been frames enough with few."""
+    pairs, flags = memory_out.pairs, memory_out.flags
+    near, touching = pairs.marks[NEAR_BODIES], pairs.marks[LISTED]
+    if near > CROWD or min(near, touching) > TOUCHING:
         flags[CROWDED] = SPARSE_FRAMES
     elif near <= SPARSE:
         flags[CROWDED] = max(0.0, flags[CROWDED] - 1.0)

@@ -9,7 +9,15 @@ from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 @kernel
 def forward(geo: Geometry, skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
-    """Poses of all links at `posture` displaced by `step` (nd); world axes (nd, 3) of every degree of freedom.
+    """Poses of all links at `posture` displaced by `step` (nd), shapes and all; world axes (nd, 3) of every degree of freedom."""
+    carry(skel, posture, step, poses_out, axes_out)
+    for link in range(skel.kind.shape[0]):
+        place(geo, poses_out, skel.first + link)
+
+
+@kernel
+def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
+    """The same of positions, rotations and axes alone: a hand of many pieces takes most of its time for their vertices.
 
     Hinge: angle + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
     """
@@ -40,7 +48,6 @@ def forward(geo: Geometry, skel: Skeleton, posture: Posture, step: Rows, poses_o
                     frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
         put_row(poses_out.position, skel.first + link, origin)
         put_columns(poses_out.rotation, skel.first + link, frame)
-        place(geo, poses_out, skel.first + link)
 
 
 @kernel

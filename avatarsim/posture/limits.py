@@ -17,7 +17,8 @@ UNLIMITED_COSINE = -2.0
 """Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
 
 SURELY = 1e-10
-"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller, and rounding could let one out."""
+"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller, and rounding could let one out. It is within
+rounding of a half turn from an end that the sine of the rest cannot tell; then the angles are asked for."""
 
 INWARD = 1e-9
 """Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
@@ -72,18 +73,22 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
 def surely_inside(skel: Skeleton, link: int, turn: Columns) -> bool:
     """Whether the rotation of a ball is inside its limits beyond rounding: `cone_excess` without angles, as nearly every ball of
     every trial is. False where that is to be asked."""
-    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-    edge, twists = (skel.cone[link, 6], skel.cone[link, 7]), (skel.cone[link, 8], skel.cone[link, 9])
-    if not surely_in_cone(limb, centre, edge, twists, columns(skel.untwist, link), turn):
+    limb, t = limb_of(skel, link, turn), skel.cone
+    centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
+    probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])
+    low, high = (t[link, 16], t[link, 17]), (t[link, 18], t[link, 19])
+    if not surely_in_cone(limb, centre, edge, probe, turned(turn, untwisted), low, high):
         return False
     return not has_reach(skel, link) or is_in_reach(skel, link, limb)
 
 
 @kernel
 def surely_in_cone(
-    limb: Vec3, centre: Vec3, edge: tuple[float, float], twists: tuple[float, float], untwist: Columns, turn: Columns
+    limb: Vec3, centre: Vec3, edge: tuple[float, float], probe: Vec3, swung: Vec3, low: tuple[float, float],
+    high: tuple[float, float],
 ) -> bool:
-    """The same of the swing, whose largest has cosine and sine `edge`, and of the twist, between two angles [rad].
+    """The same of the swing, whose largest has cosine and sine `edge`, and of the twist, which takes `probe` to where `swung` is
+    once the swing is turned back; of its ends cosines and sines.
 
     It is given numbers and no skeleton: to hand over the skeleton takes longer than to answer.
     """
@@ -92,12 +97,15 @@ def surely_in_cone(
     # the sine of the angle that is left to the edge of the cone
     if not (edge[1] * cosine - edge[0] * sine > SURELY and sine > SURELY):
         return False
-    back, probe = scale(back, 1.0 / sine), any_normal(centre)
-    swung = turned(turn, turned(untwist, probe))
+    back = scale(back, 1.0 / sine)
     # turned back by the swing, whose sine and cosine are known
     left = add(add(scale(swung, cosine), scale(cross(back, swung), sine)), scale(back, (1.0 - cosine) * dot(back, swung)))
-    twist = atan2(dot(centre, cross(probe, left)), dot(probe, left))
-    return bool(twists[0] + SURELY < twist < twists[1] - SURELY)
+    x, y = dot(probe, left), dot(centre, cross(probe, left))
+    # the sines of what is left to the ends; where zero is between these only the end on the twist's own side counts
+    to_low, to_high = low[0] * y - low[1] * x, high[1] * x - high[0] * y
+    if low[1] < 0.0 < high[1]:
+        return bool((to_high if y >= 0.0 else to_low) > SURELY)
+    return bool(min(to_low, to_high) > SURELY)
 
 
 @kernel

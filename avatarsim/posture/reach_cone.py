@@ -33,19 +33,17 @@ def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
 @kernel
 def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
     """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
-    sight = row(skel.sight, link)
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
-    start = row(skel.reach_corner, first)
-    beside = dot(cross(sight, start), limb)
+    beside = dot(row(skel.reach_side, first), limb)
     for k in range(first, last):
-        end = row(skel.reach_corner, k + 1 if k + 1 < last else first)
+        following = k + 1 if k + 1 < last else first
         # the side where one triangle ends is where the next one begins
-        next_beside = dot(cross(sight, end), limb)
+        next_beside = dot(row(skel.reach_side, following), limb)
         if beside >= -ROUNDING and next_beside <= ROUNDING:
-            normal = cross(start, end)
+            normal = cross(row(skel.reach_corner, k), row(skel.reach_corner, following))
             if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
                 return True
-        start, beside = end, next_beside
+        beside = next_beside
     return False
 
 

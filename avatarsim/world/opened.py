@@ -46,7 +46,8 @@ def opened_skeleton(o: Opening) -> Skeleton:
     """The next Skeleton."""
     return Skeleton(
         whole(o), index_line(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0],
-        grid(o)[0], grid(o)[0], matrices(o)[0], index_line(o)[0], vectors(o)[0], vectors(o)[0], flag_grid(o)[0],
+        grid(o)[0], grid(o)[0], matrices(o)[0], index_line(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
+        flag_grid(o)[0],
     )
 
 

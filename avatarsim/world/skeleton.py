@@ -31,11 +31,14 @@ class Skeleton(NamedTuple):
     rest       (nl, 3, 3) link frame in the parent's at zero
     axis       (nd, 3) hinge axes in the link frame
     limits     (nd, 2) hinge limits [rad]
-    cone       (nl, 10) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
-               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits
+    cone       (nl, 20) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
+               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; what follows from these: a unit vector at
+               right angles to the centre 10:13, the same through `untwist` 13:16, cosine and sine of the twist low 16:18 and
+               high 18:20, zeros where these are beyond half a turn
     untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre in the parent's frame, after `rest`
     reach_first (nl + 1) corners of the spherical polygon of link i are reach_first[i] .. reach_first[i + 1]; none: no polygon
     reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
+    reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound what an edge spans with it
     sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
     related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
     """
@@ -52,6 +55,7 @@ class Skeleton(NamedTuple):
     untwist: Array
     reach_first: Index
     reach_corner: Array
+    reach_side: Array
     sight: Array
     related: NDArray[np.bool_]
 
@@ -70,9 +74,10 @@ def skeleton(scene: Scene) -> Skeleton:
     kind, parent, first_dof = np.zeros(nl, dtype=np.int64), np.full(nl, -1, dtype=np.int64), [0]
     axis: list[tuple[float, float, float]] = []
     limits: list[tuple[float, float]] = []
-    cone, untwist = np.zeros((nl, 10)), np.tile(np.eye(3), (nl, 1, 1))
+    cone, untwist = np.zeros((nl, 20)), np.tile(np.eye(3), (nl, 1, 1))
     cone[:, 6] = -2.0
     corners: list[list[float]] = []
+    sides: list[list[float]] = []
     reach_first, sight = [0], np.zeros((nl, 3))
     at: dict[tuple[str, str], int] = {}
     owned = [(avatar, link) for avatar in scene.avatars for link in avatar.links]
@@ -97,12 +102,14 @@ def skeleton(scene: Scene) -> Skeleton:
                 polygon = joint.cone if scene.effects.reach_cones else None
                 swing = joint.limits if scene.effects.limits else None
                 if polygon is not None:
-                    corners += (polygon.vertices @ rest).tolist()
                     sight[i] = polygon.visible_point @ rest
+                    corners += (polygon.vertices @ rest).tolist()
+                    sides += np.cross(sight[i], polygon.vertices @ rest).tolist()
                     swing = swing or wide_open(joint, polygon, rest)
                 if swing is not None:
-                    cone[i] = [*swing.axis, *(swing.centre @ rest), np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
+                    cone[i, :10] = [*swing.axis, *(swing.centre @ rest), np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
                     untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T @ rest
+                    cone[i, 10:] = twist_told(cone[i, 3:6], untwist[i], *swing.twist)
         first_dof.append(len(axis))
         reach_first.append(len(corners))
     related = np.eye(nl, dtype=np.bool_)
@@ -114,8 +121,17 @@ def skeleton(scene: Scene) -> Skeleton:
         np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
         np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
         np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
-        cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3), sight, related,
+        cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3),
+        np.array(sides, dtype=np.float64).reshape(-1, 3), sight, related,
     )
+
+
+def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
+    """What tells whether a twist is between two angles [rad] without asking for the angle: `Skeleton.cone` 10:20."""
+    aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
+    aside /= np.linalg.norm(aside)
+    ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4
+    return [*aside, *(untwist @ aside), *ends]
 
 
 def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:

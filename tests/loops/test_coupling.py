@@ -7,7 +7,8 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.impact.coupling import coupled
-from avatarsim.loops.coupling import give, give_to_roots, make_springs, relax
+from avatarsim.loops.coupling import give, give_to_roots, make_springs, place_displaced, relax
+from avatarsim.posture.kinematics import carry, forward
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -80,6 +81,23 @@ def test_a_push_that_met_nobody_is_taken_back() -> None:
     rate = pressed.copy()
     give(w.skeleton, np.zeros((3, 3)), w.dynamics.inverse_mass, pressed, rate)
     assert not rate.any()
+
+
+@pytest.mark.nojit
+def test_only_who_has_an_offset_gets_the_box_that_whole_kinematics_give() -> None:
+    w = world()
+    springs = make_springs(w.skeleton, w.dynamics, w.poses, CouplingSettings())
+    w.posture.root[0], w.posture.angle[6] = (0.3, 0.1, 0.2), 0.4
+    forward(w.geometry, w.skeleton, w.posture, springs.still, springs.one, springs.axes)
+    carry(w.skeleton, w.posture, springs.still, springs.other, springs.axes)
+    before = springs.other.hulls.copy()
+    springs.offset[1] = (0.0, 0.0, 0.01)
+    place_displaced(w.geometry, w.skeleton, springs.offset, springs.other)
+    np.testing.assert_array_equal(springs.other.rotation, springs.one.rotation)
+    np.testing.assert_array_equal(springs.other.position, springs.one.position)
+    np.testing.assert_array_equal(springs.other.hulls[2], springs.one.hulls[2])
+    np.testing.assert_array_equal(springs.other.hulls[:2], before[:2])
+    assert (before[1:] != springs.one.hulls[1:]).all()
 
 
 @pytest.mark.nojit

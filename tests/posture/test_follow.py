@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.posture.follow import CROWD, SPARSE, is_crowded
-from avatarsim.posture.workspace import NEAR_BODIES
+from avatarsim.posture.follow import CROWD, SPARSE, TOUCHING, is_crowded, is_held
+from avatarsim.posture.workspace import COUPLED, LISTED, NEAR_BODIES, SLOW
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -57,6 +57,26 @@ def test_a_crowd_lasts_until_few_were_near_in_some_frames() -> None:
     assert seen == [False, True, True, True, True, True, True, True, True, False, False, False]
 
 
+@pytest.mark.nojit
+def test_held_is_who_touches_and_came_no_nearer() -> None:
+    memory = little(Scene("s", (), (hand(),))).memory
+    seen = []
+    for coupled, slow in ((0.0, 0.0), (1.0, 0.0), (0.0, 3.0), (1.0, 3.0)):
+        memory.goal.closeness.mode[COUPLED], memory.flags[SLOW] = coupled, slow
+        seen.append(is_held(memory))
+    assert seen == [False, False, False, True]
+
+
+@pytest.mark.nojit
+def test_fewer_make_a_crowd_when_as_many_are_in_touch() -> None:
+    memory = little(Scene("s", (), (hand(),))).memory
+    seen = []
+    for near, touching in ((TOUCHING + 1, TOUCHING), (TOUCHING, CROWD), (TOUCHING + 1, TOUCHING + 1)):
+        memory.pairs.marks[NEAR_BODIES], memory.pairs.marks[LISTED] = near, touching
+        seen.append(is_crowded(memory))
+    assert seen == [False, False, True]
+
+
 WALL = fixed("wall", (Piece(Box((2.0, 0.1, 2.0))),), "wood", (0.6, 0.35, 0.0))
 
 
@@ -73,6 +93,22 @@ def test_an_arm_that_sweeps_into_a_wall_stops_at_it_slides_and_comes_back() -> N
     for _ in range(15):
         go.frame(home)
     assert go.error(home) < 1e-9
+
+
+def test_who_is_held_takes_one_step_a_frame_and_is_nearest_all_the_same() -> None:
+    go = ride(Scene("s", (WALL,), (arm(),)))
+    home, steps = go.scene.first_sample, []
+    for k in range(90):
+        share = min(1.0, k / 60)
+        go.frame(replace(home, angles=np.array([-1.2 * share, 0.0, 0.3 * share, 0.0, 0.0, 0.0])))
+        steps.append(go.record.counts["steps"])
+    touched = steps.index(2)
+    # all steps where the wall has just come in the way, one where it holds the arm back for good
+    assert steps[touched + 1] == 2 and set(steps[-60:]) == {1}
+    held = go.record.angles
+    for _ in range(60):
+        go.frame(replace(home, angles=np.array([-1.2, 0.0, 0.3, 0.0, 0.0, 0.0])))
+    assert np.abs(go.record.angles - held).max() < 1e-2
 
 
 def test_free_motion_is_followed_within_the_frame() -> None:

@@ -8,7 +8,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
-from avatarsim.world.skeleton import BALL, FREE, HINGES, RIGID, UNLIMITED, hinge_dofs, skeleton
+from avatarsim.world.skeleton import BALL, FREE, HINGES, RIGID, UNLIMITED, hinge_dofs, skeleton, twist_told
 from tests.stability.hostile import hinged_avatar, walls
 
 PIECES = (Piece(Sphere(0.1)),)
@@ -50,9 +50,18 @@ def test_ancestors_move_a_link_and_nobody_else_does() -> None:
 
 def test_cones_are_cosine_and_sine_and_undo_the_shortest_turn() -> None:
     skel = skeleton(Scene("s", avatars=(mixed(),)))
-    assert skel.cone[1] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
+    assert skel.cone[1, :10] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
     assert skel.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis)
     assert (skel.cone[[0, 2, 3, 4], 6] == -2.0).all() and (skel.untwist[0] == np.eye(3)).all()
+
+
+def test_what_follows_from_a_cone_is_at_right_angles_to_its_centre_and_of_the_ends_of_the_twist() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),)))
+    aside, untwisted = skel.cone[1, 10:13], skel.cone[1, 13:16]
+    assert aside @ skel.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)
+    assert untwisted == pytest.approx(skel.untwist[1] @ aside)
+    assert skel.cone[1, 16:] == pytest.approx([np.cos(-0.25), np.sin(-0.25), np.cos(0.75), np.sin(0.75)])
+    assert twist_told(np.array(Z), np.eye(3), -4.0, 1.0)[6:] == [0.0] * 4, "an end beyond half a turn has no sine of its own"
 
 
 def test_without_the_effect_nothing_is_limited() -> None:
