@@ -254,12 +254,11 @@ def collect(contacts: Contacts, first: int, last: int, received: Array) -> None:
 def settle(
     contacts: Contacts, masses: Masses, members: Index, hasty: bool, tolerance: float, tries: int, sweeps_cap: int, linear: Array,
     angular: Array,
-    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array, touching: int, h: float,
+    linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
 ) -> float:
     """Take away what approach is left, all contacts together and without rebound; returns the residual [m/s].
 
-    Contacts from number ``touching`` on do not touch, and may approach by their gap in ``h`` seconds. No energy is added, even if
-    the solver stops half way.
+    No energy is added, even if the solver stops half way.
     """
     count = contacts.used[0]
     for m in range(members.shape[0]):
@@ -267,7 +266,7 @@ def settle(
         put_row(linear_before, b, row(linear, b))
         put_row(angular_before, b, row(angular, b))
     for k in range(count):
-        contacts.target[k] = 0.0 if k < touching else -contacts.gap[k] / h
+        contacts.target[k] = 0.0
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     if hasty:
         left = solve_roughly(contacts, masses, 0, count, linear, angular, tolerance, tries, sweeps_cap, before, direction)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, sweeps, unsolved
-from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, push_along, velocity_at, weigh_after
+from avatarsim.impact.contacts import Contacts, axis, push_along, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.slipping import end_of_slip, slip_on
 from avatarsim.kernel import kernel
@@ -59,10 +59,6 @@ ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
 
 
-APART = 1e-6
-"""Contacts that are farther open than this [m], but for those with driven bodies, do not touch: `loops.ahead` foresees them."""
-
-
 class Care(NamedTuple):
     """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
     attempts; 1 attempt asks for `solve_roughly`."""
@@ -90,12 +86,7 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
-        if contacts.gap[k] >= APART and contacts.driven[k] == NOT_DRIVEN:
-            # the mean of both velocities may close it, whatever forces are in between
-            closing = dot(axis(contacts, k, 0), row(contacts.bend, k))
-            contacts.target[k] = max(0.0, -h * closing) - 2.0 * (contacts.gap[k] - STAND_OFF) / h - v
-            contacts.slide[k, 0], contacts.slide[k, 1] = 0.0, 0.0
-        elif v * h > HOP or v > PARTING * contacts.pace[0]:
+        if v * h > HOP or v > PARTING * contacts.pace[0]:
             contacts.target[k] = -inf
             for i in range(3):
                 contacts.impulse[k, i] = 0.0

@@ -1,13 +1,15 @@
 """Who would meet before a plastic step ends counts in it as touching already: free to come as near as that, and no nearer.
 
 Without that the step sends bodies into one another and then stops them where they meet, and with them all who touch them.
+That is done for balls. Boxes, whose corners meet elsewhere than foreseen, stop more often with it than without: a struck stack
+would hang in the air.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, velocity_at
+from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
 from avatarsim.kernel import kernel
 from avatarsim.loops.touching import DRIVEN, find_points
 from avatarsim.loops.upper_memory import Memory
@@ -74,15 +76,6 @@ def meets(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int
     for k in range(first, contacts.used[0]):
         n, v, g = axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular), dynamics.gravity
         if contacts.gap[k] + h * (dot(n, v) - h * abs(dot(n, (g[0], g[1], g[2])))) < STAND_OFF:
-            return True
-    return False
-
-
-@kernel
-def meets_driven(contacts: Contacts) -> bool:
-    """Whether anybody touches a driven body."""
-    for k in range(contacts.used[0]):
-        if contacts.driven[k] != NOT_DRIVEN:
             return True
     return False
 

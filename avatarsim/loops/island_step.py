@@ -9,12 +9,12 @@ from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import to_world
 from avatarsim.kernel import kernel
-from avatarsim.loops.ahead import look_ahead, meets_driven, of_balls
+from avatarsim.loops.ahead import look_ahead, of_balls
 from avatarsim.loops.auditing import audit, energy_of, stay
 from avatarsim.loops.clocks import arrive, depart
 from avatarsim.loops.first_event import first_event
 from avatarsim.loops.plastic import AGAIN, STALL, clog, go_or_stop
-from avatarsim.loops.responding import change_at_once, impacts, is_brisk, note_change, segment, settle_ahead
+from avatarsim.loops.responding import change_at_once, impacts, is_brisk, note_change, segment
 from avatarsim.loops.touching import BROKEN, NO_ROOM, find_contacts
 from avatarsim.loops.unsqueeze import unsqueeze
 from avatarsim.loops.upper_memory import (
@@ -115,21 +115,18 @@ def step(
     # who touches nobody flies on at no cost
     hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
     ends = hasty or is_late(memory, velocities, members)
-    looks = ends and not meets_driven(contacts)
-    at_once = looks and of_balls(memory)
+    at_once = ends and of_balls(memory)
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, ends)
     if contacts.used[0] > 0:
-        spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, not looks, switches)
+        spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, hasty, not at_once, switches)
         status = spent if spent != DONE else status
         wait(velocities, memory, members, left)
     longest = until_tail_ends(memory, members, now, left)
     if ends:
         longest = min(longest, dt / pieces_of(contacts, pairs))
     touching = contacts.used[0]
-    if looks:
+    if at_once:
         look_ahead(geometry, dynamics, poses, velocities, pairs, memory, longest)
-        if not at_once:
-            settle_ahead(velocities, memory, members, touching, longest)
     h = segment(dynamics, velocities, memory, members, longest, ends, at_once)
     if at_once:
         change_at_once(velocities, memory, members)

@@ -92,7 +92,7 @@ def impacts(
 ) -> int:
     """Resolve all impacts of this instant, ``hasty`` all at once and without rebound; returns DONE or OUT_OF_IMPACTS.
 
-    What approach these leave is ended if ``settles``; else the step does that, see `settle_ahead` and `resting.aim_at_once`.
+    What approach these leave is ended if ``settles``; else the step does that, see `resting.aim_at_once`.
     Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
@@ -128,38 +128,17 @@ def impacts(
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
     if fastest < -calm and settles:
-        settle_rest(velocities, memory, members, hasty, fastest, calm, contacts.used[0], 0.0)
+        # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
+        rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
+        few = contacts.used[0] <= MANY and not rough
+        care = care_for(memory, velocities, members, rough)
+        # forces brake what is left within a nanometre
+        tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
+        settle(
+            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps, v, w,
+            memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
+        )
     return status
-
-
-@kernel
-def settle_rest(
-    velocities: Velocities, memory: Memory, members: Index, hasty: bool, fastest: float, calm: float, touching: int, h: float
-) -> None:
-    """End what approach is left, ``fastest`` [m/s] < 0 at most; contacts from ``touching`` on may close their gap in h [s]."""
-    contacts, slow = memory.contacts, REST_SPEED * memory.contacts.pace[0]
-    # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
-    rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
-    few = contacts.used[0] <= MANY and not rough
-    care = care_for(memory, velocities, members, rough)
-    # forces brake what is left within a nanometre
-    tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
-    settle(
-        contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps,
-        velocities.linear, velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction,
-        memory.received, touching, h,
-    )
-
-
-@kernel
-def settle_ahead(velocities: Velocities, memory: Memory, members: Index, touching: int, h: float) -> None:
-    """Before a plastic step of h seconds: end all approach of contacts before number ``touching``, and what closes the others."""
-    contacts = memory.contacts
-    contacts.standing[0] = 0
-    weigh(contacts, memory.strike)
-    _, fastest = fastest_approach(contacts, velocities.linear, velocities.angular)
-    if fastest < -BRISKLY_SETTLED:
-        settle_rest(velocities, memory, members, True, fastest, BRISKLY_SETTLED, touching, h)
 
 
 @kernel
