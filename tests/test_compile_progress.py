@@ -1,14 +1,14 @@
 """What is said while kernels are compiled: how many of how many, seldom in a log, and how long it will go on."""
 
-import gc
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from avatarsim import compile_progress
 from avatarsim.compile_ahead import PARTS, compile_part
-from avatarsim.compile_progress import BAR, EVERY, Progress, kernels
-from avatarsim.linking import KernelDispatcher
+from avatarsim.compile_progress import BAR, EVERY, Progress
 
 
 class Clock:
@@ -40,10 +40,20 @@ def compiled(folder: Path, count: int) -> None:
         (folder / f"{k}.nbc").touch()
 
 
+IN_MEMORY = """
+import gc
+import avatarsim.compile_ahead
+from avatarsim.compile_progress import kernels
+from avatarsim.linking import KernelDispatcher
+made = {id(one) for one in gc.get_objects() if type(one) is KernelDispatcher and one.py_func.__module__.startswith("avatarsim.")}
+print({id(one) for one in kernels()} == made, len(made) > 500)
+"""
+
+
 def test_every_kernel_in_memory_is_known() -> None:
-    made = [one for one in gc.get_objects() if type(one) is KernelDispatcher]
-    mine = {id(one) for one in made if one.py_func.__module__.startswith("avatarsim.")}
-    assert {id(one) for one in kernels()} == mine and len(mine) > 500
+    """In a process of its own: tests may have replaced modules here, or hidden what there is from the collector."""
+    said = subprocess.run([sys.executable, "-c", IN_MEMORY], capture_output=True, text=True, check=True, timeout=120.0)
+    assert said.stdout.split() == ["True", "True"]
 
 
 def test_when_all_parts_are_compiled_all_is_done() -> None:
