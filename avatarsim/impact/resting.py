@@ -12,7 +12,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.impact.slipping import end_of_slip, slip_on
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import along, cross, dot, put_row, row, sub
+from avatarsim.spatial.vec3 import Vec3, along, cross, dot, put_row, row, sub
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -77,13 +77,28 @@ def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
 
 
 @kernel
+def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
+    """How far [m] contact k is to close, or, below 0, to open: not at all if that is lifting nobody can pay for."""
+    gap = contacts.gap[k]
+    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
+    way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
+    return 0.0 if way < 0.0 and not can_pay(contacts, k, -gap, linear) else float(way)
+
+
+@kernel
+def known_bend(contacts: Contacts, k: int, angular: Array) -> Vec3:
+    """The part [m/s^2] of the bend of contact k that comes from its arms, which turn: arms of the middle know half of it."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    return sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
+
+
+@kernel
 def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
     """Set the velocities that each contact must have after h seconds of constant force, from velocities at the start.
 
     Velocities at the end are judged with the arms of the middle, so the bend of the path is added to what is asked for, but for
     the half of the arms' own part that the middle knows already.
     """
-    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
         if v * h > HOP or v > PARTING * contacts.pace[0]:
@@ -91,13 +106,8 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
             for i in range(3):
                 contacts.impulse[k, i] = 0.0
         else:
-            gap = contacts.gap[k]
-            way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
-            if way < 0.0 and not can_pay(contacts, k, -gap, linear):
-                way = 0.0
-            a, b = contacts.body[k, 0], contacts.body[k, 1]
-            known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
-            bend = along(row(contacts.bend, k), -0.5, known)
+            way = way_to_go(contacts, k, linear)
+            bend = along(row(contacts.bend, k), -0.5, known_bend(contacts, k, angular))
             contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
             contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
             contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
@@ -110,15 +120,9 @@ def aim_at_once(contacts: Contacts, h: float, linear: Array, angular: Array) -> 
     Their paths are straight, so half of the bend of each is added, less what the arms of the middle know of it. What bends apart
     would dip on its way; it comes apart instead.
     """
-    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     for k in range(contacts.used[0]):
-        gap = contacts.gap[k]
-        way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
-        if way < 0.0 and not can_pay(contacts, k, -gap, linear):
-            way = 0.0
-        a, b = contacts.body[k, 0], contacts.body[k, 1]
-        known = sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
-        bend = sub(row(contacts.bend, k), known)
+        way = way_to_go(contacts, k, linear)
+        bend = sub(row(contacts.bend, k), known_bend(contacts, k, angular))
         contacts.target[k] = max(0.0, -0.5 * h * dot(axis(contacts, k, 0), bend)) - max(-LIFT * contacts.pace[0], way / h)
         contacts.slide[k, 0] = -0.5 * h * dot(axis(contacts, k, 1), bend)
         contacts.slide[k, 1] = -0.5 * h * dot(axis(contacts, k, 2), bend)
