@@ -8,17 +8,18 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import cast
+from typing import TextIO, cast
 
 import numba
 import numpy as np
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
-from avatarsim.compile_progress import Progress, Say
+from avatarsim.compile_progress import Compiled
 from avatarsim.engine import Settings
 from avatarsim.kernel import ROOT, cache_folder, config
 from avatarsim.linking import KernelDispatcher
+from avatarsim.progress import Progress
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -97,31 +98,36 @@ def turn(stamp: Path) -> Iterator[None]:
         yield
 
 
-def compile_everything(say: Say = print) -> bool:
-    """Compile what is not compiled yet; False if a part failed, which then compiles when it is first used."""
+def compile_everything(stream: TextIO | None = None) -> bool:
+    """Compile what is not compiled yet and say how far it is, on the standard output unless told otherwise; False if a part
+    failed, which then compiles when it is first used."""
     stamp = compiled_stamp()
     if stamp is None or stamp.exists():
         return True
-    say("compiling the engine's kernels: once, half a minute to two minutes on 2 cores")
+    stream = stream or sys.stdout
+    print("compiling the engine's kernels: once, half a minute to two minutes on 2 cores", file=stream, flush=True)
     with turn(stamp):
         if stamp.exists():
             return True
-        good = run_shares(SHARES, say)
+        good = run_shares(SHARES, stream)
         if good:
             stamp.touch()
     return good
 
 
-def run_shares(shares: tuple[tuple[str, ...], ...], say: Say) -> bool:
+def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
     """Compile shares in child processes and say how far they are; False if one of them failed."""
-    command, progress = [sys.executable, "-m", "avatarsim", "--parts"], Progress(say)
+    command, compiled = [sys.executable, "-m", "avatarsim", "--parts"], Compiled()
     children = [subprocess.Popen([*command, *share], cwd=ROOT.parent) for share in shares]
-    while any(child.poll() is None for child in children):
-        progress.show()
-        time.sleep(LOOK)
+    with Progress("compiling", stream) as progress:
+        while any(child.poll() is None for child in children):
+            if progress.due:
+                done = compiled.done()
+                progress.step(done / compiled.total, compiled.told(done))
+            time.sleep(LOOK)
+    print(f"  {compiled.done()} kernels compiled in {compiled.clock() - compiled.begun:.0f} s", file=stream)
     codes = [child.returncode for child in children]
-    progress.end()
     for share, code in zip(shares, codes, strict=True):
         if code != 0:
-            say(f"  {', '.join(share)}: failed with code {code}")
+            print(f"  {', '.join(share)}: failed with code {code}", file=stream)
     return not any(codes)

@@ -12,14 +12,6 @@ from pathlib import Path
 from avatarsim.kernel import ROOT
 from avatarsim.linking import KernelDispatcher
 
-Say = Callable[[str], None]
-
-EVERY = 5.0
-"""[s] between two lines where lines stay; shorter fills logs."""
-
-BAR = 40
-"""Characters of the bar where a line can be written over."""
-
 
 def kernels() -> list[KernelDispatcher]:
     """Every kernel that a module of the package holds; nearly all are compiled for one signature, so there are as many files."""
@@ -28,16 +20,14 @@ def kernels() -> list[KernelDispatcher]:
     return list({id(one): one for one in held}.values())
 
 
-class Progress:
-    """What is said while kernels are compiled: one line that is written over on a terminal, otherwise a line now and then."""
+class Compiled:
+    """The kernels of the package, and how many of them are compiled by now."""
 
-    def __init__(self, say: Say, clock: Callable[[], float] = time.monotonic, terminal: bool | None = None) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         found = kernels()
-        self.say, self.clock = say, clock
-        self.terminal = say is print and sys.stdout.isatty() if terminal is None else terminal
+        self.clock = clock
         self.total, self.folders = len(found), {one.folder for one in found}
-        self.kept = self.done()
-        self.begun = self.said = clock()
+        self.kept, self.begun = self.done(), clock()
 
     def done(self) -> int:
         """Kernels on disk, at most as many as there are."""
@@ -48,24 +38,8 @@ class Progress:
         new = done - self.kept
         return (self.total - done) * (self.clock() - self.begun) / new if new else float("inf")
 
-    def show(self) -> None:
-        """Say how far it is, if that is due."""
-        if self.terminal:
-            done = self.done()
-            filled = BAR * done // self.total
-            print(f"\r  [{'#' * filled}{'.' * (BAR - filled)}] {self.line(done)}\033[K", end="", flush=True)
-        elif self.clock() - self.said >= EVERY:
-            self.said = self.clock()
-            self.say(f"  {self.line(self.done())}")
-
-    def line(self, done: int) -> str:
+    def told(self, done: int) -> str:
         """So many of so many, and the time that is left; not before a tenth is done, for the first ones say little."""
         told = f"{done} of {self.total} kernels"
         tells = done - self.kept >= self.total // 10 and done < self.total
         return f"{told}, about {self.left(done):.0f} s left" if tells else told
-
-    def end(self) -> None:
-        """Say how long it took."""
-        if self.terminal:
-            print("\r\033[K", end="", flush=True)
-        self.say(f"  {self.done()} kernels compiled in {self.clock() - self.begun:.0f} s")

@@ -3,7 +3,6 @@
 A module at fault is left to the child that needs it, which fails where it is used and says so.
 """
 
-import gc
 from contextlib import suppress
 from importlib import import_module
 
@@ -41,12 +40,4 @@ def preload() -> None:
             part()
 
 
-def settle() -> None:
-    """Keep the collector of every child away from what is here already, which none of them can free: going through all of it
-    again and again is a seventh of what a short run costs."""
-    gc.collect()
-    gc.freeze()
-
-
 preload()
-settle()

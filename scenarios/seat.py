@@ -9,7 +9,7 @@ from avatarsim.engine import Engine
 from avatarsim.scene.scene import Scene
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.processes import begin, ended, quiet
+from scenarios.processes import begin, ended, quiet, spare_the_collector
 from scenarios.run import described
 from scenarios.scenario import Motion, Scenario
 
@@ -59,6 +59,7 @@ def _serve(connection: Connection) -> None:
     """Life of one timed engine: for each job that comes in, a load, and once it is told to go, its frames; each is answered with
     the seconds it took. None ends it."""
     quiet()
+    spare_the_collector()
     last: tuple[Job, Asked] | None = None
     try:
         while (order := connection.recv()) is not None:

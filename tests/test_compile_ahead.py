@@ -1,6 +1,7 @@
 """Kernels compiled ahead: once, by one process, and never taken for done when a part failed."""
 
 import gc
+import io
 from pathlib import Path
 
 import pytest
@@ -40,22 +41,22 @@ def test_a_scene_with_posture_and_motion_calls_nothing_that_these_do_not() -> No
 
 def test_all_parts_are_compiled_once(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[str, ...]] = []
-    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, say: asked.extend(shares) or True)
-    said: list[str] = []
-    assert compile_everything(said.append) and stamp.exists() and len(said) == 1
+    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, stream: asked.extend(shares) or True)
+    said = io.StringIO()
+    assert compile_everything(said) and stamp.exists() and said.getvalue().count("\n") == 1
     assert asked == list(SHARES)
-    assert compile_everything(said.append) and len(said) == 1 and asked == list(SHARES)
+    assert compile_everything(said) and said.getvalue().count("\n") == 1 and asked == list(SHARES)
 
 
 def test_a_part_that_fails_leaves_no_stamp(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, say: False)
-    assert not compile_everything(lambda line: None) and not stamp.exists()
+    monkeypatch.setattr(compile_ahead, "run_shares", lambda shares, stream: False)
+    assert not compile_everything(io.StringIO()) and not stamp.exists()
 
 
 def test_a_failing_child_is_reported_by_its_code(capfd: pytest.CaptureFixture[str]) -> None:
-    said: list[str] = []
-    assert not run_shares((("no-such-part",),), said.append)
-    assert said[-1] == "  no-such-part: failed with code 2"
+    said = io.StringIO()
+    assert not run_shares((("no-such-part",),), said)
+    assert said.getvalue().splitlines()[-1] == "  no-such-part: failed with code 2"
     assert "invalid choice: 'no-such-part'" in capfd.readouterr().err
 
 

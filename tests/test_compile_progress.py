@@ -1,4 +1,4 @@
-"""What is said while kernels are compiled: how many of how many, seldom in a log, and how long it will go on."""
+"""How many kernels of how many are compiled, and how long the rest takes."""
 
 import subprocess
 import sys
@@ -8,7 +8,7 @@ import pytest
 
 from avatarsim import compile_progress
 from avatarsim.compile_ahead import PARTS, compile_part
-from avatarsim.compile_progress import BAR, EVERY, Progress
+from avatarsim.compile_progress import Compiled
 
 
 class Clock:
@@ -59,40 +59,27 @@ def test_every_kernel_in_memory_is_known() -> None:
 def test_when_all_parts_are_compiled_all_is_done() -> None:
     for part in PARTS:
         compile_part(part)
-    progress = Progress(lambda line: None)
-    assert progress.done() > 0.95 * progress.total
+    found = Compiled()
+    assert found.done() > 0.95 * found.total
 
 
-def test_a_line_now_and_then_where_lines_stay(folder: Path) -> None:
-    said: list[str] = []
+def test_the_time_left_is_told_once_a_tenth_is_done(folder: Path) -> None:
     clock = Clock()
-    progress = Progress(said.append, clock)
-    progress.show()
-    clock.now = EVERY
-    progress.show()
-    progress.show()
-    assert said == ["  0 of 20 kernels"]
+    found = Compiled(clock)
+    assert found.told(found.done()) == "0 of 20 kernels"
+    clock.now = 10.0
+    compiled(folder, 1)
+    assert found.told(found.done()) == "1 of 20 kernels"
     compiled(folder, 5)
-    clock.now = 2.0 * EVERY
-    progress.show()
-    assert said[1:] == [f"  5 of 20 kernels, about {15 * clock.now / 5:.0f} s left"]
+    assert found.told(found.done()) == "5 of 20 kernels, about 30 s left"
     compiled(folder, 25)
-    progress.end()
-    assert said[2:] == [f"  20 kernels compiled in {clock.now:.0f} s"]
+    assert found.told(found.done()) == "20 of 20 kernels"
 
 
 def test_what_was_kept_counts_as_done_but_not_as_fast(folder: Path) -> None:
     compiled(folder, 10)
     clock = Clock()
-    progress = Progress(lambda line: None, clock)
-    assert progress.left(10) == float("inf")
+    found = Compiled(clock)
+    assert found.left(10) == float("inf")
     clock.now = 4.0
-    assert progress.left(15) == 4.0
-
-
-def test_a_bar_is_written_over_on_a_terminal(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    progress = Progress(print, Clock(), terminal=True)
-    compiled(folder, 10)
-    progress.show()
-    shown = capsys.readouterr().out
-    assert shown.startswith("\r") and "\n" not in shown and f"[{'#' * (BAR // 2)}{'.' * (BAR // 2)}] 10 of 20" in shown
+    assert found.left(15) == 4.0

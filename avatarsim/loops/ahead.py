@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
 from avatarsim.kernel import kernel
-from avatarsim.loops.touching import DRIVEN, find_points
+from avatarsim.loops.touching import BROKEN, DRIVEN, FOUND, NO_ROOM, find_points
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import STAND_OFF
 from avatarsim.spatial.vec3 import dot, norm, row, sub
@@ -24,11 +24,13 @@ Index = NDArray[np.int64]
 @kernel
 def look_ahead(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory, h: float
-) -> None:
-    """Append to ``memory.contacts`` the points of near pairs (count, 2) that do not touch, but will within h seconds.
+) -> int:
+    """Append to ``memory.contacts`` the points of near pairs (count, 2) of a ball that do not touch, but will within h seconds.
 
     Forces of the step are not known yet: one of two may fall while the other is held. Such points have no friction, since they do
     not touch yet. Who finds no room is not foreseen, and stops where it meets somebody.
+
+    Returns an outcome as `find_contacts` does.
     """
     contacts = memory.contacts
     touching, k = contacts.used[0], 0
@@ -37,6 +39,8 @@ def look_ahead(
         if k < touching and contacts.body[k, 0] == a and contacts.body[k, 1] == b:
             while k < touching and contacts.body[k, 0] == a and contacts.body[k, 1] == b:
                 k += 1
+            continue
+        if memory.ball[a] + memory.ball[b] == 0:
             continue
         if memory.moving[a] + memory.moving[b] == 0 or dynamics.role[a] == DRIVEN or dynamics.role[b] == DRIVEN:
             continue
@@ -55,12 +59,15 @@ def look_ahead(
                 status, _, room = find_points(
                     geometry, dynamics, poses, velocities, memory, a, b, NOT_DRIVEN, sa, sb, reach + STAND_OFF
                 )
-                if not room or status == NOT_FINITE:
-                    return
+                if status == NOT_FINITE:
+                    return BROKEN
+                if not room:
+                    return NO_ROOM
                 if not meets(dynamics, velocities, memory, first, h):
                     contacts.used[0] = first
                 for i in range(first, contacts.used[0]):
                     contacts.friction[i] = 0.0
+    return FOUND
 
 
 @kernel

@@ -126,7 +126,9 @@ def step(
         longest = min(longest, dt / pieces_of(contacts, pairs))
     touching = contacts.used[0]
     if at_once:
-        look_ahead(geometry, dynamics, poses, velocities, pairs, memory, longest)
+        # without room they are stopped later, as all were before
+        if look_ahead(geometry, dynamics, poses, velocities, pairs, memory, longest) == BROKEN:
+            return NOT_FINITE
     h = segment(dynamics, velocities, memory, members, longest, ends, at_once)
     if at_once:
         change_at_once(velocities, memory, members)

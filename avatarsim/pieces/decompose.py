@@ -13,8 +13,8 @@ import numpy as np
 
 from avatarsim.errors import InvalidShape, MissingPackage
 from avatarsim.pieces.mesh import Array, Mesh
-from avatarsim.pieces.progress import Progress
 from avatarsim.pieces.wishes import Wishes
+from avatarsim.progress import Progress
 
 ROOT = Path(__file__).resolve().parents[2]
 """The folder that the package lies in, from which the process can import it."""

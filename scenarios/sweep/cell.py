@@ -48,5 +48,5 @@ class Cell:
     @cached_property
     def time_key(self) -> str:
         """What its times hang on: besides, the processor and how frames are timed."""
-        about = f"{cpu()} {sources([find('scenarios.timing')])}"
+        about = f"{cpu()} {sources([find('scenarios.sweep.clock')])}"
         return f"{key_of(replace(self.job, frames=self.timed_frames))}-{crc32(about.encode()):08x}"

@@ -7,6 +7,7 @@ from avatarsim.impact.resting import aim_at_once
 from avatarsim.loops.ahead import look_ahead, of_balls
 from avatarsim.loops.clocks import depart, go_back
 from avatarsim.loops.responding import change_at_once, note_change
+from avatarsim.loops.touching import FOUND, NO_ROOM, find_contacts
 from avatarsim.loops.upper_memory import PLASTIC
 from avatarsim.loops.waking import begin, regroup
 from avatarsim.motion.path import FREE, HELD
@@ -21,7 +22,8 @@ def foreseen(bodies: list, pairs: list, h: float = H) -> World:
     world = World(bodies, 0.0, 0.5)
     world.memory.moving[:] = [name != "slab" for name in (body.name for body in bodies)]
     world.memory.contacts.used[0] = 0
-    look_ahead(world.geometry, world.dynamics, world.poses, world.velocities, np.array(pairs), world.memory, h)
+    near = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    look_ahead(world.geometry, world.dynamics, world.poses, world.velocities, near, world.memory, h)
     return world
 
 
@@ -47,12 +49,30 @@ def test_a_body_may_fall_on_one_that_is_held() -> None:
         assert foreseen(bodies, [[1, 2]]).memory.contacts.used[0] == found
 
 
-def test_a_box_that_falls_flat_is_foreseen_with_its_corners() -> None:
-    world = foreseen([slab(), thing("box", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.11), velocity=(0.0, 0.0, -1.0))], [[0, 1]])
-    contacts = world.memory.contacts
-    assert contacts.used[0] == 4
-    np.testing.assert_allclose(contacts.gap[:4], 0.01)
-    assert not of_balls(world.memory)
+def test_a_box_is_foreseen_by_balls_alone() -> None:
+    box = thing("box", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.11), velocity=(0.0, 0.0, -1.0))
+    comer = ball("ball", (0.21, 0.0, 0.11), velocity=(-1.0, 0.0, 0.0))
+    contacts = foreseen([slab(), box, comer], [[0, 1], [1, 2]]).memory.contacts
+    assert contacts.used[0] == 1 and contacts.body[0].tolist() == [1, 2]
+    assert contacts.gap[0] == pytest.approx(0.01)
+
+
+def test_a_table_that_is_full_is_said() -> None:
+    world = World([slab(), ball("a", (0.0, 0.0, 1.0)), ball("b", (0.2, 0.0, 1.0), velocity=(-1.0, 0.0, 0.0))], 0.0)
+    memory, pairs = world.memory, np.array([[1, 2]])
+    memory.moving[1:] = 1
+    outcomes = []
+    for used in (memory.contacts.gap.shape[0], 0):
+        memory.contacts.used[0] = used
+        outcomes.append(look_ahead(world.geometry, world.dynamics, world.poses, world.velocities, pairs, memory, H))
+    assert outcomes == [NO_ROOM, FOUND]
+
+
+def test_only_balls_take_one_solve() -> None:
+    world = foreseen([slab(), ball("a", (0.0, 0.0, 0.1)), thing("box", Box((0.2, 0.2, 0.2)), (1.0, 0.0, 0.1))], [])
+    for pairs, found in (([[0, 1]], True), ([[0, 1], [0, 2]], False)):
+        find_contacts(world.geometry, world.dynamics, world.poses, world.velocities, np.array(pairs), world.memory)
+        assert world.memory.contacts.used[0] > 0 and of_balls(world.memory) == found
 
 
 @pytest.mark.nojit

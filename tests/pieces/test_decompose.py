@@ -9,8 +9,8 @@ import pytest
 from avatarsim.errors import InvalidShape, MissingPackage
 from avatarsim.pieces import decompose
 from avatarsim.pieces.decompose import decomposed
-from avatarsim.pieces.progress import Progress
 from avatarsim.pieces.wishes import Wishes
+from avatarsim.progress import Progress
 from tests.pieces.solids import ell, mesh
 
 ELL = mesh(ell(), "ell.obj")

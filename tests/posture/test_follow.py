@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.posture.follow import CROWD, SPARSE, TOUCHING, is_crowded, is_held
-from avatarsim.posture.workspace import COUPLED, LISTED, NEAR_BODIES, SLOW
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -22,7 +20,7 @@ from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from reference.judge import Judge
-from tests.posture.little_worlds import X, Y, at, hand, hand_scene, little, panel, piece
+from tests.posture.little_worlds import X, Y, at, hand, hand_scene, panel, piece
 from tests.posture.ride import ride
 from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
 
@@ -44,37 +42,6 @@ def arm() -> Avatar:
             Link("palm", "fore", hinges, piece(0.1), mass, anchor=(0.0, 0.0, 0.4)),
         ),
     )
-
-
-@pytest.mark.nojit
-def test_a_crowd_lasts_until_few_were_near_in_some_frames() -> None:
-    memory = little(Scene("s", (), (hand(),))).memory
-    seen = []
-    for near in (CROWD, CROWD + 1, CROWD, SPARSE, SPARSE, CROWD + 1, SPARSE, CROWD, SPARSE, SPARSE, CROWD, SPARSE):
-        memory.pairs.marks[NEAR_BODIES] = near
-        seen.append(is_crowded(memory))
-    # three frames with few, those with some not counted; then it takes a crowd again
-    assert seen == [False, True, True, True, True, True, True, True, True, False, False, False]
-
-
-@pytest.mark.nojit
-def test_held_is_who_touches_and_came_no_nearer() -> None:
-    memory = little(Scene("s", (), (hand(),))).memory
-    seen = []
-    for coupled, slow in ((0.0, 0.0), (1.0, 0.0), (0.0, 3.0), (1.0, 3.0)):
-        memory.goal.closeness.mode[COUPLED], memory.flags[SLOW] = coupled, slow
-        seen.append(is_held(memory))
-    assert seen == [False, False, False, True]
-
-
-@pytest.mark.nojit
-def test_fewer_make_a_crowd_when_as_many_are_in_touch() -> None:
-    memory = little(Scene("s", (), (hand(),))).memory
-    seen = []
-    for near, touching in ((TOUCHING + 1, TOUCHING), (TOUCHING, CROWD), (TOUCHING + 1, TOUCHING + 1)):
-        memory.pairs.marks[NEAR_BODIES], memory.pairs.marks[LISTED] = near, touching
-        seen.append(is_crowded(memory))
-    assert seen == [False, False, True]
 
 
 WALL = fixed("wall", (Piece(Box((2.0, 0.1, 2.0))),), "wood", (0.6, 0.35, 0.0))

@@ -8,20 +8,17 @@ import pytest
 from scenarios import preloaded
 
 SAID = """
-import gc
 import sys
 import scenarios.preloaded
 needed = ("scenarios.run", "reference.judge", "reference.targets", "scenarios.catalog.ball_drop")
 engines = ("mujoco", "pybullet", "avatarsim.simulator", "reference.in_mujoco.engine", "reference.in_pybullet.engine")
 print(all(name in sys.modules for name in needed), any(name in sys.modules for name in engines))
-frozen = gc.get_freeze_count()
-print(frozen > 10 * len(gc.get_objects()))
 """
 
 
-def test_what_is_needed_is_loaded_and_no_engine_and_no_collector_goes_through_it() -> None:
+def test_what_is_needed_is_loaded_and_no_engine() -> None:
     said = subprocess.run([sys.executable, "-c", SAID], capture_output=True, text=True, check=True, timeout=120.0)
-    assert said.stdout.split() == ["True", "False", "True"]
+    assert said.stdout.split() == ["True", "False"]
 
 
 def test_a_module_at_fault_is_left_to_who_needs_it(monkeypatch: pytest.MonkeyPatch) -> None:

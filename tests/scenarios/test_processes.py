@@ -1,5 +1,6 @@
 """Children that answer, raise, die and dawdle."""
 
+import gc
 import os
 import signal
 import time
@@ -20,6 +21,8 @@ def act(word: str) -> str:
         time.sleep(60.0)
     if word == "print":
         print("SPOKEN")
+    if word == "collector":
+        return str(gc.get_freeze_count() > len(gc.get_objects()))
     if word == "threads":
         return ",".join(os.environ.get(name, "-") for name in THREADS)
     return f"{word} {os.getpid()}"
@@ -33,7 +36,7 @@ act.__module__ = "tests.scenarios.test_processes"
 def found() -> dict[str, str | Died]:
     from tests.scenarios import test_processes
 
-    words = ["one", "raise", "die", "two", "leave", "print", "threads", "dawdle"]
+    words = ["one", "raise", "die", "two", "leave", "print", "threads", "collector", "dawdle"]
     return dict(Pool(test_processes.act, 3, patience=8.0).results(words))
 
 
@@ -52,6 +55,10 @@ def test_who_does_not_answer_has_died_of_something(found: dict[str, str | Died],
 def test_children_run_on_one_thread_and_the_parent_keeps_its_own(found: dict[str, str | Died]) -> None:
     assert found["threads"] == ",".join("1" for _ in THREADS)
     assert [os.environ.get(name) for name in THREADS] != ["1"] * len(THREADS) or os.environ.get("OMP_NUM_THREADS") == "1"
+
+
+def test_children_do_not_collect_what_their_mother_loaded(found: dict[str, str | Died]) -> None:
+    assert found["collector"] == "True"
 
 
 def test_tidy_tasks_share_processes_until_one_fails() -> None:

@@ -6,7 +6,7 @@ from typing import Self, TextIO
 
 QUIET_FOR = 1.0
 """Seconds of work before anything is said."""
-LINE_EVERY = 10.0
+LINE_EVERY = 5.0
 """Seconds between lines where there is no terminal."""
 BAR_EVERY = 0.1
 """Seconds between two drawings of the bar."""
@@ -26,6 +26,11 @@ class Progress:
 
     def __enter__(self) -> Self:
         return self
+
+    @property
+    def due(self) -> bool:
+        """Whether anything would be said now: for those to whom finding out takes long."""
+        return self.stream is not None and time.monotonic() >= self.next
 
     def step(self, share: float, what: str) -> None:
         """`share` from 0 to 1 is done, and `what` is being done."""

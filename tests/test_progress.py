@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from avatarsim.pieces.progress import Progress
+from avatarsim.progress import Progress
 
 
 class Clock:
@@ -25,7 +25,7 @@ class Terminal(io.StringIO):
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
-    monkeypatch.setattr("avatarsim.pieces.progress.time", clock)
+    monkeypatch.setattr("avatarsim.progress.time", clock)
     return clock
 
 
@@ -41,7 +41,7 @@ def test_lines_without_a_terminal(clock: Clock) -> None:
     stream = io.StringIO()
     run(stream, clock)
     lines = stream.getvalue().splitlines()
-    assert len(lines) == 3 and lines[0].split() == ["decomposing", "duck.obj", "2", "%", "1.0", "s", "1", "parts"]
+    assert len(lines) == 5 and lines[0].split() == ["decomposing", "duck.obj", "2", "%", "1.0", "s", "1", "parts"]
 
 
 def test_a_bar_on_a_terminal_that_is_wiped_at_the_end(clock: Clock) -> None:
@@ -56,6 +56,9 @@ def test_short_work_and_no_stream_say_nothing(clock: Clock) -> None:
     stream = io.StringIO()
     with Progress("quick", stream) as progress:
         clock.now += 0.9
+        assert not progress.due and not Progress("quick", None).due
         progress.step(0.5, "x")
-    assert stream.getvalue() == ""
+        assert stream.getvalue() == ""
+        clock.now += 0.1
+        assert progress.due
     run(None, clock)
