@@ -150,7 +150,11 @@ def _number(raw: object) -> float | None:
 
 def _text(raw: object) -> str:
     """Text without what XML forbids and terminals act upon: messages of crashed engines hold anything."""
-    return "".join(sign for sign in str(raw) if sign in "\n\t" or (sign.isprintable() and not "\ud800" <= sign <= "\udfff"))
+    text = str(raw)
+    # nearly all of them, and asked at once
+    if text.isprintable():
+        return text
+    return "".join(sign for sign in text if sign in "\n\t" or (sign.isprintable() and not "\ud800" <= sign <= "\udfff"))
 
 
 def _row(raw: Mapping[str, object]) -> Row:

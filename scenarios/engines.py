@@ -1,8 +1,10 @@
 """Engines by name: four that the project knows, and whatever joined through the entry-point group."""
 
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from functools import cache
 from importlib import import_module, metadata
 from multiprocessing import parent_process
 
@@ -37,8 +39,14 @@ def known() -> dict[str, str]:
     """Every engine that can be asked for: name -> "module:class", ours first, then in order of name.
 
     An entry point may not take the name of an engine that is built in."""
-    joined = {entry.name: entry.value for entry in metadata.entry_points(group=GROUP)}
+    joined = _joined(tuple(sys.path))
     return {**BUILT_IN, **{name: joined[name] for name in sorted(joined) if name not in BUILT_IN}}
+
+
+@cache
+def _joined(path: tuple[str, ...]) -> dict[str, str]:
+    """The entry points of every package on a path: looked for once, since every package there is asked."""
+    return {entry.name: entry.value for entry in metadata.entry_points(group=GROUP)}
 
 
 @contextmanager

@@ -54,6 +54,7 @@ def hash_of_sources(root: Path) -> str:
     return digest.hexdigest()
 
 
+@cache
 def version(package: str) -> str | None:
     """Version of an installed distribution, None when there is none."""
     try:
