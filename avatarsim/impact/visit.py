@@ -50,13 +50,14 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
     impulse, rows, motion, body, driven = contacts.impulse, contacts.rows, contacts.motion, contacts.body, contacts.driven
     standing, worst, square = contacts.standing[0], 0.0, 0.0
     for turn in range(last - first):
-        k = last - 1 - turn if back else first + turn
+        # an index that cannot be negative is not counted from the end: four operations less for every array
+        k = max(0, last - 1 - turn if back else first + turn)
         held = row(impulse, k)
         if not back:
             put_row(before, k, held)
         if rows[k, TARGET] == -inf:
             continue
-        a, b = body[k, 0], body[k, 1]
+        a, b = max(0, body[k, 0]), max(0, body[k, 1])
         rough = rows[k, FRICTION] if grip else 0.0
         if rough > 0.0:
             short, short_x, short_y = wishes(rows, k, motion, a, b)
@@ -93,7 +94,8 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
 def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: Array, direction: Array) -> None:
     """All go on by ``beta`` times the way of last time; ``direction`` becomes that and the way since ``before``."""
     impulse, rows, motion, body = contacts.impulse, contacts.rows, contacts.motion, contacts.body
-    for k in range(first, last):
+    for turn in range(last - first):
+        k = max(0, first + turn)
         if rows[k, TARGET] == -inf:
             continue
         held = row(impulse, k)
