@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, push_all, speed_along
 from avatarsim.impact.masses import Masses
-from avatarsim.impact.solver_rows import lay_out
+from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, row
@@ -92,16 +92,26 @@ def sweeps(
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
+    lay_out(contacts, masses, first, last, linear, angular)
+    worst, ended = passes(contacts, first, last, tolerance, cap, grip, before, direction)
+    take_motion(contacts, first, last, linear, angular)
+    return worst, ended
+
+
+@kernel
+def passes(
+    contacts: Contacts, first: int, last: int, tolerance: float, cap: int, grip: bool, before: Array, direction: Array
+) -> tuple[float, bool]:
+    """`sweeps` of contacts that are laid out."""
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
     least, stale = inf, 0
     for k in range(first, last):
         points += 1 if contacts.target[k] != -inf else 0
     of_face = points <= POINTS_OF_FACE and tolerance > EXACT
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
-    lay_out(contacts, masses, first, last)
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        worst, _ = visit_all(contacts, first, last, False, grip, linear, angular, before)
+        worst, _ = visit_all(contacts, first, last, False, grip, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
@@ -115,12 +125,12 @@ def sweeps(
             if not (best < 0.5 * earlier):
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        _, square = visit_all(contacts, first, last, True, grip, linear, angular, before)
+        _, square = visit_all(contacts, first, last, True, grip, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        go_on_along(contacts, first, last, beta, linear, angular, before, direction)
+        go_on_along(contacts, first, last, beta, before, direction)
     return worst, False
 
 

@@ -25,8 +25,8 @@ corners, each of which belongs to two."""
 POINTS_OF_PAIR = 16
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
-ROW = 72
-"""Numbers of a contact that a pass of the solver reads: nine lines of the cache."""
+ROW, MOTION = 104, 8
+"""Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""
 
 EARTH = 9.8
 """Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
@@ -63,7 +63,7 @@ class Contacts(NamedTuple):
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): what speeds that count as slow are multiplied by, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW) what a pass of the solver reads, see `impact.solver_rows`.
+    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `impact.solver_rows`.
     """
 
     used: Index
@@ -101,6 +101,7 @@ class Contacts(NamedTuple):
     pace: Array
     approach: Array
     rows: Array
+    motion: Array
 
 
 def pace_of(gravity: Array) -> float:
@@ -110,8 +111,8 @@ def pace_of(gravity: Array) -> float:
     return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
 
 
-def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
-    """Allocate room for ``cap`` contact points."""
+def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Contacts:
+    """Allocate room for ``cap`` contact points of so many ``bodies``."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
@@ -123,7 +124,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0) -> Contacts:
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
-        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)),
+        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
     )
 
 

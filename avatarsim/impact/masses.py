@@ -20,14 +20,25 @@ class Masses(NamedTuple):
 
 
 @kernel
+def is_diagonal(tensors: Array, b: int) -> bool:
+    """Whether tensor b of (nb, 3, 3) is given along its principal axes: those of balls and boxes are."""
+    upper = (tensors[b, 0, 1] == 0.0) & (tensors[b, 0, 2] == 0.0) & (tensors[b, 1, 2] == 0.0)
+    return bool(upper & (tensors[b, 1, 0] == 0.0) & (tensors[b, 2, 0] == 0.0) & (tensors[b, 2, 1] == 0.0))
+
+
+@kernel
 def to_world(body_axes: Array, rotation: Array, b: int, world_out: Array) -> None:
     """world[b] = R M R^T for the tensor M of body b in its own axes; all arrays (nb, 3, 3)."""
+    diagonal = is_diagonal(body_axes, b)
     for i in range(3):
         for k in range(i, 3):
             total = 0.0
             for x in range(3):
-                for y in range(3):
-                    total += rotation[b, i, x] * body_axes[b, x, y] * rotation[b, k, y]
+                if diagonal:
+                    total += rotation[b, i, x] * body_axes[b, x, x] * rotation[b, k, x]
+                else:
+                    for y in range(3):
+                        total += rotation[b, i, x] * body_axes[b, x, y] * rotation[b, k, y]
             world_out[b, i, k] = total
             world_out[b, k, i] = total
 

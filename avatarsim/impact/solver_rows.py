@@ -1,6 +1,7 @@
 """What a pass of the contact solver reads of a contact, in one row of memory and scaled so that little is left to multiply.
 
-The contacts of a pass wait for one another's velocities, so what counts is how few operations follow each other.
+A row has its numbers in fours, which a pass takes at a time (`impact.four_at_once`); what the normal alone needs comes first,
+since many contacts have no friction. Velocities lie in fours as well while passes go on.
 """
 
 import numpy as np
@@ -9,20 +10,31 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts, axis
 from avatarsim.impact.masses import Masses
 from avatarsim.kernel import kernel
-from avatarsim.spatial.vec3 import Vec3, row, scale
+from avatarsim.spatial.vec3 import Vec3, put_row, row, scale
 
 Array = NDArray[np.float64]
 
-WISH, WISH_SIZE = 0, 9
-"""From here on, for each axis of the frame: the axis and its levers on A and on B, each over the ease of the axis. Their products
-with the velocities are the impulse that would stop the point along the axis."""
+LANES = 4
+"""Numbers taken at a time; the last one of each four is zero."""
 
-GIFT, GIFT_SIZE = 27, 12
-"""From here on, for each axis: what an impulse along it adds to v and w of A and takes from v and w of B."""
+GIFT, PARTS = 0, 4
+"""From here on, in so many parts of four: what an impulse along the normal adds to v and w of A and takes from v and w of B."""
 
-DRAG, EASE, TARGET, SLIDE, FRICTION = 63, 65, 67, 68, 70
-"""Impulses along the tangents that one along the normal costs; eases along and across the normal; target and slide over the ease;
-friction."""
+WISH, WISH_SIZE = 16, 9
+"""From here on: the normal and its levers on A and on B, over the ease of the normal. Their products with the velocities are the
+impulse that would stop the point along it."""
+
+TARGET, EASE, FRICTION, SLIDE = 25, 26, 28, 29
+"""Target over the ease; eases along and across the normal; friction; slide along the tangents over the ease."""
+
+ALL_WISHES = 32
+"""From here on: the nine numbers of the normal's wish and of both tangents', the first of each, then the second of each."""
+
+SIDE_GIFT = 68
+"""From here on, for each tangent: its gift, as that of the normal."""
+
+DRAG = 100
+"""Impulses along the tangents that one along the normal costs."""
 
 
 @kernel
@@ -38,24 +50,41 @@ def put_three(rows: Array, k: int, at: int, x: Vec3) -> None:
 
 
 @kernel
-def lay_out(contacts: Contacts, masses: Masses, first: int, last: int) -> None:
-    """Fill ``contacts.rows`` of first <= k < last from what `weigh` left, and from targets, slides and frictions."""
-    rows = contacts.rows
+def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array) -> None:
+    """Fill ``contacts.rows`` of first <= k < last from what `weigh` left, and from targets, slides and frictions; and
+    ``contacts.motion`` of their bodies from linear, angular (nb, 3)."""
+    rows, motion = contacts.rows, contacts.motion
     for k in range(first, last):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
+        for body in (a, b):
+            put_three(motion, body, 0, row(linear, body))
+            put_three(motion, body, LANES, row(angular, body))
         for i in range(3):
             per, n = contacts.unease[k, min(i, 1)], axis(contacts, k, i)
-            wish, gift = WISH + WISH_SIZE * i, GIFT + GIFT_SIZE * i
-            put_three(rows, k, wish, scale(n, per))
-            put_three(rows, k, wish + 3, scale(row(contacts.lever_a[k], i), per))
-            put_three(rows, k, wish + 6, scale(row(contacts.lever_b[k], i), per))
+            gift = GIFT if i == 0 else SIDE_GIFT + (i - 1) * LANES * PARTS
             put_three(rows, k, gift, scale(n, masses.inverse_mass[a]))
-            put_three(rows, k, gift + 3, row(contacts.turn_a[k], i))
-            put_three(rows, k, gift + 6, scale(n, masses.inverse_mass[b]))
-            put_three(rows, k, gift + 9, row(contacts.turn_b[k], i))
+            put_three(rows, k, gift + LANES, row(contacts.turn_a[k], i))
+            put_three(rows, k, gift + 2 * LANES, scale(n, masses.inverse_mass[b]))
+            put_three(rows, k, gift + 3 * LANES, row(contacts.turn_b[k], i))
+            for part in range(3):
+                lever = n if part == 0 else row(contacts.lever_a[k], i) if part == 1 else row(contacts.lever_b[k], i)
+                for x in range(3):
+                    rows[k, ALL_WISHES + LANES * (3 * part + x) + i] = lever[x] * per
+        for c in range(WISH_SIZE):
+            rows[k, WISH + c] = rows[k, ALL_WISHES + LANES * c]
         for i in range(2):
             rows[k, DRAG + i] = contacts.drag[k, i] * contacts.unease[k, 1]
             rows[k, EASE + i] = contacts.ease[k, i]
             rows[k, SLIDE + i] = contacts.slide[k, i] * contacts.unease[k, 1]
         rows[k, TARGET] = contacts.target[k] * contacts.unease[k, 0]
         rows[k, FRICTION] = contacts.friction[k]
+
+
+@kernel
+def take_motion(contacts: Contacts, first: int, last: int, linear: Array, angular: Array) -> None:
+    """Write what passes made of ``contacts.motion`` of the bodies of first <= k < last to linear, angular (nb, 3)."""
+    for k in range(first, last):
+        for side in range(2):
+            body = contacts.body[k, side]
+            put_row(linear, body, three(contacts.motion, body, 0))
+            put_row(angular, body, three(contacts.motion, body, LANES))
