@@ -54,7 +54,11 @@ def slot_of(table: LastForces, key: int, tried: int) -> int:
 
 @kernel
 def recall_forces(contacts: Contacts, table: LastForces) -> None:
-    """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none."""
+    """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none.
+
+    A point without friction gets what it had along the normal: nobody would take the rest from it. It had friction if it touched
+    then, and is now only foreseen (`loops.ahead`).
+    """
     for k in range(contacts.used[0]):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
         for tried in range(TRIES):
@@ -63,7 +67,8 @@ def recall_forces(contacts: Contacts, table: LastForces) -> None:
                 break
             if table.key[s] == contacts.key[k]:
                 if table.turn[s] == table.latest[table.body[s]]:
-                    put_row(contacts.impulse, k, row(table.force, s))
+                    force = row(table.force, s)
+                    put_row(contacts.impulse, k, force if contacts.friction[k] > 0.0 else (force[0], 0.0, 0.0))
                 break
 
 
