@@ -36,6 +36,16 @@ def without_numbers(code):
     # Numbers of specialisations and of types count up in the order of compiling, which is another.
     return re.sub("(Record|Pointer)ILi[0-9]+E", "", re.sub("[0-9]*v[0-9]+", "v", code))
 
+def told(name):
+    # What is just large enough to be called by name in lean code may not be so in numba's, and the other way round.
+    if name.startswith('"avatarsim-sealed:'):
+        return name.split(":")[1]
+    parts, rest = [], name.removeprefix("_ZN")
+    while found := re.match("[0-9]+", rest):
+        first, end = found.end(), found.end() + int(found[0])
+        parts, rest = [*parts, rest[first:end]], rest[end:]
+    return ".".join(parts) or name
+
 def keep(self, compiled):
     codes[compiled.fndesc.qualname + str(compiled.fndesc.argtypes)] = without_numbers(str(compiled.library._final_module))
     return reduce(self, compiled)
@@ -43,6 +53,7 @@ def keep(self, compiled):
 def note(library, module):
     # Before LLVM touches it.
     done = re.findall("= (f(?:add|sub|mul|div|rem|neg) |fcmp [a-z]+ |(?:tail )?call .*?@[^(]*)", str(module))
+    done = [re.sub("@(.*)", lambda found: "@" + told(found[1]), one) for one in done]
     written.setdefault(library.name, []).extend(map(without_numbers, done))
     return optimize(library, module)
 
