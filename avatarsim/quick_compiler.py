@@ -2,13 +2,14 @@
 
 Half of a compile is numba's own Python. It tries all meanings of `+` for every addition, compares dozens of compiler options at
 every look into a table, and reports every call of LLVM to nested timers. None of that changes what comes out; `quicken` leaves it
-out. It changes numba itself, for the whole process, and therefore only `python -m avatarsim --parts` calls it: numba's other
+out. It changes numba itself, for the whole process, and therefore only processes of `python -m avatarsim` call it: numba's other
 users in the process of an application keep numba as it is.
 """
 
 import sys
 from contextlib import nullcontext
 from functools import cache
+from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,7 @@ import llvmlite.binding.ffi
 import llvmlite.ir.types
 from numba.core import base, byteflow, errors, event, ir, lowering, ssa, transforms, typeinfer
 from numba.core.base import BaseContext
+from numba.core.caching import _CacheLocator
 from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
@@ -24,6 +26,7 @@ from numba.core.types.functions import BaseFunction
 from numba.core.typing.context import BaseContext as BaseTypingContext
 
 from avatarsim.lean_code import write_lean
+from avatarsim.quick_typing import type_quickly
 
 
 def quicken() -> None:
@@ -56,8 +59,12 @@ def quicken() -> None:
     # LLVM was asked for the size of a type by way of a module of its own, as text.
     layouts: Any = llvmlite.ir.types.Type
     layouts.get_abi_size, layouts.get_abi_alignment = told_once(layouts.get_abi_size), told_once(layouts.get_abi_alignment)
+    # Into a folder for compiled kernels something was written before it was chosen.
+    locator: Any = _CacheLocator
+    locator.ensure_cache_path = lambda locator: Path(locator.get_cache_path()).mkdir(parents=True, exist_ok=True)
     # Reports that nobody reads, one for every instruction and more.
     ssa._logger = byteflow._logger = SimpleNamespace(debug=lambda *_: None)
+    type_quickly()
     write_lean()
 
 
