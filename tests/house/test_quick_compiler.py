@@ -1,5 +1,6 @@
 """What is left out of a compile changes no instruction of what comes out."""
 
+import dis
 import json
 import operator
 import os
@@ -10,12 +11,12 @@ from itertools import product
 
 import pytest
 from llvmlite.ir import types as llvm_types
-from numba.core import ir, types
+from numba.core import bytecode, ir, types
 from numba.core.compiler import Flags
 from numba.core.errors import NumbaTypeError
 from numba.core.targetconfig import TargetConfig
 
-from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables
+from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables, without_room
 
 COMPILE = """
 import json
@@ -119,6 +120,16 @@ def test_variables_are_found_as_numba_finds_them(kind):
     }[kind]
     parts = vars(made)
     assert variables(parts, []) == made._rec_list_vars(parts) and len(variables(parts, [])) >= 3
+
+
+def test_instructions_are_those_that_python_lists_and_follow_one_another():
+    code = variables.__code__
+    found = list(without_room(bytecode._unpack_opargs)(code.co_code))
+    listed = [(one.offset, one.opcode) for one in dis.get_instructions(code) if one.opname != "EXTENDED_ARG"]
+    assert [what for _, what, _, _ in found] == [what for _, what in listed]
+    # Where an argument needs more than a byte, numba says that its instruction begins with the word that says so.
+    assert all(0 <= listed[k][0] - first[0] <= 4 for k, first in enumerate(found))
+    assert [one[3] for one in found[:-1]] == [one[0] for one in found[1:]] and found[-1][3] == len(code.co_code)
 
 
 def test_hashes_and_equality_of_types_are_numbas():
