@@ -4,8 +4,7 @@ import argparse
 import os
 import sys
 
-from avatarsim.compile_ahead import PARTS, compile_everything, compile_part
-from avatarsim.quick_compiler import quicken
+from avatarsim.compile_ahead import PARTS, compile_everything, compile_share
 
 
 def main() -> int:
@@ -17,9 +16,7 @@ def main() -> int:
     parts = parser.parse_args().parts
     if parts is None:
         return 0 if compile_everything() else 1
-    quicken()
-    for part in parts:
-        compile_part(part)
+    compile_share(parts)
     # What was compiled is on disk; to take down millions of objects one by one would cost seconds.
     os._exit(0)
 

@@ -2,11 +2,11 @@
 
 import fcntl
 import gc
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import get_context
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import TextIO, cast
 
@@ -20,6 +20,7 @@ from avatarsim.engine import Settings
 from avatarsim.kernel import ROOT, cache_folder, config
 from avatarsim.linking import KernelDispatcher
 from avatarsim.progress import Progress
+from avatarsim.quick_compiler import quicken
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -40,7 +41,7 @@ PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
 
 LOOK = 0.5
-"""[s] between two looks at how far the processes are; longer delays the end, shorter takes time from them."""
+"""[s] between two looks at how far the processes are; longer tells late, shorter takes time from them."""
 
 
 def part_scene(part: str) -> tuple[Scene, str]:
@@ -75,6 +76,13 @@ def compile_part(part: str) -> None:
         lower = first.positions - np.array([0.0, 0.0, 0.3 * k])
         engine.advance(TrackerSample(k / 60.0, lower, first.rotations, first.angles), 1.0 / 60.0)
     engine.close()
+
+
+def compile_share(share: tuple[str, ...]) -> None:
+    """Compile some parts, one after the other, in a process that does nothing else: from here on its numba is not numba's own."""
+    quicken()
+    for part in share:
+        compile_part(part)
 
 
 def compile_distances() -> None:
@@ -117,16 +125,20 @@ def compile_everything(stream: TextIO | None = None) -> bool:
 
 def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
     """Compile shares in child processes and say how far they are; False if one of them failed."""
-    command, compiled = [sys.executable, "-m", "avatarsim", "--parts"], Compiled()
-    children = [subprocess.Popen([*command, *share], cwd=ROOT.parent) for share in shares]
+    compiled = Compiled()
+    # A fork has imported everything already, which takes a second; where there are no forks everything is imported anew.
+    child = get_context("fork").Process if sys.platform == "linux" else get_context("spawn").Process
+    children = [child(target=compile_share, args=(share,)) for share in shares]
+    for one in children:
+        one.start()
     with Progress("compiling", stream) as progress:
-        while any(child.poll() is None for child in children):
+        while running := [one.sentinel for one in children if one.is_alive()]:
             if progress.due:
                 done = compiled.done()
                 progress.step(done / compiled.total, compiled.told(done))
-            time.sleep(LOOK)
+            wait(running, LOOK)
     print(f"  {compiled.done()} kernels compiled in {compiled.clock() - compiled.begun:.0f} s", file=stream)
-    codes = [child.returncode for child in children]
+    codes = [one.exitcode for one in children]
     for share, code in zip(shares, codes, strict=True):
         if code != 0:
             print(f"  {', '.join(share)}: failed with code {code}", file=stream)

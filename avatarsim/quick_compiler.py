@@ -2,20 +2,24 @@
 
 Half of a compile is numba's own Python. It tries all meanings of `+` for every addition, compares dozens of compiler options at
 every look into a table, and reports every call of LLVM to nested timers. None of that changes what comes out; `quicken` leaves it
-out. It changes numba itself, for the whole process, and therefore only `python -m avatarsim --parts` calls it: numba's other
+out. It changes numba itself, for the whole process, and therefore only processes of `python -m avatarsim` call it: numba's other
 users in the process of an application keep numba as it is.
 """
 
+import dis
 import sys
+from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import cache
+from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, SimpleNamespace
 from typing import Any
 
 import llvmlite.binding.ffi
 import llvmlite.ir.types
-from numba.core import base, byteflow, errors, event, ir, lowering, ssa, transforms, typeinfer
+from numba.core import base, bytecode, byteflow, errors, event, interpreter, ir, lowering, ssa, transforms, typeinfer
 from numba.core.base import BaseContext
+from numba.core.caching import _CacheLocator
 from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
@@ -24,6 +28,7 @@ from numba.core.types.functions import BaseFunction
 from numba.core.typing.context import BaseContext as BaseTypingContext
 
 from avatarsim.lean_code import write_lean
+from avatarsim.quick_typing import type_quickly
 
 
 def quicken() -> None:
@@ -56,8 +61,18 @@ def quicken() -> None:
     # LLVM was asked for the size of a type by way of a module of its own, as text.
     layouts: Any = llvmlite.ir.types.Type
     layouts.get_abi_size, layouts.get_abi_alignment = told_once(layouts.get_abi_size), told_once(layouts.get_abi_alignment)
+    # Into a folder for compiled kernels something was written before it was chosen.
+    locator: Any = _CacheLocator
+    locator.ensure_cache_path = lambda locator: Path(locator.get_cache_path()).mkdir(parents=True, exist_ok=True)
+    # Python 3.11 leaves room for notes of its own between instructions, which is half of a function.
+    told = bytecode
+    told._unpack_opargs = without_room(told._unpack_opargs)
+    # No kernel has a `with` or makes a dictionary, which numba looks for in three walks through each.
+    told = interpreter
+    told.peep_hole_delete_with_exit = told.peep_hole_fuse_dict_add_updates = lambda function: function
     # Reports that nobody reads, one for every instruction and more.
     ssa._logger = byteflow._logger = SimpleNamespace(debug=lambda *_: None)
+    type_quickly()
     write_lean()
 
 
@@ -66,6 +81,27 @@ def same_options(one: Any, other: Any) -> Any:
     if not isinstance(other, TargetConfig):
         return NotImplemented
     return one is other or one._values == other._values or one.values() == other.values()
+
+
+def without_room(unpack: Any) -> Any:
+    """numba's way to read instructions, each as where it begins, what it does, with what, and where the next one begins; the room
+    that Python keeps after some of them is passed over, as numba itself does for later versions of Python."""
+    room = dis.opmap.get("CACHE", 0)
+
+    def unpacked(code: bytes) -> Iterator[tuple[int, int, int | None, int]]:
+        last = None
+        for offset, what, argument, following in unpack(code):
+            if what == room:
+                assert last is not None, "a function begins with an instruction"
+                last = (*last[:3], following)
+                continue
+            if last is not None:
+                yield last
+            last = offset, what, argument, following
+        if last is not None:
+            yield last
+
+    return unpacked
 
 
 PLAIN = frozenset((str, int, float, bool, type(None), type, FunctionType, BuiltinFunctionType, ir.Loc, ir.UndefinedType))

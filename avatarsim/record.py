@@ -51,7 +51,7 @@ def pointed_at(kind: type[Record], layout: "np.dtype[Any]") -> Callable[[Words],
     """Have compiled code know records of class ``kind`` and this layout by a pointer.
 
     Returns the function, for kernels and for Python, that makes such a record of the 64-bit words in which it lies. The words
-    must outlive it.
+    must outlive it. Of numba's type of the words it makes that of the record.
     """
     pointer = Pointer(layout)
 
@@ -68,7 +68,7 @@ def pointed_at(kind: type[Record], layout: "np.dtype[Any]") -> Callable[[Words],
         return pointer(words), build
 
     def at(words: Words) -> Record:
-        found: Record = words.view(layout)[0]
+        found: Record = pointer if isinstance(words, types.Type) else words.view(layout)[0]
         return found
 
     @overload(at)  # type: ignore[untyped-decorator]
@@ -86,11 +86,13 @@ def table_of(kind: type[Table], layout: "np.dtype[Any]") -> Callable[[Words], tu
     """The function, for kernels and for Python, that makes a table of class ``kind`` of the 64-bit words in which it lies.
 
     It comes in a tuple of one: without reference counting a compiled function may not return a bare array. A row of the layout
-    fills whole words. `table[i]` is a record, which kernels hand on as a pointer; `table.field[i]` works too.
+    fills whole words. `table[i]` is a record, which kernels hand on as a pointer; `table.field[i]` works too. Of numba's type
+    of the words it makes that of the table.
     """
+    row: Any = numba.from_dtype(layout)
 
     def rows(words: Words) -> tuple[Table]:
-        found: Table = words.view(layout).view(kind)
+        found: Table = words.copy(dtype=row) if isinstance(words, types.Type) else words.view(layout).view(kind)
         return (found,)
 
     @overload(rows)  # type: ignore[untyped-decorator]

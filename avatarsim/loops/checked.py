@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from avatarsim.by_reference import refer
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
@@ -39,18 +38,18 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     it again.
     """
     o = opening(world)
-    geometry, dynamics = refer(opened_geometry(o)), refer(opened_dynamics(o))
-    poses, velocities = refer(opened_poses(o)), refer(opened_velocities(o))
-    skeleton, posture = refer(opened_skeleton(o)), refer(opened_posture(o))
-    tracker = refer(opened_posture(opening(target)))
+    geometry, dynamics = opened_geometry(o), opened_dynamics(o)
+    poses, velocities = opened_poses(o), opened_velocities(o)
+    skeleton, posture = opened_skeleton(o), opened_posture(o)
+    tracker = opened_posture(opening(target))
     o = opening(kept)
-    coupled, springs = yes(o), refer(opened_springs(o))
+    coupled, springs = yes(o), opened_springs(o)
     if answering:
         if coupled:
             give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
         if not moving.any():
             return
-    settings, memory = refer(opened_settings(o)), refer(opened_memory(o))
+    settings, memory = opened_settings(o), opened_memory(o)
     if not answering:
         if coupled:
             pull(geometry, skeleton, dynamics, poses, memory, dt, tracker, velocities, springs)
@@ -63,14 +62,14 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
 def seek_opened(world: Index, kept: Index, way: Index) -> None:
     """`seek` on the arenas of a world, of what the loop keeps, and of the search."""
     o = opening(world)
-    geometry, _ = refer(opened_geometry(o)), opened_dynamics(o)
-    poses, _ = refer(opened_poses(o)), opened_velocities(o)
-    skeleton, posture = refer(opened_skeleton(o)), refer(opened_posture(o))
+    geometry, _ = opened_geometry(o), opened_dynamics(o)
+    poses, _ = opened_poses(o), opened_velocities(o)
+    skeleton, posture = opened_skeleton(o), opened_posture(o)
     o = opening(kept)
     yes(o)
     opened_springs(o)
-    settings, memory = refer(opened_settings(o)), refer(opened_memory(o))
-    seek(geometry, skeleton, settings, posture, poses, memory, refer(opened_way(opening(way))))
+    settings, memory = opened_settings(o), opened_memory(o)
+    seek(geometry, skeleton, settings, posture, poses, memory, opened_way(opening(way)))
 
 
 class CheckedLoop:

@@ -1,7 +1,6 @@
 """What the checked lower loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
 from avatarsim.collide.scratch import Scratch, scratch_at
-from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import Springs
 from avatarsim.posture.way_memory import Way
 from avatarsim.posture.workspace import Closeness, Goal, Memory, PairMemory, Rows
@@ -22,15 +21,16 @@ from avatarsim.world.arena import (
     whole,
 )
 from avatarsim.world.opened import opened_poses, opened_posture
+from avatarsim.world.view import opened
 
 
-@kernel
+@opened
 def opened_scratch(o: Opening) -> Scratch:
     """The next Scratch."""
     return scratch_at(index_line(o)[0])
 
 
-@kernel
+@opened
 def opened_closeness(o: Opening) -> Closeness:
     """The next Closeness."""
     return Closeness(
@@ -40,7 +40,7 @@ def opened_closeness(o: Opening) -> Closeness:
     )
 
 
-@kernel
+@opened
 def opened_goal(o: Opening) -> Goal:
     """The next Goal."""
     return Goal(
@@ -49,7 +49,7 @@ def opened_goal(o: Opening) -> Goal:
     )
 
 
-@kernel
+@opened
 def opened_rows(o: Opening) -> Rows:
     """The next Rows."""
     return Rows(
@@ -58,7 +58,7 @@ def opened_rows(o: Opening) -> Rows:
     )
 
 
-@kernel
+@opened
 def opened_pairs(o: Opening) -> PairMemory:
     """The next PairMemory."""
     return PairMemory(
@@ -67,7 +67,7 @@ def opened_pairs(o: Opening) -> PairMemory:
     )
 
 
-@kernel
+@opened
 def opened_memory(o: Opening) -> Memory:
     """The next Memory of the posture solver."""
     return Memory(
@@ -76,7 +76,7 @@ def opened_memory(o: Opening) -> Memory:
     )
 
 
-@kernel
+@opened
 def opened_settings(o: Opening) -> PostureSettings:
     """The next PostureSettings."""
     return PostureSettings(
@@ -86,7 +86,7 @@ def opened_settings(o: Opening) -> PostureSettings:
     )
 
 
-@kernel
+@opened
 def opened_springs(o: Opening) -> Springs:
     """The next Springs."""
     settings = CouplingSettings(real(o), real(o))
@@ -96,7 +96,7 @@ def opened_springs(o: Opening) -> Springs:
     )
 
 
-@kernel
+@opened
 def opened_way(o: Opening) -> Way:
     """The next Way."""
     return Way(

@@ -4,7 +4,6 @@ from avatarsim.collide.sweep_memory import SweepMemory
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
 from avatarsim.loops.islands import Islands
 from avatarsim.loops.last_forces import LastForces
 from avatarsim.loops.opened_checked import opened_scratch
@@ -15,15 +14,16 @@ from avatarsim.motion.manifold import Manifold
 from avatarsim.motion.path import Paths
 from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, stack, vectors, yes
 from avatarsim.world.opened import opened_filter, opened_poses
+from avatarsim.world.view import opened
 
 
-@kernel
+@opened
 def opened_masses(o: Opening) -> Masses:
     """The next Masses."""
     return Masses(line(o)[0], matrices(o)[0])
 
 
-@kernel
+@opened
 def opened_paths(o: Opening) -> Paths:
     """The next Paths."""
     return Paths(
@@ -32,7 +32,7 @@ def opened_paths(o: Opening) -> Paths:
     )
 
 
-@kernel
+@opened
 def opened_contacts(o: Opening) -> Contacts:
     """The next Contacts."""
     return Contacts(
@@ -44,7 +44,7 @@ def opened_contacts(o: Opening) -> Contacts:
     )
 
 
-@kernel
+@opened
 def opened_last(o: Opening) -> LastForces:
     """The next LastForces."""
     return LastForces(
@@ -52,7 +52,7 @@ def opened_last(o: Opening) -> LastForces:
     )
 
 
-@kernel
+@opened
 def opened_islands(o: Opening) -> Islands:
     """The next Islands."""
     return Islands(
@@ -63,7 +63,7 @@ def opened_islands(o: Opening) -> Islands:
     )
 
 
-@kernel
+@opened
 def opened_manifold(o: Opening) -> Manifold:
     """The next Manifold."""
     return Manifold(
@@ -72,7 +72,7 @@ def opened_manifold(o: Opening) -> Manifold:
     )
 
 
-@kernel
+@opened
 def opened_sweep(o: Opening) -> SweepMemory:
     """The next SweepMemory."""
     return SweepMemory(
@@ -81,7 +81,7 @@ def opened_sweep(o: Opening) -> SweepMemory:
     )
 
 
-@kernel
+@opened
 def opened_memory(o: Opening) -> Memory:
     """The next Memory of the upper loop."""
     return Memory(
@@ -96,7 +96,7 @@ def opened_memory(o: Opening) -> Memory:
     )
 
 
-@kernel
+@opened
 def opened_events(o: Opening) -> Events:
     """The next Events."""
     return Events(
@@ -104,7 +104,7 @@ def opened_events(o: Opening) -> Events:
     )
 
 
-@kernel
+@opened
 def opened_switches(o: Opening) -> Switches:
     """The next Switches."""
     return Switches(yes(o), yes(o), yes(o), yes(o), yes(o))

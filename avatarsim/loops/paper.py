@@ -3,16 +3,40 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give_to_roots, tracked_velocities
+from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
+from avatarsim.world.arena import opening, packed
 from avatarsim.world.geometry import Poses
+from avatarsim.world.opened import (
+    opened_dynamics,
+    opened_geometry,
+    opened_poses,
+    opened_posture,
+    opened_skeleton,
+    opened_velocities,
+)
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+
+
+@kernel
+def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
+    """`follow_as_printed` on the arenas of a world, its target and what the loop keeps."""
+    o = opening(world)
+    geometry, _ = opened_geometry(o), opened_dynamics(o)
+    poses, _ = opened_poses(o), opened_velocities(o)
+    skeleton, posture = opened_skeleton(o), opened_posture(o)
+    tracker = opened_posture(opening(target))
+    o = opening(kept)
+    settings, coupling, attraction = opened_settings(o), opened_coupling(o), opened_attraction(o)
+    follow_as_printed(geometry, skeleton, tracker, dt, settings, coupling, attraction, posture, poses, opened_memory(o))
 
 
 class PaperLoop:
@@ -21,8 +45,8 @@ class PaperLoop:
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
-        self.world, self.settings, self.coupling, self.attraction = world, settings, coupling, attraction
-        self.memory = make_paper_memory(world, seed)
+        self.world = world
+        self._kept, (_, _, _, self.memory) = packed((settings, coupling, attraction, make_paper_memory(world, seed)))
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
 
@@ -34,10 +58,7 @@ class PaperLoop:
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
-        follow_as_printed(
-            world.geometry, world.skeleton, target.posture, dt, self.settings, self.coupling, self.attraction,
-            world.posture, world.poses, self.memory,
-        )
+        follow_printed(world.words, target.words, self._kept, dt)
         if world.scene.effects.dynamics:
             tracked_velocities(world.skeleton, self._before, world.poses, self._no_rate, dt, world.velocities)
 

@@ -1,6 +1,5 @@
 """The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
 
-from avatarsim.by_reference import refer
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
@@ -20,10 +19,10 @@ EVENTS_KEPT = 256
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
     """`advance` on the arenas of a world and of its upper loop."""
     o = opening(world)
-    geometry, dynamics = refer(opened_geometry(o)), refer(opened_dynamics(o))
-    poses, velocities = refer(opened_poses(o)), refer(opened_velocities(o))
+    geometry, dynamics = opened_geometry(o), opened_dynamics(o)
+    poses, velocities = opened_poses(o), opened_velocities(o)
     o = opening(kept)
-    memory, events, switches = refer(opened_memory(o)), refer(opened_events(o)), refer(opened_switches(o))
+    memory, events, switches = opened_memory(o), opened_events(o), opened_switches(o)
     return advance(geometry, dynamics, poses, velocities, dt, memory, events, switches)
 
 

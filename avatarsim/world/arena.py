@@ -5,27 +5,32 @@ its memory as much as the kernel itself takes. Here they lie in one array of 64-
 
 `packed` lays out nested tuples and returns the same tuples over views, with which Python goes on. In a kernel `opening` begins
 at the first array, and each of `line`, `vectors`, `grid`, `whole` and so on takes the next one: what opens a tuple reads
-its fields in the order in which the tuple has them.
+its fields in the order in which the tuple has them, and is one of `view.opened`. Only within such a function may an array be
+made a record or a table: a kernel finds each part as what it is.
 
-Words: where the next array is described; per array START_AND_SHAPE words; then all data.
+Words: which row comes next; for which address of the words `image` is right, how many addresses are in it, and where these
+are listed; per array or number a row of ROW words; then all data, the image, and the list. Whoever copies the words moves them:
+`opening` sees that and puts the addresses right.
 """
 
 from typing import NamedTuple, TypeVar
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
 from avatarsim.kernel import kernel
-from avatarsim.world.view import START_AND_SHAPE, next_view
+from avatarsim.world.image import WORD, Image
+from avatarsim.world.view import ROW, START_AND_SHAPE, address, next_number, next_view
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 Tree = TypeVar("Tree")
 
-WORD = 8
-"""Bytes of a word; a flag takes one byte."""
+NEXT, ADDRESS, MANY, LIST, FIRST = range(5)
+"""The first words of an arena, as said above; the fifth begins the first row."""
 
 
 class Opening(NamedTuple):
@@ -43,23 +48,28 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     """
     leaves: list[object] = []
     _collect(tree, leaves)
-    head = 1 + START_AND_SHAPE * len(leaves)
     known: dict[int, int] = {}
-    arrays, starts, end = [], [], head
+    arrays, starts, end = [], [], FIRST + ROW * len(leaves)
     for leaf in leaves:
         array = _as_array(leaf)
         if not isinstance(leaf, np.ndarray | np.void) or id(leaf) not in known:
             known[id(leaf)] = end
             end += -(-array.nbytes // WORD)
         arrays.append(array)
-        starts.append(known[id(leaf)] * WORD // array.itemsize)
-    words = np.zeros(end, dtype=np.int64)
-    words[0] = 1
+        starts.append(known[id(leaf)] * WORD)
+    image = Image()
+    image.lay(tree, dict(zip(map(id, leaves), starts, strict=True)))
+    image.fill(WORD)
+    words = np.array([FIRST, 0, len(image.addresses), end + len(image.data) // WORD], dtype=np.int64)
+    words = np.concatenate([words, np.zeros(end - FIRST, dtype=np.int64), np.frombuffer(bytes(image.data), dtype=np.int64)])
+    words = np.concatenate([words, end + np.array(image.addresses, dtype=np.int64) // WORD])
     views: list[object] = []
     for k, (leaf, array, start) in enumerate(zip(leaves, arrays, starts, strict=True)):
-        row = 1 + START_AND_SHAPE * k
-        words[row], words[row + 1 : row + 1 + array.ndim] = start, array.shape
-        view = words.view(array.dtype)[start : start + array.size].reshape(array.shape)
+        row = FIRST + ROW * k
+        first = start // array.itemsize
+        words[row], words[row + 1 : row + 1 + array.ndim] = first, array.shape
+        words[row + START_AND_SHAPE] = end * WORD + image.places[k]
+        view = words.view(array.dtype)[first : first + array.size].reshape(array.shape)
         view[...] = array
         views.append(_like(leaf, view))
     views.reverse()
@@ -107,16 +117,13 @@ def _rebuilt(tree: Tree, views: list[object]) -> Tree:
 @kernel
 def opening(words: Index) -> Opening:
     """Begin at the first array. The words must outlive every view."""
-    words[0] = 1
+    words[NEXT] = FIRST
+    moved = address(words) - words[ADDRESS]
+    if moved != 0:
+        for k in range(words[LIST], words[LIST] + words[MANY]):
+            words[words[k]] += moved
+        words[ADDRESS] += moved
     return Opening(words)
-
-
-@kernel
-def described(o: Opening) -> int:
-    """Where the next array is described; the one after it is then the next."""
-    k = int(o.words[0])
-    o.words[0] = k + START_AND_SHAPE
-    return k
 
 
 line = next_view(np.float64, 1)
@@ -150,19 +157,11 @@ flag_grid = next_view(np.bool_, 2)
 """The next array, of flags, two axes."""
 
 
-@kernel
-def real(o: Opening) -> float:
-    """The next number."""
-    return float(o.words.view(np.float64)[o.words[described(o)]])
+real = next_number(numba.float64, lambda words, k: float(words.view(np.float64)[k]))
+"""The next number."""
 
+whole = next_number(numba.int64, lambda words, k: int(words[k]))
+"""The next integer."""
 
-@kernel
-def whole(o: Opening) -> int:
-    """The next integer."""
-    return int(o.words[o.words[described(o)]])
-
-
-@kernel
-def yes(o: Opening) -> bool:
-    """The next flag that stands alone."""
-    return int(o.words[o.words[described(o)]]) == 1
+yes = next_number(numba.boolean, lambda words, k: bool(words[k] == 1))
+"""The next flag that stands alone."""

@@ -20,7 +20,7 @@ NAMES: Final = ("collision", "ik", "posing", "pushing", "whole")
 
 
 def paper_twin() -> Any:
-    """`follow_as_printed` with clocks."""
+    """`follow_printed` with clocks."""
     require_counter()
     find, pose = clocked(find_overlaps, COLLISION), clocked(forward, POSING)
     treat = twin(paper_rounds.treat_chain, {
@@ -31,7 +31,7 @@ def paper_twin() -> Any:
     whole = twin(paper_rounds.follow_as_printed, {
         "find_overlaps": find, "forward": pose, "treat_chain": treat, "push_bodies": push, "walk_back": walk,
     })
-    return clocked(whole, WHOLE)
+    return clocked(twin(paper.follow_printed, {"follow_as_printed": whole}), WHOLE)
 
 
 def checked_twin() -> Any:
@@ -51,5 +51,5 @@ def checked_twin() -> Any:
     return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
 
 
-TWINS: Final = {"paper": (paper, "follow_as_printed", paper_twin), "default": (checked, "follow_opened", checked_twin)}
+TWINS: Final = {"paper": (paper, "follow_printed", paper_twin), "default": (checked, "follow_opened", checked_twin)}
 """By method: the module whose frame is replaced, the name there, and what makes the twin."""

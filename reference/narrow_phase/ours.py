@@ -18,6 +18,7 @@ from avatarsim.spatial.vec3 import row
 from avatarsim.world.arena import Opening, index_line, line, matrices, opening, packed, vectors
 from avatarsim.world.geometry import piece_points
 from avatarsim.world.shapes import Shapes, make_shapes, shapes_in
+from avatarsim.world.view import opened
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -37,17 +38,20 @@ class Table(NamedTuple):
     memory: PairMemory
 
 
-@kernel
-def opened_table(o: Opening) -> tuple[Shapes, Array, Array, Array, Array, Array, Scratch]:
-    """The next Table up to its memory, field by field in its order, see `world.arena`."""
-    shapes = shapes_in(index_line(o)[0])[0]
-    return shapes, vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], opened_scratch(o)
+@opened
+def opened_table(o: Opening) -> Table:
+    """The next Table, field by field in its order, see `world.arena`."""
+    return Table(
+        shapes_in(index_line(o)[0])[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0],
+        opened_scratch(o), pair_memory_in(index_line(o)[0])[0],
+    )
 
 
 @kernel
 def place_pairs(words: Index, first: int, last: int) -> None:
     """World vertices of the shapes of pairs first .. last - 1: v = R x + p."""
-    shapes, vertices, local, turns, at, _, _ = opened_table(opening(words))
+    t = opened_table(opening(words))
+    shapes, vertices, local, turns, at = t.shapes, t.vertices, t.local, t.turns, t.at
     for s in range(2 * first, 2 * last):
         R, p = turns[s], at[s]
         for i in range(shapes.start[s], shapes.start[s + 1]):
@@ -59,21 +63,19 @@ def place_pairs(words: Index, first: int, last: int) -> None:
 @kernel
 def cold_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, with nothing known about them."""
-    shapes, vertices, _, _, _, gaps, scratch = opened_table(opening(words))
+    t = opened_table(opening(words))
     for k in range(first, last):
-        _, gap, _, _, _ = signed_distance(vertices, shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), scratch)
-        gaps[k] = gap
+        _, gap, _, _, _ = signed_distance(t.vertices, t.shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), t.scratch)
+        t.gaps[k] = gap
 
 
 @kernel
 def coherent_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, each begun from what its last query left in the memory."""
-    o = opening(words)
-    shapes, vertices, _, _, _, gaps, scratch = opened_table(o)
-    memory = pair_memory_in(index_line(o)[0])[0]
+    t = opened_table(opening(words))
     for k in range(first, last):
-        _, gap, _, _, _ = signed_distance_coherent(vertices, shapes, 2 * k, 2 * k + 1, inf, scratch, memory, k)
-        gaps[k] = gap
+        _, gap, _, _, _ = signed_distance_coherent(t.vertices, t.shapes, 2 * k, 2 * k + 1, inf, t.scratch, t.memory, k)
+        t.gaps[k] = gap
 
 
 class Pairs:

@@ -1,5 +1,6 @@
 """What is left out of a compile changes no instruction of what comes out."""
 
+import dis
 import json
 import operator
 import os
@@ -10,12 +11,12 @@ from itertools import product
 
 import pytest
 from llvmlite.ir import types as llvm_types
-from numba.core import ir, types
+from numba.core import bytecode, ir, types
 from numba.core.compiler import Flags
 from numba.core.errors import NumbaTypeError
 from numba.core.targetconfig import TargetConfig
 
-from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables
+from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables, without_room
 
 COMPILE = """
 import json
@@ -36,6 +37,16 @@ def without_numbers(code):
     # Numbers of specialisations and of types count up in the order of compiling, which is another.
     return re.sub("(Record|Pointer)ILi[0-9]+E", "", re.sub("[0-9]*v[0-9]+", "v", code))
 
+def told(name):
+    # What is just large enough to be called by name in lean code may not be so in numba's, and the other way round.
+    if name.startswith('"avatarsim-sealed:'):
+        return name.split(":")[1]
+    parts, rest = [], name.removeprefix("_ZN")
+    while found := re.match("[0-9]+", rest):
+        first, end = found.end(), found.end() + int(found[0])
+        parts, rest = [*parts, rest[first:end]], rest[end:]
+    return ".".join(parts) or name
+
 def keep(self, compiled):
     codes[compiled.fndesc.qualname + str(compiled.fndesc.argtypes)] = without_numbers(str(compiled.library._final_module))
     return reduce(self, compiled)
@@ -43,6 +54,7 @@ def keep(self, compiled):
 def note(library, module):
     # Before LLVM touches it.
     done = re.findall("= (f(?:add|sub|mul|div|rem|neg) |fcmp [a-z]+ |(?:tail )?call .*?@[^(]*)", str(module))
+    done = [re.sub("@(.*)", lambda found: "@" + told(found[1]), one) for one in done]
     written.setdefault(library.name, []).extend(map(without_numbers, done))
     return optimize(library, module)
 
@@ -108,6 +120,16 @@ def test_variables_are_found_as_numba_finds_them(kind):
     }[kind]
     parts = vars(made)
     assert variables(parts, []) == made._rec_list_vars(parts) and len(variables(parts, [])) >= 3
+
+
+def test_instructions_are_those_that_python_lists_and_follow_one_another():
+    code = variables.__code__
+    found = list(without_room(bytecode._unpack_opargs)(code.co_code))
+    listed = [(one.offset, one.opcode) for one in dis.get_instructions(code) if one.opname != "EXTENDED_ARG"]
+    assert [what for _, what, _, _ in found] == [what for _, what in listed]
+    # Where an argument needs more than a byte, numba says that its instruction begins with the word that says so.
+    assert all(0 <= listed[k][0] - first[0] <= 4 for k, first in enumerate(found))
+    assert [one[3] for one in found[:-1]] == [one[0] for one in found[1:]] and found[-1][3] == len(code.co_code)
 
 
 def test_hashes_and_equality_of_types_are_numbas():

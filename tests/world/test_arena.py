@@ -4,17 +4,21 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
+import numba
 import numpy as np
 import pytest
+from numba.core.registry import cpu_target
 
-from avatarsim.collide.pair_memory import make_pair_memory, pair_memory_in
-from avatarsim.collide.scratch import make_scratch, scratch_at
+from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
+from avatarsim.collide.scratch import Scratch, make_scratch, scratch_at
 from avatarsim.errors import AvatarsimError
 from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
-from avatarsim.loops import opened_checked, opened_upper
+from avatarsim.loops import opened_checked, opened_paper, opened_upper
 from avatarsim.loops.coupling import make_springs
+from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
 from avatarsim.posture.workspace import make_memory
@@ -22,10 +26,13 @@ from avatarsim.scene.body import simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings, PostureSettings
 from avatarsim.world import arena, opened
 from avatarsim.world.arena import opening, packed
+from avatarsim.world.image import Image
 from avatarsim.world.shapes import SHAPE
+from avatarsim.world.view import declared
+from avatarsim.world.view import opened as laid_open
 from avatarsim.world.world import World, build
 from tests.posture.little_worlds import mixed_avatar, panel
 
@@ -61,6 +68,8 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
         "settings": PostureSettings(steps=7, merit=0.5), "springs": make_springs(skel, dyn, poses, CouplingSettings(3.0, 4.0)),
         "upper memory": make_upper_memory(geo, dyn, poses),
         "events": make_events(len(geo.first_shape) - 1, cap), "switches": Switches(False, True, False, True, False),
+        "paper memory": make_paper_memory(world, 1), "paper settings": PaperSettings(rounds=3),
+        "coupling": CouplingSettings(5.0, 6.0), "attraction": AttractionSettings(7.0),
     }
 
 
@@ -69,7 +78,9 @@ OPEN = {
     "velocities": opened.opened_velocities, "skeleton": opened.opened_skeleton, "posture": opened.opened_posture,
     "checked memory": opened_checked.opened_memory, "settings": opened_checked.opened_settings,
     "springs": opened_checked.opened_springs, "upper memory": opened_upper.opened_memory, "events": opened_upper.opened_events,
-    "switches": opened_upper.opened_switches,
+    "switches": opened_upper.opened_switches, "paper memory": opened_paper.opened_memory,
+    "paper settings": opened_paper.opened_settings, "coupling": opened_paper.opened_coupling,
+    "attraction": opened_paper.opened_attraction,
 }
 
 
@@ -130,16 +141,90 @@ def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> N
     assert (one.w[5] == 10.0).all() and (table.axis[2] == 10.0).all()
 
 
+@laid_open
+def opened_scratch_and_pairs(o: arena.Opening) -> tuple[Scratch, PairMemory]:
+    """What the test above packs."""
+    return scratch_at(arena.index_line(o)[0]), pair_memory_in(arena.index_line(o)[0])[0]
+
+
 @kernel
 def sum_of_some(words: np.ndarray) -> float:
     """The numbers that the test above put into a scratch and a memory; all become 10."""
-    o = opening(words)
-    scratch, memory = scratch_at(arena.index_line(o)[0]), pair_memory_in(arena.index_line(o)[0])[0]
+    scratch, memory = opened_scratch_and_pairs(opening(words))
     total = 0.0
     for k in range(3):
         total += scratch.w[5, k] + memory.axis[2, k] + memory[1].twin[4, k]
         scratch.w[5, k] = memory.axis[2, k] = 10.0
     return total
+
+
+def test_kernels_know_what_was_packed_by_its_types_and_its_size() -> None:
+    """As numba types the views themselves, and as LLVM lays out a value of that type."""
+    target = cpu_target.target_context
+    for name, part in parts(build(SCENE)).items():
+        kind, count = declared(OPEN[name].plain)  # type: ignore[attr-defined]  # compiled code knows it as one of ours
+        assert kind == numba.typeof(packed(part)[1]) and count == len(leaves(part)), name
+        image = Image()
+        image.lay(part, {id(leaf): 0 for leaf in leaves(part)})
+        assert len(image.data) == target.get_abi_sizeof(target.get_value_type(kind)), name
+
+
+class Two(NamedTuple):
+    """Something to be packed in something."""
+
+    flag: bool
+    grid: np.ndarray
+
+
+class Mixed(NamedTuple):
+    """One of every kind that differs in memory."""
+
+    flag: bool
+    two: Two
+    switches: Switches
+    whole: int
+    turns: np.ndarray
+    flags: np.ndarray
+    scratch: Scratch
+    real: float
+
+
+@laid_open
+def opened_mixed(o: arena.Opening) -> Mixed:
+    """The next Mixed."""
+    return Mixed(
+        arena.yes(o), Two(arena.yes(o), arena.grid(o)[0]), opened_upper.opened_switches(o), arena.whole(o), arena.matrices(o)[0],
+        arena.flag_line(o)[0], scratch_at(arena.index_line(o)[0]), arena.real(o),
+    )
+
+
+@kernel
+def digits(words: np.ndarray) -> tuple[float, float]:
+    """Every part of a Mixed between two numbers, as digits of one number; the Mixed is left with its last turn doubled."""
+    o = opening(words)
+    first, m, last = arena.whole(o), opened_mixed(o), arena.real(o)
+    s = m.switches
+    found = 1.0 * m.flag + 2.0 * m.two.flag + 4.0 * s.gyroscopic + 8.0 * s.continuous + 16.0 * s.sleeping + 32.0 * s.paper
+    found += 64.0 * s.record
+    for flag in m.flags:
+        found = 2.0 * found + flag
+    total = m.two.grid.sum() + m.two.grid[1, 2] + m.turns[1, 2, 0] + m.scratch.w[3, 1] + m.whole + m.real + first + last
+    m.turns[1, 2, 0] *= 2.0
+    return found, total + m.two.grid.shape[0] + m.turns.shape[0] + m.turns.strides[0] + m.flags.size
+
+
+def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_were_moved() -> None:
+    scratch = make_scratch()
+    scratch.w[3, 1] = 0.25
+    grid, turns = np.arange(8.0).reshape(2, 4), np.arange(27.0).reshape(3, 3, 3)
+    flags = np.array([True, False, True])
+    mixed = Mixed(True, Two(False, grid), Switches(False, True, False, True, True), 1000, turns, flags, scratch, 0.5)
+    words, (_, views, _) = packed((10000, mixed, 0.125))
+    expected = (1.0 + 8.0 + 32.0 + 64.0) * 8.0 + 5.0, 28.0 + 6.0 + 15.0 + 0.25 + 1000.0 + 0.5 + 10000.0 + 0.125 + 2 + 3 + 72 + 3
+    assert digits(words) == expected and views.turns[1, 2, 0] == 30.0
+    moved = words.copy()
+    words[:] = 0
+    assert digits(moved) == (expected[0], expected[1] + 15.0)
 
 
 def test_an_array_that_is_not_in_c_order_is_laid_out_in_c_order() -> None:

@@ -65,9 +65,9 @@ def test_the_frames_with_clocks_are_the_frames_without_and_the_parts_are_in_the_
     shown = engine.load(scene, Settings(method), scenario.dt)
     for sample in samples:
         shown = engine.advance(sample, scenario.dt)
-    original = paper.follow_as_printed
+    original = paper.follow_printed
     found = measured(scene, samples, scenario.dt, method, repeats=1)
-    assert paper.follow_as_printed is original
+    assert paper.follow_printed is original
     assert found.state_hash == shown.state_hash()
     parts = np.sum([us for name, us in found.us.items() if name != "whole"], axis=0)
     assert (parts > 0.0).all() and (parts <= found.us["whole"]).all()
