@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
+from avatarsim.spatial.symmetric import solved
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, row, sub
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
@@ -52,14 +53,6 @@ def bounded(skel: Skeleton, posture: Posture, m: int, j: int, way: float) -> flo
         low = max(low, min(0.0, skel.limits[j, 0] - posture.angle[j]))
         high = min(high, max(0.0, skel.limits[j, 1] - posture.angle[j]))
     return min(max(way, low), high)
-
-
-@kernel
-def solved(a: Vec3, b: Vec3, c: Vec3, v: Vec3) -> Vec3:
-    """x with the symmetric matrix of columns a, b, c times x = v, by Cramer's rule."""
-    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
-    whole = dot(a, bc)
-    return (dot(v, bc) / whole, dot(v, ca) / whole, dot(v, ab) / whole)
 
 
 @kernel

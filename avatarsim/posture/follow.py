@@ -1,11 +1,13 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.body_place import place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
+    ASTRAY,
     BEYOND,
     CALM,
     CLOSE,
@@ -59,10 +61,6 @@ in touch: fingers that press on many things spend the budget on rows, are wedged
 alone are arms that fold before a chest, or a human who gets up: going their own way they end a twentieth farther from the user's,
 and jump twice as far; 24, and a hand in a corner jumps by 15 mm. It is over once no more than SPARSE were near in so many frames:
 with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home late."""
-
-ASTRAY = 0.85
-"""[rad] root mean square excess of the tracker's joints over their limits beyond which each goes its own way as well: what is
-nearest to such a posture changes from frame to frame, and the body shifted with it by 0.2 m."""
 
 ALONE, CHANGE = 1.5, 0.25
 """What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
@@ -244,6 +242,7 @@ def follow(
     else:
         changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
+    place_bodies(skel, memory_out.goal)
     speed, moved = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
@@ -260,7 +259,7 @@ def follow(
         return
     memory_out.goal.closeness.mode[WORN] += speed
     # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
-    lost = is_crowded(memory_out) or memory_out.goal.closeness.mode[BEYOND] > ASTRAY * ASTRAY
+    lost = is_crowded(memory_out) or memory_out.goal.closeness.mode[ASTRAY] > 0.0
     close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not lost else 0.0
     if close != flags[CLOSE]:
         flags[CLOSE] = close

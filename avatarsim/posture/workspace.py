@@ -71,8 +71,8 @@ class Closeness(NamedTuple):
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
 # joints over their limits; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody
 # has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of
-# turn_weight
-COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF = range(6)
+# turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`)
+COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY = range(7)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -82,7 +82,7 @@ class Goal(NamedTuple):
 
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
-    (nd) the way there; closeness the measure of nearness
+    (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`)
     """
 
     full: Array
@@ -97,6 +97,7 @@ class Goal(NamedTuple):
     own: Posture
     wanted: Array
     closeness: Closeness
+    aside: Posture
 
 
 class Rows(NamedTuple):
@@ -237,7 +238,7 @@ def _closeness(skel: Skeleton) -> Closeness:
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0]),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0]),
     )
 
 
@@ -248,6 +249,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
+        _posture(nl, 0),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
