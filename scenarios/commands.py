@@ -171,12 +171,13 @@ def begun(asked: argparse.Namespace, words: Sequence[str], made: Plan, limits: C
     return ran
 
 
-def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool) -> int:
-    """Measure and time; the exit code so far, or that somebody stopped it, and what is known is written either way."""
+def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_length: bool = False) -> int:
+    """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or that somebody stopped it, and what
+    is known is written either way."""
     try:
         ran.measure(made.ready, asked.jobs)
         if timed:
-            ran.clock(asked.full)
+            ran.clock(asked.full, at_length)
         code = ran.code()
     except KeyboardInterrupt:
         code = STOPPED
@@ -227,7 +228,7 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
     if not made.scenarios:
         return nothing(asked)
     ran = begun(asked, words, made, {})
-    code = passes(asked, made, ran, timed=True)
+    code = passes(asked, made, ran, timed=True, at_length=True)
     if ran.folder.parent == asked.out.resolve():
         # what times single queries, and the report after it, look for this run there
         point_latest(ran.folder)

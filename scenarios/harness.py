@@ -109,14 +109,15 @@ class Run:
                 progress.step(f"{outcome.job.scenario} {outcome.job.run} {outcome.state}")
                 self.write_now_and_then()
 
-    def clock(self, full: bool) -> None:
-        """The timing pass over everything that ran through, scene by scene. The raw tracker is left out: it computes nothing."""
+    def clock(self, full: bool, at_length: bool = False) -> None:
+        """The timing pass over everything that ran through, scene by scene, many of them at a glance unless `at_length`. The raw
+        tracker is left out: it computes nothing."""
         ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
         with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
             names = list(dict.fromkeys(job.scenario for job in sound))
-            few = full or len(names) < MANY
+            few = full or at_length or len(names) < MANY
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]

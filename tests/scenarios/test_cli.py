@@ -11,6 +11,8 @@ import pytest
 
 from scenarios import catalog
 from scenarios.__main__ import main
+from scenarios.glance import ROUNDS
+from scenarios.timing import REPEATS
 from tests.scenarios.command_line import called, last, latest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -163,6 +165,19 @@ def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_ta
     del both["two_arms"]
     everything = {"ball_drop", "rare"}
     assert taken("compare") == taken("bench", "--filter", "*") == taken("compare", "--full") == taken("check") == everything
+
+
+def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_bench(
+    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.harness.MANY", 1)
+    drop = replace(catalog.get("ball_drop"), everyday=False)
+    monkeypatch.setattr(catalog, "scenarios", lambda: {"ball_drop": drop})
+    monkeypatch.setattr(catalog, "get", lambda name: drop)
+    for command, rounds in (("bench", REPEATS), ("compare", ROUNDS)):
+        called(tmp_path, command, "--engine", "tunnels", "--preset", "default", "--filter", "ball_drop", frames=40)
+        [note] = {row["note"] for row in latest(tmp_path)["rows"] if row["metric"] == "frame_time_p50"}
+        assert note.startswith(f"{rounds} repeats of ")
 
 
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
