@@ -122,9 +122,12 @@ def come_back(root: int, goal_out: Goal) -> None:
     a = goal_out.aside
     gone, turn = row(a.root, root), columns(a.turn, root)
     put_row(a.root, root, sub(gone, shortened(gone, MOST_MOVED)))
-    back = shortened(rotation_vector(turn), MOST_TURNED)
-    if dot(back, back) > 0.0:
-        put_columns(a.turn, root, straightened(stepped(turn, scale(back, -1.0))))
+    left = rotation_vector(turn)
+    if norm(left) <= MOST_TURNED:
+        # to the bit: what rounding leaves would keep it aside for good
+        put_columns(a.turn, root, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    else:
+        put_columns(a.turn, root, straightened(stepped(turn, scale(shortened(left, MOST_TURNED), -1.0))))
 
 
 @kernel

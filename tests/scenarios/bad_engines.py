@@ -131,7 +131,8 @@ class TwoMillimetres(Frozen):
             shares = np.linspace(low, high, parts + 1)
             beyond = self.judge.depths(*states(shares[1:])) > DEPTH
             if not beyond.any():
-                return 1.0
+                # the whole way; later, the end of a part by a rounding
+                return float(high)
             first, parts = int(np.argmax(beyond)), PARTS
             low, high = shares[first], shares[first + 1]
         return float(low)
