@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import Snapshot
-from avatarsim.spatial import rotation
 from reference.in_mujoco.world import World
+from reference.reading_kernels import about_own_centres
 
 Array = NDArray[np.float64]
 Raw = tuple[Array, ...]
@@ -20,7 +20,7 @@ class Reading:
 
     def __init__(self, world: World, data: mujoco.MjData) -> None:
         self._model, self._data, self._ids = world.model, data, world.body_ids
-        self._trees = world.model.body_rootid[self._ids]
+        self._trees = world.model.body_rootid[self._ids].astype(np.int64)
         # views of MuJoCo's own memory, which stays where it is
         self._seen = (data.xpos, data.xquat, data.cvel, data.xipos, data.subtree_com)
 
@@ -35,12 +35,15 @@ class Reading:
         return tuple(array.copy() for array in self._seen)
 
     def snapshots(self, times: Sequence[float], raw: Sequence[Raw]) -> tuple[Snapshot, ...]:
-        """What was read at `times` [s] since load, as body frames. All at once, since numpy costs as much per call as a step."""
-        ids = self._ids
+        """What was read at `times` [s] since load, as body frames."""
         places, turns, motions, centres, trees = (np.array(states) for states in zip(*raw, strict=True))
-        positions, orientations, spins = places[:, ids], turns[:, ids], motions[:, ids, :3]
+        shape = (len(raw), len(self._ids))
+        positions, orientations = np.empty((*shape, 3)), np.empty((*shape, 4))
+        velocities, spins = np.empty((*shape, 3)), np.empty((*shape, 3))
         # MuJoCo states velocities about the centre of mass of the whole tree
-        velocities = motions[:, ids, 3:] + rotation.cross(spins, centres[:, ids] - trees[:, self._trees])
+        about_own_centres(
+            places, turns, motions, centres, trees, self._ids, self._trees, positions, orientations, velocities, spins
+        )
         return tuple(
             Snapshot(time, positions[k], orientations[k], velocities[k], spins[k]) for k, time in enumerate(times)
         )

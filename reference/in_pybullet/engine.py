@@ -18,7 +18,7 @@ from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
 from reference.in_pybullet.factors import coefficients, fit, weights
 from reference.in_pybullet.presets import presets
-from reference.in_pybullet.reading import Reading
+from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
 from reference.presets import Chosen, in_force, kind_of
 from reference.targets import Targets
@@ -73,7 +73,7 @@ class PybulletEngine:
         held = zip(self._world.parts[len(scene.bodies) :], scene.links, strict=True) if self._lifts else ()
         self._reading = Reading(self._world, scene)
         self._lifting = [
-            (self._reading.read.index(row), part, (link.mass.mass * up).tolist())
+            (STATED * self._reading.read.index(row), part, (link.mass.mass * up).tolist())
             for row, (part, link) in enumerate(held, start=len(scene.bodies))
         ]
         self._drive = Drive(self._world, scene, self._chosen)
@@ -181,7 +181,7 @@ class PybulletEngine:
         The force is given in the world, for Bullet turns one that is given in the link's frame along with the link."""
         for place, part, force in self._lifting:
             pybullet.applyExternalForce(
-                part.body, part.link, force, self._now[place][:3], pybullet.WORLD_FRAME, physicsClientId=self._client
+                part.body, part.link, force, self._now[place : place + 3], pybullet.WORLD_FRAME, physicsClientId=self._client
             )
 
     def _number(self, name: str) -> float:
