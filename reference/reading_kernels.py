@@ -18,8 +18,8 @@ def body_frames(rows: Array, frames: Array, centres: Array, positions: Array, or
                 spins: Array) -> int:
     """Write what `rows` (n, bodies, 13) state of mass centres as poses of body frames and velocities; 0 on return.
 
-    A row holds place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s]. `frames` (bodies, 4) turn a body's frame back out of
-    the principal one, `centres` (bodies, 3) [m] are the mass centres in body frames."""
+    A row holds place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s]. `frames` (bodies, 4) turn a body's frame back out
+    of the principal one, `centres` (bodies, 3) [m] are the mass centres in body frames."""
     for i in range(rows.shape[0]):
         for k in range(rows.shape[1]):
             row, frame, centre = rows[i, k], frames[k], centres[k]
@@ -48,8 +48,8 @@ def about_own_centres(places: Array, turns: Array, motions: Array, centres: Arra
                       positions: Array, orientations: Array, velocities: Array, spins: Array) -> int:
     """Write the bodies `ids` of what is stated of all (n, all, .), velocities about their own mass centres; 0 on return.
 
-    `motions` hold spin [rad/s] and the velocity [m/s] of what turns along at `trees`, the mass centre [m] of the tree whose root is
-    in `roots`; `centres` [m] are the bodies' own mass centres."""
+    `motions` hold spin [rad/s] and the velocity [m/s] of what turns along at `trees`, the mass centre [m] of the tree whose root
+    is in `roots`; `centres` [m] are the bodies' own mass centres."""
     for i in range(places.shape[0]):
         for k in range(len(ids)):
             body, root = ids[k], roots[k]

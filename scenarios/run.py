@@ -9,13 +9,14 @@ import numpy as np
 from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
+from avatarsim.scene.tracker import TrackerSample, link_poses_each
 from scenarios import drawn, overlapping, record
+from scenarios.asked import Asked, asked
 from scenarios.engines import opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
-from scenarios.provenance import code_hash, scene_hash
+from scenarios.provenance import code_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
 
@@ -30,8 +31,8 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     """Run `job`, save its recording below `folder` and measure it, judging so many snapshots inside frames (all if the job is in
     full). Whatever goes wrong becomes an outcome of its own."""
     try:
-        scenario, scene, motion = job.asked()
-        samples = [checked(motion(k), scene.avatars) for k in range(scenario.frames)]
+        what = asked(job)
+        scenario, scene, samples = what.scenario, what.scene, what.samples
     except (AvatarsimError, ImportError) as error:
         return Outcome(job, "not-measured", f"the scene could not be made: {described(error)}")
     try:
@@ -48,14 +49,13 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
         return Outcome(job, "crashed", f"before loading: {described(error)}")
     path = folder / "recordings" / f"{job.stem}.npz"
     identity = {
-        "scene_hash": scene_hash(scene), "code": code_hash(), "version": engine.version, "frames": scenario.frames,
+        "scene_hash": what.scene_hash, "code": code_hash(), "version": engine.version, "frames": scenario.frames,
         "full": job.full, "dt": scenario.dt, "base": job.base, "options": repr(sorted(job.options.items())),
     }
     drawn.write(scene, folder, scenario.name)
     if (earlier := kept(path, identity)) is not None:
-        return concluded(job, earlier, scenario, scene, path, judged)
+        return concluded(job, earlier, what, path, judged)
     about |= identity
-    states = [scene.first_sample, *samples]
     frames: list[FrameRecord] = []
     try:
         frames.append(engine.load(scene, settings, scenario.dt))
@@ -73,13 +73,13 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     except Exception as error:
         note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
         if frames:
-            record.save(gathered(job, scenario, scene, states, frames, {**about, "error": note}), path)
+            record.save(gathered(job, scenario, scene, what.states, frames, {**about, "error": note}), path)
         return Outcome(job, "crashed", note, len(frames), about=about, recording=path if frames else None)
     finally:
         _close(engine)
-    recording = gathered(job, scenario, scene, states, frames, about)
+    recording = gathered(job, scenario, scene, what.states, frames, about, what.raw)
     record.save(recording, path)
-    return concluded(job, recording, scenario, scene, path, judged)
+    return concluded(job, recording, what, path, judged)
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
@@ -94,14 +94,12 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
     return found if same and "error" not in found.meta else None
 
 
-def concluded(
-    job: Job, recording: Recording, scenario: Scenario, scene: Scene, path: Path, judged: int = INSIDE_JUDGED
-) -> Outcome:
+def concluded(job: Job, recording: Recording, what: Asked, path: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     """Measure a whole recording."""
-    found = measured(recording, scenario, scene.whole, None if job.full else judged)
+    found = measured(recording, what.known, None if job.full else judged)
     overlapping.write(found.overlapping, path.parent.parent, job.stem)
     told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
-    told["lapsed"] = dict(scene.lapsed)
+    told["lapsed"] = dict(what.scene.lapsed)
     overlap = tuple(found.overlap.tolist())
     hashes = tuple(recording.state_hashes.tolist())
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
@@ -123,12 +121,13 @@ def _close(engine: Engine) -> None:
 
 def gathered(
     job: Job, scenario: Scenario, scene: Scene, states: list[TrackerSample], frames: list[FrameRecord],
-    about: Mapping[str, object],
+    about: Mapping[str, object], raw: tuple[record.Array, record.Array] | None = None,
 ) -> Recording:
-    """The frames that an engine showed, and the tracker's own posture beside each, as one recording."""
+    """The frames that an engine showed, and the tracker's own posture beside each, as one recording; `raw` are the link poses of
+    `states` where they are known."""
     shown = [frame.shown for frame in frames]
     inside = [(k, snapshot) for k, frame in enumerate(frames) for snapshot in frame.inside if k > 0]
-    raw_positions, raw_orientations = link_poses_each(scene.avatars, states[: len(frames)])
+    raw_positions, raw_orientations = raw or link_poses_each(scene.avatars, states[: len(frames)])
     n, hinges = len(scene.names), sum(avatar.hinge_count for avatar in scene.avatars)
     # an engine that gives no angles, or a wrong number of them, has given none
     given = all(len(frame.angles) == hinges for frame in frames)
@@ -158,7 +157,9 @@ def gathered(
 
 def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> record.Array:
     """(len(snapshots), n, width) of one field; an engine that gives another shape is told so by numpy."""
-    return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
+    fields = [np.asarray(getattr(snapshot, name), dtype=np.float64) for snapshot in snapshots]
+    # np.array goes through a list of arrays number by number, eight times as slow
+    return np.stack(fields).reshape(len(snapshots), n, width) if fields else np.zeros((0, n, width))
 
 
 def _tally(per_frame: list[Mapping[str, int]]) -> dict[str, Integers]:

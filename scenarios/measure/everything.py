@@ -15,9 +15,9 @@ from scenarios.measure.course import course_errors
 from scenarios.measure.energy import energy
 from scenarios.measure.escapes import escapes
 from scenarios.measure.finite import not_finite
-from scenarios.measure.free import free_frames
 from scenarios.measure.halts import halts
 from scenarios.measure.jumps import jumps
+from scenarios.measure.known import Known
 from scenarios.measure.limits import limit_excess
 from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
 from scenarios.measure.side import wrong_side
@@ -53,8 +53,9 @@ def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> di
     return found
 
 
-def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside: int | None = INSIDE_JUDGED) -> Measured:
+def measured(recording: Recording, known: Known, most_inside: int | None = INSIDE_JUDGED) -> Measured:
     """Every metric that applies to the scene. Without the judge's package its metrics are Missing, all others stand."""
+    scenario, scene = known.scenario, known.scene
     values: dict[str, Value] = {
         **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
         **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
@@ -62,17 +63,15 @@ def measured(recording: Recording, scenario: Scenario, scene: Scene, most_inside
         **motion_figures(recording, scenario, scene),
     }
     try:
-        # a compiled package that not every machine has; its absence costs the judged figures and nothing else
-        from reference.judge import Judge
+        judge = known.judge
     except ImportError as error:
         absent = Missing(f"the judge needs the package {error.name}, which is not installed", "package")
         values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free"), absent)
         return Measured(values, {}, np.zeros(0))
-    judge = Judge(scene)
     verdicts = judge.over_time(recording.positions, recording.orientations)
     shown = np.array([verdict.deepest for verdict in verdicts], dtype=np.float64)
     values |= residual_overlap(shown)
     values["substep_overlap_max"], note = substep_overlap(recording, judge.deepest, most_inside)
-    values |= tracker_offset(recording, scene, free_frames(recording, scenario, scene, judge.link_depths))
+    values |= tracker_offset(recording, scene, known.free(recording))
     notes = {"substep_overlap_max": note} if note else {}
     return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

@@ -10,6 +10,7 @@ from avatarsim.scene.scene import Scene
 from scenarios.gate import rows_of
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
+from scenarios.measure.known import Known
 from scenarios.record import Recording, load, save
 from scenarios.results import Row
 from scenarios.scenario import Bound, Scenario
@@ -22,7 +23,7 @@ def rows(recording: Recording, scenario: Scenario, scene: Scene, folder: Path) -
     """The gate's rows of a recording that went through a file."""
     path = folder / "recording.npz"
     save(recording, path)
-    found = measured(load(path), scenario, scene)
+    found = measured(load(path), Known(scenario, scene))
     outcome = Outcome(Job(scenario.name, "e", "default"), "measured", "", recording.frames, found.values, found.notes)
     return {row.metric: row for row in rows_of(outcome, scenario, {}, True)}
 

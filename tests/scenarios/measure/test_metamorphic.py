@@ -19,6 +19,7 @@ from scenarios.engines import opened
 from scenarios.expected import Course, OfTime, Stop
 from scenarios.job import Job
 from scenarios.measure.everything import measured
+from scenarios.measure.known import Known
 from scenarios.measure.value import Missing
 from scenarios.record import Recording
 from scenarios.run import gathered
@@ -108,8 +109,8 @@ def test_moved_and_turned(engine: str, name: str, frames: int, there: Elsewhere)
     # a region is a box along the axes, which only a quarter turn leaves one
     regions = tuple(quarter(region, there) for region in scenario.regions) if there.turn == QUARTER else ()
     plain = scenario if there.turn == QUARTER else replace(scenario, regions=())
-    wanted = measured(recording, plain, scene)
-    found = measured(sent(recording, there), asked(scenario, there, regions), there.scene(scene))
+    wanted = measured(recording, Known(plain, scene))
+    found = measured(sent(recording, there), Known(asked(scenario, there, regions), there.scene(scene)))
     same(found.values, wanted.values, 1e-8)
     np.testing.assert_allclose(found.overlap, wanted.overlap, atol=1e-8)
 
@@ -124,7 +125,7 @@ def test_bodies_in_another_order(engine: str, name: str, frames: int) -> None:
     arrays = {field: getattr(recording, field)[:, order] for field in (*fields, *(f"inside_{field}" for field in fields))}
     turned = replace(recording, meta={**recording.meta, "names": [scene.names[k] for k in order]}, **arrays)
     found = measured(turned, scenario, replace(scene, bodies=scene.bodies[::-1]))
-    same(found.values, measured(recording, scenario, scene).values, 1e-9)
+    same(found.values, measured(recording, Known(scenario, scene)).values, 1e-9)
 
 
 def test_there_and_back_is_where_it_was() -> None:
@@ -140,5 +141,5 @@ def test_a_verdict_that_should_change_does() -> None:
     scenario, scene, recording = run("avatarsim", "bounce_ladder", 45)
     there = Elsewhere(1.0, ASKEW)
     wrong = replace(there.scene(scene), gravity=scene.gravity)
-    found = measured(sent(recording, there), replace(scenario, regions=()), wrong).values["energy_added_max"]
+    found = measured(sent(recording, there), Known(replace(scenario, regions=()), wrong)).values["energy_added_max"]
     assert isinstance(found, float) and found > 0.1

@@ -5,6 +5,7 @@ import pytest
 
 from reference.judge import Judge
 from scenarios.measure.everything import measured
+from scenarios.measure.known import Known
 from scenarios.measure.overlap import residual_overlap, substep_overlap
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import DT, RADIUS, WALL_FACE, fist, fist_scene, resting, with_inside
@@ -30,7 +31,7 @@ def test_an_injected_overlap_is_found_to_ten_nanometres(depth: float) -> None:
     positions[3, 1, 0] = WALL_FACE - RADIUS + depth
     found = Judge(scene).depths(positions, recording.orientations)
     assert found == pytest.approx([0.0, 0.0, 0.0, depth, 0.0], abs=1e-8)
-    values = measured(replace(recording, positions=positions), fist(4), scene).values
+    values = measured(replace(recording, positions=positions), Known(fist(4), scene)).values
     assert values["residual_overlap_max"] == pytest.approx(depth, abs=1e-8)
     assert values["overlap_frames"] == (20.0 if depth > 0 else 0.0)
 
@@ -40,7 +41,7 @@ def test_overlap_inside_a_frame_is_seen_though_no_frame_shows_it() -> None:
     within = np.tile(recording.positions[0], (3, 1, 1))
     within[1, 1, 0] = WALL_FACE - RADIUS + 3e-3
     recording = with_inside(recording, [0.2 * DT, 0.4 * DT, 0.6 * DT], [1, 1, 1], ["step"] * 3, within, np.zeros((3, 2, 3)))
-    values = measured(recording, fist(2), scene).values
+    values = measured(recording, Known(fist(2), scene)).values
     assert values["residual_overlap_max"] == 0.0
     assert values["substep_overlap_max"] == pytest.approx(3e-3, abs=1e-8)
 
@@ -69,7 +70,7 @@ def test_without_the_judge_its_figures_are_missing_by_fault_of_a_package(monkeyp
     import sys
 
     monkeypatch.setitem(sys.modules, "reference.judge", None)
-    values = measured(resting(fist_scene(), 2), fist(2), fist_scene()).values
+    values = measured(resting(fist_scene(), 2), Known(fist(2), fist_scene())).values
     overlap = values["residual_overlap_max"]
     assert isinstance(overlap, Missing) and overlap.fault == "package"
     assert values["not_finite_frames"] == 0.0

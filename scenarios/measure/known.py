@@ -1,0 +1,43 @@
+"""What the measures of one scene have in common, whichever engine was recorded in it."""
+
+import hashlib
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from scenarios.measure.free import free_frames, raw_states
+from scenarios.record import Recording
+from scenarios.scenario import Scenario
+
+if TYPE_CHECKING:
+    from reference.judge import Judge
+
+Flags = NDArray[np.bool_]
+
+
+class Known:
+    """The judge of one scene, and the frames in which the way is free: where nothing but the user moves, these are the same for
+    all engines, and measuring them takes a quarter of the judge's time."""
+
+    def __init__(self, scenario: Scenario, scene: Scene) -> None:
+        self.scenario, self.scene = scenario, scene
+        self._free: tuple[bytes, Flags] | None = None
+
+    @cached_property
+    def judge(self) -> "Judge":
+        """Raises ImportError where the judge's package is missing: a compiled one that not every machine has."""
+        from reference.judge import Judge
+
+        return Judge(self.scene)
+
+    def free(self, recording: Recording) -> Flags:
+        """(F+1,) True where the raw posture is one that could be shown; asked once about the same bits."""
+        digest = hashlib.blake2b()
+        for array in (*raw_states(recording), recording.raw_orientations, recording.raw_angles):
+            digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+        if self._free is None or self._free[0] != digest.digest():
+            self._free = digest.digest(), free_frames(recording, self.scenario, self.scene, self.judge.link_depths)
+        return self._free[1]

@@ -1,0 +1,61 @@
+"""What measures of a scene have in common is worked out once, and again for whatever differs by a bit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from scenarios.measure.free import free_frames
+from scenarios.measure.known import Known
+from scenarios.record import Recording
+from tests.scenarios.examples import fist, fist_motion, fist_scene, recorded
+
+
+def walked() -> Recording:
+    """A fist that its user drives into a wall."""
+    scene = fist_scene()
+    motion = fist_motion(scene, 0)
+    return recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[Recording]:
+    """Every recording whose free frames were worked out, not remembered."""
+    found: list[Recording] = []
+
+    def counted(recording: Recording, *rest: object) -> object:
+        found.append(recording)
+        return free_frames(recording, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("scenarios.measure.known.free_frames", counted)
+    return found
+
+
+def test_free_frames_are_those_of_the_measure_itself(asked: list[Recording]) -> None:
+    recording, known = walked(), Known(fist(), fist_scene())
+    plain = free_frames(recording, fist(), fist_scene(), known.judge.link_depths)
+    assert known.free(recording).tolist() == plain.tolist() and 0 < plain.sum() < len(plain)
+    # another engine's links do not matter
+    elsewhere = recording.positions.copy()
+    elsewhere[:, recording.links] += 1.0
+    assert known.free(replace(recording, positions=elsewhere)).tolist() == plain.tolist()
+    assert len(asked) == 1
+
+
+@pytest.mark.parametrize("field", ["raw_positions", "raw_orientations"])
+def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]) -> None:
+    recording, known = walked(), Known(fist(), fist_scene())
+    known.free(recording)
+    other = getattr(recording, field).copy()
+    other[-1, 0, 0] = np.nextafter(other[-1, 0, 0], 2.0)
+    known.free(replace(recording, **{field: other}))
+    assert len(asked) == 2
+
+
+def test_bodies_shown_elsewhere_and_a_shorter_run_are_asked_again(asked: list[Recording]) -> None:
+    recording, known = walked(), Known(fist(), fist_scene())
+    known.free(recording)
+    moved = recording.positions.copy()
+    moved[:, 0] += 1.0
+    assert known.free(replace(recording, positions=moved)).tolist() != known.free(recording).tolist()
+    assert len(asked) == 3
