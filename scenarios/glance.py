@@ -20,10 +20,9 @@ SLICE = 0.3
 LEAST, MOST = 30, 180
 """Frames timed at least and at most: with fewer, what falls would be timed in the air; more would hold up the other scenes."""
 ROUNDS = 2
-"""Repeats of few frames; with one, neither a disturbance nor buffers that grow could be told from a frame's own cost. A warm-up
-would be a third load, and loading takes most of the time that a glance takes."""
+"""Repeats of an everyday scene, so that neither a disturbance nor buffers that grow look like a frame's own cost."""
 ONCE = 300
-"""Frames from which on one round is enough: what disturbs a few of them is lost among the others, and slow engines would take a
+"""Frames from which on one repeat is enough: what disturbs a few of them is lost among the others, and slow engines would take a
 fifth of the whole pass for a second."""
 PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
@@ -31,11 +30,12 @@ PATIENCE = 60.0
 
 def glance(jobs: Sequence[Job], cost: float, seats: Seats, at_length: bool = False) -> list[Clocked]:
     """Time all `jobs` of one scene, one at a time, all over the same frames: MOST_FRAMES `at_length`, otherwise what fits into a
-    SLICE if a frame of all of them together takes `cost` [s]. Loading, often longer than the frames, is done side by side."""
+    SLICE if a frame of all of them together takes `cost` [s], once: a median shrugs off what disturbs a frame or two, and a second
+    repeat would be a second load, which takes longer than the frames. Loading is done side by side."""
     table = [Turns(job, seats.at(job.run)) for job in jobs]
     few = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
     frames = MOST_FRAMES if at_length else few
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS if at_length else 1):
         for turns in loaded(table, [frames] * len(table)):
             turns.turn()
         if any(turns.frames >= ONCE for turns in table):

@@ -9,6 +9,7 @@ from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
 from avatarsim.settings import PostureSettings
+from avatarsim.spatial import rotation
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
 
@@ -202,12 +203,12 @@ def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: P
         for m in range(len(skel.kind)):
             if not skel.related[link, m]:
                 continue
-            for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
-                if skel.kind[m] == FREE and j < skel.first_dof[m] + 3:
-                    weight[j] += 1.0
-                else:
-                    arm = np.cross(axes[j], points - poses.position[skel.first + m])
-                    weight[j] += float((arm**2).sum(axis=1).mean()) + 1e-4
+            first, end = skel.first_dof[m : m + 2]
+            if skel.kind[m] == FREE:
+                weight[first : first + 3] += 1.0
+                first += 3
+            arms = rotation.cross(axes[first:end, None], points - poses.position[skel.first + m])
+            weight[first:end] += (arms**2).sum(axis=-1).mean(axis=-1) + 1e-4
     roots = np.zeros(len(weight), dtype=bool)
     for link in np.flatnonzero(skel.kind == FREE).tolist():
         roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True

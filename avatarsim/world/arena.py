@@ -60,9 +60,11 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     image = Image()
     image.lay(tree, dict(zip(map(id, leaves), starts, strict=True)))
     image.fill(WORD)
-    words = np.array([FIRST, 0, len(image.addresses), end + len(image.data) // WORD], dtype=np.int64)
-    words = np.concatenate([words, np.zeros(end - FIRST, dtype=np.int64), np.frombuffer(bytes(image.data), dtype=np.int64)])
-    words = np.concatenate([words, end + np.array(image.addresses, dtype=np.int64) // WORD])
+    listed = end + len(image.data) // WORD
+    words = np.zeros(listed + len(image.addresses), dtype=np.int64)
+    words[:FIRST] = FIRST, 0, len(image.addresses), listed
+    words[end:listed] = np.frombuffer(bytes(image.data), dtype=np.int64)
+    words[listed:] = end + np.array(image.addresses, dtype=np.int64) // WORD
     views: list[object] = []
     for k, (leaf, array, start) in enumerate(zip(leaves, arrays, starts, strict=True)):
         row = FIRST + ROW * k

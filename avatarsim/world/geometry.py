@@ -14,6 +14,9 @@ from avatarsim.world.pair_filter import PairFilter, pair_filter
 from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes
 
 Array = NDArray[np.float64]
+
+CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+"""Corners (8, 3) of a cube of 1 m about the origin."""
 Index = NDArray[np.int64]
 
 
@@ -57,8 +60,7 @@ def piece_points(piece: Piece) -> tuple[int, Array, float]:
     elif isinstance(shape, Capsule):
         points, radius = np.array([[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]) * shape.length, shape.radius
     elif isinstance(shape, Box):
-        corners = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-        points = corners * np.array(shape.size)
+        points = CORNERS * np.array(shape.size)
     else:
         assert isinstance(shape, ConvexHull)
         points = np.array(shape.vertices)

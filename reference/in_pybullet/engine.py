@@ -25,6 +25,9 @@ from reference.targets import Targets
 
 Array = NDArray[np.float64]
 
+INSTALLED = version("pybullet")
+"""Asked once: it is looked for among the files of every package."""
+
 
 class PybulletEngine:
     """PyBullet's DIRECT server; one world per engine, in a fresh server each time."""
@@ -38,7 +41,7 @@ class PybulletEngine:
     @property
     def version(self) -> str:
         """Version of the package."""
-        return version("pybullet")
+        return INSTALLED
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """What PyBullet has no words for: feature -> consequence."""

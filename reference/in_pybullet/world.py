@@ -5,6 +5,7 @@ axes here (`Part.frame`), and joints, anchors and shapes with it. What comes out
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 import pybullet
@@ -16,7 +17,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
 from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Sphere
+from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.in_pybullet.shapes import collision_shape, xyzw
 
@@ -61,9 +62,9 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World
     world = World(client)
     for k, body in enumerate(scene.bodies):
         # a bounce between two solvers is the multibody solver's: fixed bodies go with the simulated ones
-        outside = maximal and (body.role is Role.FIXED or _is_simple(body))
-        world.parts.append(_body(body, client, outside))
-        if maximal and _is_simple(body):
+        simple = maximal and _is_simple(body)
+        world.parts.append(_body(body, client, simple or (maximal and body.role is Role.FIXED)))
+        if simple:
             world.maximal.add(k)
     first = 0
     for avatar in scene.avatars:
@@ -91,9 +92,15 @@ def _is_simple(body: Body) -> bool:
     piece = body.pieces[0]
     if not isinstance(piece.shape, Sphere | Box) or any(piece.position) or piece.orientation != rotation.IDENTITY:
         return False
-    expected = solid(body.pieces, body.mass.mass)
-    same = np.allclose(body.mass.inertia, expected.inertia, rtol=1e-9, atol=0.0)
+    expected = body.mass.mass * _inertia_per_mass(piece.shape)
+    same = np.allclose(body.mass.inertia, expected, rtol=1e-9, atol=0.0)
     return same and not any(body.mass.centre)
+
+
+@lru_cache(maxsize=256)
+def _inertia_per_mass(shape: Sphere | Box) -> Array:
+    """Inertia (3, 3) [m^2] of a solid of 1 kg; piles are made of many alike."""
+    return solid((Piece(shape),), 1.0).inertia
 
 
 def _body(body: Body, client: int, maximal: bool) -> Part:

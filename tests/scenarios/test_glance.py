@@ -27,7 +27,7 @@ def test_scenes_share_processes_and_every_engine_has_the_same_frames() -> None:
         shapes = {clocked.timed.around_ns.shape for clocked in found if clocked.timed is not None}
         assert len(found) == 2 and len(shapes) == 1
         rounds, frames = shapes.pop()
-        assert rounds == ROUNDS and LEAST <= frames <= MOST
+        assert rounds == 1 and LEAST <= frames <= MOST
         for clocked in found:
             assert clocked.timed is not None and np.isnan(clocked.timed.warmup) and len(set(clocked.timed.hashes)) == 1
 
@@ -56,7 +56,7 @@ def test_somebody_who_stops_it_waits_for_nobody() -> None:
 def test_slow_engines_are_timed_over_fewer_frames(cost: float, frames: int) -> None:
     with Seats() as seats:
         [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], cost, seats)
-    assert clocked.timed is not None and clocked.timed.around_ns.shape == (ROUNDS, frames)
+    assert clocked.timed is not None and clocked.timed.around_ns.shape == (1, frames)
 
 
 @pytest.mark.parametrize("scene", ["ball_drop", "arm_in_corner"])
