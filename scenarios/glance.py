@@ -30,7 +30,7 @@ PATIENCE = 60.0
 
 def glance(jobs: Sequence[Job], cost: float, seats: Seats, at_length: bool = False) -> list[Clocked]:
     """Time all `jobs` of one scene, one at a time, all over the same frames: MOST_FRAMES `at_length`, otherwise what fits into a
-    SLICE if a frame of all of them together takes `cost` [s], once: a median shrugs off what disturbs a frame or two, and a second
+    SLICE if a frame of all of them takes `cost` [s], once: a median shrugs off what disturbs a frame or two, and a second
     repeat would be a second load, which takes longer than the frames. Loading is done side by side."""
     table = [Turns(job, seats.at(job.run)) for job in jobs]
     few = MOST if not cost > 0.0 else max(LEAST, min(MOST, round(SLICE / cost)))
