@@ -19,8 +19,9 @@ SET_UP = @for python in "$$PYTHON" python3 python3.11 python3.12 python3.13 pyth
 help:  ## this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
 
-setup:  ## set up .venv now (PYTHON=... names the interpreter); the other commands do it by themselves
+setup:  ## set up .venv and compile the kernels now (PYTHON=... names the interpreter); the other commands do it by themselves
 	$(SET_UP)
+	@$(COMPILED)
 
 $(READY): requirements.lock pyproject.toml .setup/choose_python.py .setup/install.py
 	$(SET_UP)
