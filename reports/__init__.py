@@ -49,18 +49,19 @@ def write_report(run_dir: Path) -> None:
 def _texts(run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras") -> Iterator[tuple[str, str]]:
     """(path, text) of everything that is written."""
     from reports.junit import junit
-    from reports.page import page
+    from reports.page import layout, page
     from reports.page_paths import path_of
     from reports.scene_pages import scene_pages
     from reports.summary import summary
 
+    laid_out = layout(results, judged)
     yield SUMMARY, summary(results, judged, extras.two, extras.close)
     yield JUNIT, junit(judged)
     courses = {}
     for scene, text, charts in scene_pages(run_dir, results, judged):
         courses[scene] = charts
         yield path_of(scene), text
-    yield PAGE, page(results, judged, extras, courses)
+    yield PAGE, page(results, judged, extras, courses, laid_out)
 
 
 def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:

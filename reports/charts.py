@@ -7,6 +7,7 @@ a specification costs more than drawing it).
 import copy
 import math
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,8 +38,13 @@ class Panel:
     """One scene of one chart: an SVG (text alternative inside) and the sentence that says what to conclude."""
 
     scene: str
-    svg: str
+    drawn: str | Future[str]
     conclusion: str
+
+    @property
+    def svg(self) -> str:
+        """The picture; whoever asks waits until it is drawn."""
+        return self.drawn if isinstance(self.drawn, str) else self.drawn.result()
 
 
 def peaks(values: Array, most: int = MOST_POINTS) -> tuple[Array, Array, Array]:
@@ -88,7 +94,7 @@ def overlap_panels(results: Results, strokes: Mapping[str, Stroke], order: Seque
 
 def _drawn(orders: Sequence[tuple[Mapping[str, object], str, str]], said: Sequence[tuple[str, str]]) -> list[Panel]:
     """All panels of one kind, drawn side by side; `said` is (scene, conclusion) of each."""
-    return [Panel(scene, svg, text) for (scene, text), svg in zip(said, pictures(orders), strict=True)]
+    return [Panel(scene, drawn, text) for (scene, text), drawn in zip(said, pictures(orders), strict=True)]
 
 
 def _datasets(frame: Mapping[str, object]) -> dict[str, object]:

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from reports import (
     broad_phase_chart,
@@ -19,7 +20,7 @@ from reports import (
     table_2_chart,
 )
 from reports.broad_phase import BroadPhase
-from reports.charts import overlap_panels, time_panels, time_percentiles
+from reports.charts import Panel, overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
 from reports.columns import COLUMNS
 from reports.conclusions import (
@@ -43,7 +44,7 @@ from reports.marked import cell_note
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.page_paths import path_of
-from reports.palette import dark_rules, strokes
+from reports.palette import Stroke, dark_rules, strokes
 from reports.ranking import ranks, runs_of, tolerances
 from reports.ranking import sentence as ranking_sentence
 from reports.scene_page import environment, strokes_data
@@ -109,16 +110,32 @@ class Extras:
     steady: Stability | None = None
 
 
-def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None) -> str:
-    """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
-    scene."""
-    extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
-    narrow, broad = extras.narrow, extras.broad
-    first = losing_scenes(verdict)
-    shown = blocks(results, first)
+class Layout(NamedTuple):
+    """The table of a run, which of its scenes and engines come in which order and colour, and the charts of all scenes."""
+
+    blocks: tuple[Block, ...]
+    colours: Mapping[str, Stroke]
+    order: tuple[str, ...]
+    overlaps: list[Panel]
+    spreads: list[Panel]
+
+
+def layout(results: Results, verdict: Verdict) -> Layout:
+    """What the page holds; its charts are drawn while Python goes on."""
+    shown = blocks(results, losing_scenes(verdict))
     runs = [line.run for block in shown for line in block.lines]
     colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
     order = tuple(dict.fromkeys([*(block.scene for block in shown), *results.series]))
+    return Layout(shown, colours, order, overlap_panels(results, colours, order), time_panels(results, colours, order))
+
+
+def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
+         laid_out: Layout | None = None) -> str:
+    """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
+    scene; `laid_out`: its layout, from whoever let it be drawn before."""
+    extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
+    narrow, broad = extras.narrow, extras.broad
+    shown, colours, order, overlaps, spreads = laid_out or layout(results, verdict)
     ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
     return template.render(
@@ -126,7 +143,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
-        overlaps=overlap_panels(results, colours, order), overlap_summary=overlap_summary(results, verdict.gated),
+        overlaps=overlaps, overlap_summary=overlap_summary(results, verdict.gated),
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
         ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown)),
         policy=policy([source("courses.js")] if courses else []), courses_js=source("courses.js"),
@@ -134,7 +151,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
-        spreads=time_panels(results, colours, order), time_summary=time_summary(time_percentiles(results), verdict.gated),
+        spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),

@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from html import escape
 from itertools import pairwise
 
@@ -35,10 +35,13 @@ def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(label, quote=True)}" ', 1)
 
 
-def pictures(orders: Sequence[tuple[Mapping[str, object], str, str]]) -> list[str]:
-    """`picture` of each (spec, label, name), several at a time: the converter works outside of Python's lock."""
-    with ThreadPoolExecutor(os.cpu_count()) as threads:
-        return list(threads.map(lambda order: picture(*order), orders))
+def pictures(orders: Sequence[tuple[Mapping[str, object], str, str]]) -> list[Future[str]]:
+    """`picture` of each (spec, label, name), several at a time while Python goes on: the converter works outside of its lock."""
+    threads = ThreadPoolExecutor(os.cpu_count())
+    drawn = [threads.submit(picture, *order) for order in orders]
+    # takes no more orders, and ends when it has drawn these
+    threads.shutdown(wait=False)
+    return drawn
 
 
 def _one_decimal(text: str) -> str:
