@@ -24,7 +24,7 @@ together would leave its boxes together. Larger: fewer searches, but more candid
 SLOW, SHARE = 2.0, 0.125
 """So many times that for who is slow, as long as it is no more than this share of the most room that the body may have."""
 
-TIGHT, WIDE = 0.125, 64.0
+TIGHT, WIDE = 0.5, 64.0
 """Limits of the room to move on one side, as parts of what the box measures that way: so it takes the same share of candidates
 more on any side, for slabs and rods too. It doubles when a body leaves its fat box and is LONELY
 in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""

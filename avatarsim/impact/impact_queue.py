@@ -37,6 +37,9 @@ BLOCK_VISITS = 48000
 ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
 """The same where many blocks follow each other at one instant: what is left of an approach is looked at again anyway."""
 
+NOTHING = -1
+"""No contact."""
+
 CENTRAL = 1e-9
 """An arm whose part across the normal is smaller than this part of it counts as parallel: then normal and friction impulse do
 not influence each other and eqs 9 and 10 are the exact answer."""
@@ -56,49 +59,60 @@ def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple
 @kernel
 def head_of_queue(contacts: Contacts) -> tuple[int, float]:
     """`fastest_approach` by the velocities last seen."""
-    head, fastest = -1, 0.0
-    for k in range(contacts.used[0]):
-        if contacts.approach[k] < fastest:
-            head, fastest = k, contacts.approach[k]
+    v, count = contacts.approach, contacts.used[0]
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    # four side by side, so that nobody waits for the last comparison
+    for k in range(0, count - count % 4, 4):
+        a = v[k] if v[k] < a else a
+        b = v[k + 1] if v[k + 1] < b else b
+        c = v[k + 2] if v[k + 2] < c else c
+        d = v[k + 3] if v[k + 3] < d else d
+    for k in range(count - count % 4, count):
+        a = v[k] if v[k] < a else a
+    fastest, head = min(min(a, b), min(c, d)), 0
+    if not (fastest < 0.0):
+        return -1, 0.0
+    while v[head] != fastest:
+        head += 1
     return head, fastest
+
+
+@kernel
+def line_up(contacts: Contacts, masses: Masses, newest: Index, older: Index) -> None:
+    """List the contacts of each body that moves, for `next_approach`.
+
+    Args:
+        newest: (nb) gets the last contact of a body, NOTHING if it has none; bodies without contacts are left as they are.
+        older: (cap, 2) gets, for either body of a contact, the one before.
+    """
+    for k in range(contacts.used[0]):
+        newest[contacts.body[k, 0]], newest[contacts.body[k, 1]] = NOTHING, NOTHING
+    for k in range(contacts.used[0]):
+        for side in range(2):
+            b = contacts.body[k, side]
+            # what nothing moves is beneath many
+            if masses.inverse_mass[b] > 0.0:
+                older[k, side], newest[b] = newest[b], k
 
 
 @kernel
 def next_approach(
-    contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, hit: Index
+    contacts: Contacts, first: int, last: int, linear: Array, angular: Array, newest: Index, older: Index
 ) -> tuple[int, float]:
     """`fastest_approach` after the block first <= k < last was resolved: only who touches a body that was hit is looked at again.
 
-    ``hit`` (nb): working memory, 0 for all bodies of contacts.
+    ``newest``, ``older``: of `line_up`.
     """
-    mark_hit(contacts, masses, first, last, hit, 1)
-    head, fastest = -1, 0.0
-    for k in range(contacts.used[0]):
-        if hit[contacts.body[k, 0]] + hit[contacts.body[k, 1]] > 0:
-            contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
-        if contacts.approach[k] < fastest:
-            head, fastest = k, contacts.approach[k]
-    mark_hit(contacts, masses, first, last, hit, 0)
-    return head, fastest
-
-
-@kernel
-def nobody_hit(contacts: Contacts, hit: Index) -> None:
-    """Make ``hit`` (nb) ready for `next_approach`."""
-    for k in range(contacts.used[0]):
-        hit[contacts.body[k, 0]], hit[contacts.body[k, 1]] = 0, 0
-
-
-@kernel
-def mark_hit(contacts: Contacts, masses: Masses, first: int, last: int, hit: Index, mark: int) -> None:
-    """Mark the bodies of a block: those of its contacts that have a target."""
-    for k in range(first, last):
-        if contacts.target[k] != -inf:
-            for side in range(2):
-                b = contacts.body[k, side]
-                # what nothing moves is beneath many
-                if masses.inverse_mass[b] > 0.0:
-                    hit[b] = mark
+    for i in range(first, last):
+        if contacts.target[i] == -inf or (i > first and contacts.target[i - 1] != -inf and same_pair(contacts, i - 1, i)):
+            continue
+        for side in range(2):
+            b = contacts.body[i, side]
+            k = newest[b]
+            while k != NOTHING:
+                contacts.approach[k] = speed_along(contacts, k, 0, linear, angular)
+                k = older[k, 0] if contacts.body[k, 0] == b else older[k, 1]
+    return head_of_queue(contacts)
 
 
 @kernel
@@ -109,14 +123,16 @@ def same_pair(contacts: Contacts, i: int, k: int) -> bool:
 
 @kernel
 def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
-    """Set targets (eq. 8) for all points of all pairs that tie with the fastest by the velocities last seen; -inf for the others.
+    """Set targets (eq. 8) for all points of all pairs that tie with the fastest by the velocities last seen.
 
-    Returns (first, last, number of points): the block lies within first <= k < last.
+    Returns (first, last, number of points): the block lies within first <= k < last, where the target of all others is -inf.
     """
     first, last, points, count, k = -1, 0, 0, contacts.used[0], 0
-    while k < count:
-        contacts.target[k] = -inf
-        if not (contacts.approach[k] <= fastest * (1.0 - TIE)):
+    limit, tied = fastest * (1.0 - TIE), 0
+    for i in range(count):
+        tied += 1 if contacts.approach[i] <= limit else 0
+    while tied > 0:
+        if not (contacts.approach[k] <= limit):
             k += 1
             continue
         start = k
@@ -125,11 +141,14 @@ def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
         k += 1
         while k < count and same_pair(contacts, start, k):
             k += 1
+        first = start if first < 0 else first
+        for i in range(last if last > 0 else start, start):
+            contacts.target[i] = -inf
         for i in range(start, k):
             v = contacts.approach[i]
+            tied -= 1 if v <= limit else 0
             target = velocity_after(contacts.restitution[i], v) if v < 0.0 else 0.0
             contacts.target[i] = target if target > REST_SPEED * contacts.pace[0] else 0.0
-        first = start if first < 0 else first
         last = k
         points += k - start
     for k in range(first, last):

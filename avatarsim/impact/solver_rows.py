@@ -52,14 +52,18 @@ def put_three(rows: Array, k: int, at: int, x: Vec3) -> None:
 @kernel
 def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array) -> None:
     """Fill ``contacts.rows`` of first <= k < last from what `weigh` left, and from targets, slides and frictions; and
-    ``contacts.motion`` of their bodies from linear, angular (nb, 3)."""
+    ``contacts.motion`` of their bodies from linear, angular (nb, 3).
+
+    Of what has no friction and no impulse along its tangents no pass reads what belongs to them, nor is it written.
+    """
     rows, motion = contacts.rows, contacts.motion
     for k in range(first, last):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
         for body in (a, b):
             put_three(motion, body, 0, row(linear, body))
             put_three(motion, body, LANES, row(angular, body))
-        for i in range(3):
+        flat = contacts.friction[k] == 0.0 and contacts.impulse[k, 1] == 0.0 and contacts.impulse[k, 2] == 0.0
+        for i in range(1 if flat else 3):
             per, n = contacts.unease[k, min(i, 1)], axis(contacts, k, i)
             gift = GIFT if i == 0 else SIDE_GIFT + (i - 1) * LANES * PARTS
             put_three(rows, k, gift, scale(n, masses.inverse_mass[a]))

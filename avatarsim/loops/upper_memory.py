@@ -76,7 +76,7 @@ class Memory(NamedTuple):
     of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
-    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`;
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
     margin (1) [m] see `motion.near`; soonest: near pairs while some stop, see `loops.plastic`.
     """
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.impact.contacts import add_contact, make_contacts, weigh
-from avatarsim.impact.impact_queue import REST_SPEED, TIE, choose_block, fastest_approach, next_approach
+from avatarsim.impact.impact_queue import REST_SPEED, TIE, choose_block, fastest_approach, line_up, next_approach
 from avatarsim.impact.masses import Masses
 
 BODIES, POINTS = 7, 16
@@ -15,7 +15,7 @@ BODIES, POINTS = 7, 16
 @pytest.mark.parametrize("seed", range(20))
 def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    contacts, hit = make_contacts(POINTS), np.zeros(BODIES, np.int64)
+    contacts, newest, older = make_contacts(POINTS), np.full(BODIES, 3), np.full((POINTS, 2), 5)
     masses = Masses(np.array([0.0, *rng.uniform(0.5, 2.0, BODIES - 1)]), np.zeros((BODIES, 3, 3)))
     for _ in range(POINTS):
         a, b = rng.choice(BODIES, 2, replace=False)
@@ -24,6 +24,7 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
     weigh(contacts, masses)
     linear, angular = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 3))
     linear[0], angular[0] = 0.0, 0.0
+    line_up(contacts, masses, newest, older)
     for _ in range(4):
         head, fastest = fastest_approach(contacts, linear, angular)
         first, last, _ = choose_block(contacts, fastest)
@@ -31,10 +32,10 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
         hit_ones = {b for k in range(first, last) if contacts.target[k] > -np.inf for b in contacts.body[k]} - {0}
         for b in hit_ones:
             linear[b] += rng.normal(size=3)
-        found = next_approach(contacts, masses, first, last, linear, angular, hit)
+        found = next_approach(contacts, first, last, linear, angular, newest, older)
         seen = contacts.approach.copy()
-        assert not hit.any()
         assert found == fastest_approach(contacts, linear, angular)
+        assert found == (int(np.argmin(seen)), seen.min())
         np.testing.assert_array_equal(seen, contacts.approach)
 
 
@@ -64,6 +65,7 @@ def test_a_block_is_all_pairs_that_tie(seed: int) -> None:
     contacts.approach[:] = rng.choice([-1.0, -0.5, -1e-3, 0.2], POINTS)
     contacts.approach[int(rng.integers(POINTS))] = -1.0
     contacts.restitution[:] = rng.choice([0.0, 0.5], POINTS)
-    found, targets = choose_block(contacts, -1.0), contacts.target.copy()
-    assert found == whole_table(contacts, -1.0)
-    np.testing.assert_array_equal(targets, contacts.target)
+    first, last, points = choose_block(contacts, -1.0)
+    targets = contacts.target[first:last].copy()
+    assert (first, last, points) == whole_table(contacts, -1.0)
+    np.testing.assert_array_equal(targets, contacts.target[first:last])
