@@ -10,11 +10,15 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.tally import Tally
 
 Array = NDArray[np.float64]
 
+NOTHING = Tally()
+"""Nothing counted, nothing timed."""
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, init=False)
 class Snapshot:
     """The world at one instant inside a frame: a sub-step or an event.
 
@@ -31,10 +35,20 @@ class Snapshot:
     orientations: Array
     velocities: Array
     angular_velocities: Array
-    event: str = "step"
+    event: str
+
+    def __init__(
+        self, time: float, positions: Array, orientations: Array, velocities: Array, angular_velocities: Array,
+        event: str = "step",
+    ) -> None:
+        # what dataclasses write for a frozen class takes twice as long, in every frame
+        own = self.__dict__
+        own["time"], own["event"] = time, event
+        own["positions"], own["orientations"] = positions, orientations
+        own["velocities"], own["angular_velocities"] = velocities, angular_velocities
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class FrameRecord:
     """What an engine shows at the end of one rendered frame, and what it cost.
 
@@ -47,10 +61,18 @@ class FrameRecord:
 
     shown: Snapshot
     angles: Array
-    counts: Mapping[str, int] = field(default_factory=dict)
-    statuses: Mapping[str, int] = field(default_factory=dict)
-    stage_ns: Mapping[str, int] = field(default_factory=dict)
-    inside: tuple[Snapshot, ...] = ()
+    counts: Mapping[str, int]
+    statuses: Mapping[str, int]
+    stage_ns: Mapping[str, int]
+    inside: tuple[Snapshot, ...]
+
+    def __init__(
+        self, shown: Snapshot, angles: Array, counts: Mapping[str, int] = NOTHING, statuses: Mapping[str, int] = NOTHING,
+        stage_ns: Mapping[str, int] = NOTHING, inside: tuple[Snapshot, ...] = (),
+    ) -> None:
+        own = self.__dict__
+        own["shown"], own["angles"], own["inside"] = shown, angles, inside
+        own["counts"], own["statuses"], own["stage_ns"] = counts, statuses, stage_ns
 
     def state_hash(self) -> str:
         """Sixteen hexadecimal digits of all shown numbers; equal bits give equal hashes."""

@@ -13,6 +13,7 @@ from avatarsim.loops.tracked import TrackedLoop
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.stage_clock import StageClock
+from avatarsim.tally import Tally
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
@@ -31,40 +32,40 @@ class Frames:
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
-        self.begun, self.time = 0.0, 0.0
+        self.begun, self.time, self.driven = 0.0, 0.0, bool(world.scene.avatars)
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
-        if world.scene.avatars:
+        if self.driven:
             self.target = Target(world)
             self.lower = lower_loop(world, method, chosen, seed)
         if self.effects.dynamics:
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record)
             moving = self.upper.memory.moving
-        if world.scene.avatars:
+        if self.driven:
             self.lower.watch(moving)
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
         self.clock.frame()
-        if self.world.scene.avatars:
+        if self.driven:
             self.target.read(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target, dt)
         if self.effects.dynamics:
             with self.clock.stage("motion"):
                 self.upper.advance(dt)
-            if self.effects.coupling and self.world.scene.avatars:
+            if self.effects.coupling and self.driven:
                 with self.clock.stage("coupling"):
                     self.lower.receive(self.upper.memory.received, self.upper.memory.moving, self.target)
         self.begun, self.time = self.time, self.time + dt
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Tally:
         """Work done in the last frame."""
-        counts = self.lower.counts() if self.world.scene.avatars else {}
-        return counts | self.upper.counts() if self.effects.dynamics else counts
+        counts = self.lower.counts() if self.driven else Tally()
+        return counts.beside(self.upper.counts()) if self.effects.dynamics else counts
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
-        statuses = self.lower.statuses() if self.world.scene.avatars else {}
+        statuses = self.lower.statuses() if self.driven else {}
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
 
     def inside(self) -> tuple[Snapshot, ...]:

@@ -44,7 +44,7 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
 
 def frame_time(dt: float) -> None:
     """Refuse a frame time that no simulation can mean."""
-    if not 0.0 < as_number(dt) <= 1.0:
+    if not 0.0 < (dt if type(dt) is float else as_number(dt)) <= 1.0:
         raise InvalidInput("frame time [s]", dt, "a number above 0 and at most 1")
 
 
@@ -127,4 +127,4 @@ class AvatarsimEngine:
         shown = Snapshot(frames.time, position, orientation, world.velocities.linear.copy(), world.velocities.angular.copy())
         # the state at the end is itself the frame's last sub-step; before it stand the events of the upper loop
         steps = (*inside, shown) if self._settings.record_inside else ()
-        return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, dict(frames.clock.ns), steps)
+        return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, frames.clock.ns, steps)

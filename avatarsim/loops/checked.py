@@ -8,8 +8,20 @@ from avatarsim.loops.opened_checked import opened_memory, opened_settings, opene
 from avatarsim.posture.follow import follow
 from avatarsim.posture.trapped import LOOK_EVERY, seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
-from avatarsim.posture.workspace import COUNT, COUNT_NAMES, SLOW, ready_memory
+from avatarsim.posture.workspace import (
+    BAD_QUERIES,
+    COUNT,
+    COUNT_NAMES,
+    CROSSINGS,
+    DROPPED,
+    RESYNCS,
+    SLOW,
+    TRAPPED_FRAMES,
+    WALLED_FRAMES,
+    ready_memory,
+)
 from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.tally import Tally
 from avatarsim.world.arena import Array, Index, opening, packed, yes
 from avatarsim.world.opened import (
     opened_dynamics,
@@ -22,8 +34,8 @@ from avatarsim.world.opened import (
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
-BAD = ("bad_queries", "rows_dropped", "resyncs", "trapped", "walled", "crossings")
-"""Counts that say that something did not end well."""
+BAD = (BAD_QUERIES, DROPPED, RESYNCS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS)
+"""Places of the counts that say that something did not end well."""
 
 NOTHING_RECEIVED, NOBODY = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
@@ -95,8 +107,8 @@ class CheckedLoop:
         follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._noticed)
         # everybody has been looked at once
         self._noticed = self._moving
-        slow = self.memory.flags[SLOW] - self._search_after
-        if self.way.state[MODE] != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
+        slow = self.memory.flags.item(SLOW) - self._search_after
+        if self.way.state.item(MODE) != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
             seek_opened(self.world.words, self._kept, self._way)
 
     def watch(self, moving: Index) -> None:
@@ -107,11 +119,11 @@ class CheckedLoop:
         """Impulses (nb, 3) [N s] go into the springs; a driven body held by what is `moving` (nb) now goes on."""
         follow_opened(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Tally:
         """Work done in the last frame."""
-        return dict(zip(COUNT_NAMES, self.memory.counts.tolist(), strict=True))
+        return Tally(COUNT_NAMES, self.memory.counts.tolist())
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""
-        counts = self.counts()
-        return {name: counts[name] for name in BAD if counts[name]}
+        counts = self.memory.counts.tolist()
+        return {COUNT_NAMES[place]: counts[place] for place in BAD if counts[place]}

@@ -9,6 +9,7 @@ from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, ope
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
+from avatarsim.tally import Tally
 from avatarsim.world.arena import opening, packed
 from avatarsim.world.geometry import Poses
 from avatarsim.world.opened import (
@@ -66,9 +67,9 @@ class PaperLoop:
         """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Tally:
         """Work done in the last frame."""
-        return dict(zip(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tolist(), strict=True))
+        return Tally(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tolist())
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""

@@ -7,6 +7,7 @@ from avatarsim.loops.opened_upper import opened_events, opened_memory, opened_sw
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
 from avatarsim.loops.upper_memory import COUNT_NAMES, Switches, make_memory
+from avatarsim.tally import Tally
 from avatarsim.world.arena import Index, opening, packed
 from avatarsim.world.opened import opened_dynamics, opened_geometry, opened_poses, opened_velocities
 from avatarsim.world.world import World
@@ -41,9 +42,9 @@ class SimulatedLoop:
         """Pass `dt` seconds."""
         self.status = advance_opened(self.world.words, self._kept, dt)
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Tally:
         """Work done in the last frame."""
-        return dict(zip(COUNT_NAMES, self.memory.counts.tolist(), strict=True))
+        return Tally(COUNT_NAMES, self.memory.counts.tolist())
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.posture.kinematics import forward
+from avatarsim.tally import Tally
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
@@ -32,9 +33,9 @@ class TrackedLoop:
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] change nothing: the user does not give way."""
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> Tally:
         """No work worth counting."""
-        return {}
+        return Tally()
 
     def statuses(self) -> dict[str, int]:
         """Nothing can fail."""

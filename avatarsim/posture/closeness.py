@@ -55,34 +55,36 @@ def locate(skel: Skeleton, posture: Posture, closeness_out: Closeness) -> None:
 def gather(skel: Skeleton, masses: bool, closeness_out: Closeness) -> None:
     """Of each link with all it carries, about its own origin: number of origins, their first and second moments, the sum of
     their ways to the tracker's, and the moments of these ways. masses: whether the second moments are asked for."""
-    c = closeness_out
-    for link in range(skel.kind.shape[0]):
+    c, parents = closeness_out, skel.parent
+    here, there, number, firsts, ways = c.here, c.there, c.number, c.first, c.way
+    second, moment, far = c.second, c.moment, c.far[0]
+    for link in range(parents.shape[0]):
         # a far one pulls no harder than one at `far`, or limbs would stretch
-        way = sub(row(c.there, link), row(c.here, link))
-        n = 1.0 if dot(way, way) < NEAR * c.far[0] * c.far[0] else c.far[0] / max(c.far[0], norm(way))
-        c.number[link] = n
-        put_row(c.way, link, scale(way, n))
+        way = sub(row(there, link), row(here, link))
+        n = 1.0 if dot(way, way) < NEAR * far * far else far / max(far, norm(way))
+        number[link] = n
+        put_row(ways, link, scale(way, n))
         for i in range(3):
-            c.first[link, i] = 0.0
+            firsts[link, i] = 0.0
             for k in range(3):
-                c.second[link, i, k] = 0.0
-                c.moment[link, i, k] = 0.0
-    for link in range(skel.kind.shape[0] - 1, -1, -1):
-        parent = skel.parent[link]
+                second[link, i, k] = 0.0
+                moment[link, i, k] = 0.0
+    for link in range(parents.shape[0] - 1, -1, -1):
+        parent = parents[link]
         if parent < 0:
             continue
-        arm, n = sub(row(c.here, link), row(c.here, parent)), c.number[link]
-        c.number[parent] += n
+        arm, n = sub(row(here, link), row(here, parent)), number[link]
+        first, way = row(firsts, link), row(ways, link)
+        number[parent] += n
         for i in range(3):
-            c.first[parent, i] += c.first[link, i] + n * arm[i]
-            c.way[parent, i] += c.way[link, i]
+            firsts[parent, i] += first[i] + n * arm[i]
+            ways[parent, i] += way[i]
             for k in range(3):
-                c.moment[parent, i, k] += c.moment[link, i, k] + arm[i] * c.way[link, k]
-                if not masses:
-                    continue
-                c.second[parent, i, k] += (
-                    c.second[link, i, k] + arm[i] * c.first[link, k] + c.first[link, i] * arm[k] + n * arm[i] * arm[k]
-                )
+                moment[parent, i, k] += moment[link, i, k] + arm[i] * way[k]
+        if masses:
+            for i in range(3):
+                for k in range(3):
+                    second[parent, i, k] += second[link, i, k] + arm[i] * first[k] + first[i] * arm[k] + n * arm[i] * arm[k]
 
 
 @kernel
@@ -106,32 +108,33 @@ def couple(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) ->
 @kernel
 def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """How fast the merit falls with each degree of freedom, into pull (nd)."""
-    c = closeness_out
-    b = c.moment
-    for m in range(skel.kind.shape[0]):
-        first, way = skel.first_dof[m], row(c.way, m)
-        moves = first + 3 if skel.kind[m] == FREE else first
+    c, kind, first_dof = closeness_out, skel.kind, skel.first_dof
+    b, ways, pull, turn_weight, stiff = c.moment, c.way, c.pull, c.turn_weight, c.mode[STIFF]
+    for m in range(kind.shape[0]):
+        first, way = first_dof[m], row(ways, m)
+        moves = first + 3 if kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
-        for j in range(first, skel.first_dof[m + 1]):
+        for j in range(first, first_dof[m + 1]):
             if j < moves:
-                c.pull[j] = dot(row(axes, j), way)
+                pull[j] = dot(row(axes, j), way)
             else:
-                c.pull[j] = dot(row(axes, j), twist) + c.mode[STIFF] * c.turn_weight[j] * full[j]
+                pull[j] = dot(row(axes, j), twist) + stiff * turn_weight[j] * full[j]
 
 
 @kernel
 def note_motions(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
     """Of each degree of freedom the motion of its tree: turning, and velocity of the place where the root is."""
-    c = closeness_out
-    for m in range(skel.kind.shape[0]):
-        first = skel.first_dof[m]
-        moves = first + 3 if skel.kind[m] == FREE else first
-        arm = sub(row(c.here, c.root[m]), row(c.here, m))
-        for j in range(first, skel.first_dof[m + 1]):
+    here, root, motion = closeness_out.here, closeness_out.root, closeness_out.motion
+    kind, first_dof = skel.kind, skel.first_dof
+    for m in range(kind.shape[0]):
+        first = first_dof[m]
+        moves = first + 3 if kind[m] == FREE else first
+        arm = sub(row(here, root[m]), row(here, m))
+        for j in range(first, first_dof[m + 1]):
             turn, way = row(axes, j), cross(row(axes, j), arm)
             for k in range(3):
-                c.motion[j, k] = turn[k] if j >= moves else 0.0
-                c.motion[j, 3 + k] = way[k] if j >= moves else turn[k]
+                motion[j, k] = turn[k] if j >= moves else 0.0
+                motion[j, 3 + k] = way[k] if j >= moves else turn[k]
 
 
 @kernel
@@ -142,14 +145,16 @@ def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
     overshoots, step by step.
     """
     c = closeness_out
-    t, b = c.second, c.moment
+    t, b, here, root, firsts, number = c.second, c.moment, c.here, c.root, c.first, c.number
+    path, depth, factor, motion, turn_weight, stiff = c.path, c.depth, c.factor, c.motion, c.turn_weight, c.mode[STIFF]
+    kind, first_dof = skel.kind, skel.first_dof
     note_motions(skel, axes, c)
-    for m in range(skel.kind.shape[0]):
-        first, moved, n = skel.first_dof[m], row(c.first, m), c.number[m]
-        moves = first + 3 if skel.kind[m] == FREE else first
+    for m in range(kind.shape[0]):
+        first, moved, n = first_dof[m], row(firsts, m), number[m]
+        moves = first + 3 if kind[m] == FREE else first
         trace, spread = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2], b[m, 0, 0] + b[m, 1, 1] + b[m, 2, 2]
-        out = sub(row(c.here, m), row(c.here, c.root[m]))
-        for j in range(first, skel.first_dof[m + 1]):
+        out = sub(row(here, m), row(here, root[m]))
+        for j in range(first, first_dof[m + 1]):
             axis, extra = row(axes, j), 0.0
             if j < moves:
                 force, torque = scale(axis, n), cross(moved, axis)
@@ -163,15 +168,15 @@ def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
                 along_axis = 0.0
                 for i in range(3):
                     along_axis += axis[i] * (b[m, i, 0] * axis[0] + b[m, i, 1] * axis[1] + b[m, i, 2] * axis[2])
-                extra = c.mode[STIFF] * c.turn_weight[j] + max(0.0, spread - along_axis)
+                extra = stiff * turn_weight[j] + max(0.0, spread - along_axis)
             torque = add(torque, cross(out, force))
-            for d in range(c.depth[j] + 1):
-                i = c.path[j, d]
-                c.factor[j, d] = (
-                    c.motion[i, 0] * torque[0] + c.motion[i, 1] * torque[1] + c.motion[i, 2] * torque[2]
-                    + c.motion[i, 3] * force[0] + c.motion[i, 4] * force[1] + c.motion[i, 5] * force[2]
+            for d in range(depth[j] + 1):
+                i = path[j, d]
+                factor[j, d] = (
+                    motion[i, 0] * torque[0] + motion[i, 1] * torque[1] + motion[i, 2] * torque[2]
+                    + motion[i, 3] * force[0] + motion[i, 4] * force[1] + motion[i, 5] * force[2]
                 )
-            c.factor[j, c.depth[j]] += extra
+            factor[j, depth[j]] += extra
 
 
 @kernel
@@ -200,39 +205,39 @@ def solve(closeness: Closeness, vector_out: Array) -> None:
 @kernel
 def solve_up(closeness: Closeness, vector_out: Array) -> None:
     """Replace vector (nd) by L^-T vector: from the leaves to the roots, only along the limbs that the vector is of."""
-    c = closeness
-    for k in range(c.depth.shape[0] - 1, -1, -1):
+    path, depth, factor = closeness.path, closeness.depth, closeness.factor
+    for k in range(depth.shape[0] - 1, -1, -1):
         if vector_out[k] != 0.0:
-            deep = c.depth[k]
-            part = vector_out[k] / c.factor[k, deep]
+            deep = depth[k]
+            part = vector_out[k] / factor[k, deep]
             vector_out[k] = part
             for d in range(deep):
-                vector_out[c.path[k, d]] -= c.factor[k, d] * part
+                vector_out[path[k, d]] -= factor[k, d] * part
 
 
 @kernel
 def solve_down(closeness: Closeness, vector_out: Array) -> None:
     """Replace vector (nd) by L^-1 vector: from the roots to the leaves."""
-    c = closeness
-    for k in range(c.depth.shape[0]):
-        deep = c.depth[k]
+    path, depth, factor = closeness.path, closeness.depth, closeness.factor
+    for k in range(depth.shape[0]):
+        deep = depth[k]
         left = vector_out[k]
         for d in range(deep):
-            left -= c.factor[k, d] * vector_out[c.path[k, d]]
-        vector_out[k] = left / c.factor[k, deep]
+            left -= factor[k, d] * vector_out[path[k, d]]
+        vector_out[k] = left / factor[k, deep]
 
 
 @kernel
 def gain_of(closeness: Closeness, wish: Array, step: Array) -> tuple[float, float]:
     """By how much a step (nd) lowers the merit, to second order, and its squared length: y . z - y . y / 2 with y = L step,
     z = L wish, the wish being the unhindered step."""
-    c, gain, square = closeness, 0.0, 0.0
-    for k in range(c.depth.shape[0]):
+    path, depth, factor, gain, square = closeness.path, closeness.depth, closeness.factor, 0.0, 0.0
+    for k in range(depth.shape[0]):
         y, z = 0.0, 0.0
-        for d in range(c.depth[k] + 1):
-            i = c.path[k, d]
-            y += c.factor[k, d] * step[i]
-            z += c.factor[k, d] * wish[i]
+        for d in range(depth[k] + 1):
+            i = path[k, d]
+            y += factor[k, d] * step[i]
+            z += factor[k, d] * wish[i]
         gain += y * (z - 0.5 * y)
         square += y * y
     return gain, square
@@ -244,10 +249,11 @@ def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
 
     See the head of this file; an origin farther than `far` counts by its distance and not by the square."""
     c, total = closeness, 0.0
+    there, turn_weight, far, stiff = c.there, c.turn_weight, c.far[0], c.mode[STIFF]
     for link in range(here.shape[0]):
-        way = sub(row(c.there, link), row(here, link))
-        square, far = dot(way, way), c.far[0]
+        way = sub(row(there, link), row(here, link))
+        square = dot(way, way)
         total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
     for j in range(full.shape[0]):
-        total += 0.5 * c.mode[STIFF] * c.turn_weight[j] * full[j] * full[j]
+        total += 0.5 * stiff * turn_weight[j] * full[j] * full[j]
     return total

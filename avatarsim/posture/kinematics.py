@@ -11,6 +11,12 @@ from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 def forward(geo: Geometry, skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
     """Poses of all links at `posture` displaced by `step` (nd), shapes and all; world axes (nd, 3) of every degree of freedom."""
     carry(skel, posture, step, poses_out, axes_out)
+    place_links(geo, skel, poses_out)
+
+
+@kernel
+def place_links(geo: Geometry, skel: Skeleton, poses_out: Poses) -> None:
+    """Carry the shapes of all links to where `carry` has put these."""
     for link in range(skel.kind.shape[0]):
         place(geo, poses_out, skel.first + link)
 
@@ -21,33 +27,36 @@ def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_o
 
     Hinge: angle + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
     """
-    for link in range(skel.kind.shape[0]):
-        d, kind, parent = skel.first_dof[link], skel.kind[link], skel.parent[link]
+    kinds, first_dof, parents, bodies = skel.kind, skel.first_dof, skel.parent, skel.first
+    anchors, rests, axis_of = skel.anchor, skel.rest, skel.axis
+    turns, roots, angles, positions, rotations = posture.turn, posture.root, posture.angle, poses_out.position, poses_out.rotation
+    for link in range(kinds.shape[0]):
+        d, kind, parent = first_dof[link], kinds[link], parents[link]
         if kind == FREE:
-            origin = (posture.root[link, 0] + step[d], posture.root[link, 1] + step[d + 1], posture.root[link, 2] + step[d + 2])
-            frame = stepped(columns(posture.turn, link), (step[d + 3], step[d + 4], step[d + 5]))
+            origin = (roots[link, 0] + step[d], roots[link, 1] + step[d + 1], roots[link, 2] + step[d + 2])
+            frame = stepped(columns(turns, link), (step[d + 3], step[d + 4], step[d + 5]))
             for i in range(3):
                 for k in range(3):
                     axes_out[d + i, k] = 1.0 if i == k else 0.0
                 put_row(axes_out, d + 3 + i, frame[i])
         else:
             if parent >= 0:
-                carrier = columns(poses_out.rotation, skel.first + parent)
-                origin = add(row(poses_out.position, skel.first + parent), turned(carrier, row(skel.anchor, link)))
-                frame = product(carrier, columns(skel.rest, link))
+                carrier = columns(rotations, bodies + parent)
+                origin = add(row(positions, bodies + parent), turned(carrier, row(anchors, link)))
+                frame = product(carrier, columns(rests, link))
             else:
-                origin, frame = row(skel.anchor, link), columns(skel.rest, link)
+                origin, frame = row(anchors, link), columns(rests, link)
             if kind == BALL:
-                frame = product(frame, stepped(columns(posture.turn, link), (step[d], step[d + 1], step[d + 2])))
+                frame = product(frame, stepped(columns(turns, link), (step[d], step[d + 1], step[d + 2])))
                 for i in range(3):
                     put_row(axes_out, d + i, frame[i])
             elif kind == HINGES:
-                for j in range(d, skel.first_dof[link + 1]):
-                    axis, angle = turned(frame, row(skel.axis, j)), posture.angle[j] + step[j]
+                for j in range(d, first_dof[link + 1]):
+                    axis, angle = turned(frame, row(axis_of, j)), angles[j] + step[j]
                     put_row(axes_out, j, axis)
                     frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
-        put_row(poses_out.position, skel.first + link, origin)
-        put_columns(poses_out.rotation, skel.first + link, frame)
+        put_row(positions, bodies + link, origin)
+        put_columns(rotations, bodies + link, frame)
 
 
 @kernel

@@ -64,18 +64,20 @@ def add_broken_bounds(low: Array, high: Array, x: Array, rows_out: Rows, count: 
 @kernel
 def assemble(goal: Goal, rows_out: Rows, count: int) -> None:
     """x = e + W^-1 J^T multipliers."""
-    r, nd, pushed = rows_out, goal.step.shape[0], False
+    x, weighted, multiplier, step, pushed = rows_out.x, rows_out.weighted, rows_out.multiplier, goal.step, False
+    nd = step.shape[0]
     for j in range(nd):
-        r.x[j] = 0.0
+        x[j] = 0.0
     for k in range(count):
-        if r.multiplier[k] > 0.0:
+        push = multiplier[k]
+        if push > 0.0:
             pushed = True
             for j in range(nd):
-                r.x[j] += r.weighted[k, j] * r.multiplier[k]
+                x[j] += weighted[k, j] * push
     if pushed and goal.closeness.mode[COUPLED] > 0.0:
-        solve_down(goal.closeness, r.x)
+        solve_down(goal.closeness, x)
     for j in range(nd):
-        r.x[j] += goal.step[j]
+        x[j] += step[j]
 
 
 @kernel
@@ -111,13 +113,14 @@ def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
             r.weighted[k, j] = r.jacobian[k, j] if coupled else r.jacobian[k, j] * goal.inverse_weight[j]
         if coupled:
             solve_up(goal.closeness, r.weighted[k])
-        other = r.weighted if coupled else r.jacobian
+        weighted, gram = r.weighted, r.gram
+        other = weighted if coupled else r.jacobian
         for q in range(k + 1):
             t = 0.0
             for j in range(nd):
-                t += r.weighted[k, j] * other[q, j]
-            r.gram[k, q] = t
-            r.gram[q, k] = t
+                t += weighted[k, j] * other[q, j]
+            gram[k, q] = t
+            gram[q, k] = t
     r.size[BUILT] = count
 
 
@@ -127,28 +130,30 @@ def ascend(wanted: Array, rows_out: Rows, count: int, sweeps: int, tolerance: fl
 
     The residual of row k is J_k x - c_k with x = e + W^-1 J^T multipliers.
     """
-    r = rows_out
+    jacobian, bound, gram, multiplier, residual = (
+        rows_out.jacobian, rows_out.bound, rows_out.gram, rows_out.multiplier, rows_out.residual
+    )
     for k in range(count):
-        t = -r.bound[k]
+        t = -bound[k]
         for j in range(wanted.shape[0]):
-            t += r.jacobian[k, j] * wanted[j]
+            t += jacobian[k, j] * wanted[j]
         for q in range(count):
-            t += r.gram[k, q] * r.multiplier[q]
-        r.residual[k] = t
+            t += gram[k, q] * multiplier[q]
+        residual[k] = t
     for sweep in range(sweeps):
         change = 0.0
         for k in range(count):
-            before = r.multiplier[k]
-            if before == 0.0 and r.residual[k] >= 0.0:
+            before = multiplier[k]
+            if before == 0.0 and residual[k] >= 0.0:
                 continue
-            stiffness = r.gram[k, k] + SOFTNESS
-            after = min(max(0.0, before - r.residual[k] / stiffness), MULTIPLIER_CAP)
+            stiffness = gram[k, k] + SOFTNESS
+            after = min(max(0.0, before - residual[k] / stiffness), MULTIPLIER_CAP)
             step = after - before
             if step != 0.0:
-                r.multiplier[k] = after
-                change = max(change, abs(step) * r.gram[k, k])
+                multiplier[k] = after
+                change = max(change, abs(step) * gram[k, k])
                 for q in range(count):
-                    r.residual[q] += r.gram[k, q] * step
+                    residual[q] += gram[k, q] * step
         if change < tolerance:
             return sweep + 1
     return sweeps

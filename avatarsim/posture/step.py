@@ -8,8 +8,9 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.certify import certify
 from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, rows_of_listed
 from avatarsim.posture.creep import creeps, slow_down
+from avatarsim.posture.foreseen import foresee
 from avatarsim.posture.goal import aim, merit
-from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.kinematics import forward, place_links, take
 from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.posture.wanted_step import hindered, keep_limits, loses_merit, scale_step, seek_the_nearest
@@ -155,7 +156,10 @@ def attempt(
             within = beyond_limits(skel, posture, memory_out) == 0
             if not within:
                 memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
-        try_step(geo, skel, posture, memory_out)
+        if foresee(geo, skel, posture, poses, settings, round_ < settings.corrections, memory_out):
+            continue
+        memory_out.counts[FORWARDS] += 1
+        place_links(geo, skel, memory_out.trial)
         if creeps(memory_out):
             slow_down(geo, skel, posture, poses, memory_out)
             within = False

@@ -30,7 +30,8 @@ class Target:
         self.world = world
         first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
         incoming = Posture(*(array.copy() for array in first))
-        self.words, (self.posture, _, self._hinges) = packed((first, incoming, world.hinges))
+        self.words, (self.posture, _, hinges) = packed((first, incoming, world.hinges))
+        self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
 
     def read(self, sample: TrackerSample) -> None:
         """Check the sample and take it over."""
@@ -39,8 +40,8 @@ class Target:
         except (AttributeError, TypeError, ValueError) as error:
             checked(sample, self.world.scene.avatars)
             raise InvalidSample("tracker sample", sample, "a TrackerSample of numbers") from error
-        fits = positions.shape == self.posture.root.shape and rotations.shape == (len(positions), 4)
-        good = fits and angles.shape == self._hinges.shape and isfinite(as_number(sample.time))
+        time, fits = sample.time, (positions.shape, rotations.shape, angles.shape) == self._shapes
+        good = fits and isfinite(time if type(time) is float else as_number(time))
         if not (good and read_opened(positions, rotations, angles, self.words)):
             # the slow check knows what is wrong and says it
             checked(sample, self.world.scene.avatars)

@@ -1,6 +1,7 @@
 """The whole world as arrays: what never changes, and the state that the stages write."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from avatarsim.world.geometry import Geometry, Poses, geometry, poses
 from avatarsim.world.skeleton import Posture, Skeleton, hinge_dofs, skeleton
 
 Array = NDArray[np.float64]
+
+FLOAT64: Final = np.dtype(np.float64)
+"""The one that nearly all arrays of that kind carry; the others are copied."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +58,7 @@ def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
 
 def _ready(array: Array) -> Array:
     # np.require finds this out in three times the time
-    if type(array) is np.ndarray and array.flags.carray and array.dtype == np.float64:
+    if type(array) is np.ndarray and array.dtype is FLOAT64 and array.flags.carray:
         return array
     return np.require(array, np.float64, ["C", "W"])
 
@@ -82,7 +86,8 @@ def build(scene: Scene) -> World:
 
 def shown_poses(world: World) -> tuple[Array, Array]:
     """Positions (n, 3) and orientations (n, 4) of body frames now."""
-    position, orientation = np.empty_like(world.poses.position), np.empty((len(world.centres), 4))
+    n = len(world.centres)
+    position, orientation = np.empty((n, 3)), np.empty((n, 4))
     if not write_shown(world.poses.position, world.poses.rotation, world.centres, position, orientation):
         raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
     return position, orientation

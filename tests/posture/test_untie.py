@@ -15,7 +15,7 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import posture_of
 from reference.judge import Judge
 from tests.posture.little_worlds import SETTINGS, Little, hand, little, panel
-from tests.posture.test_follow import tube
+from tests.posture.test_two_hands import tube
 from tests.stability.hostile import DT, link_error
 
 PAIR = (hand(), hand(name="other"))
