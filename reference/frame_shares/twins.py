@@ -2,12 +2,13 @@
 
 from typing import Any, Final
 
+from avatarsim.collide.support import support
 from avatarsim.loops import checked, paper, paper_rounds, paper_walk
-from avatarsim.posture import follow, step
-from avatarsim.posture.contact_row import rows_of_listed
+from avatarsim.posture import follow, foreseen, step
+from avatarsim.posture.contact_row import add_row, rows_of_listed
 from avatarsim.posture.free_link import free_link, link_contacts
 from avatarsim.posture.goal import aim, measure_way
-from avatarsim.posture.kinematics import forward
+from avatarsim.posture.kinematics import carry, forward, place_links
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.separate.overlaps import find_overlaps
 from avatarsim.separate.push_apart import push_apart
@@ -38,9 +39,13 @@ def checked_twin() -> Any:
     """`follow_opened` with clocks."""
     require_counter()
     pose, check = clocked(step.try_step, POSING), clocked(step.check, COLLISION)
+    foresee = twin(foreseen.foresee, {
+        "carry": clocked(carry, POSING), "farthest_of": clocked(foreseen.farthest_of, COLLISION),
+        "support": clocked(support, COLLISION), "add_row": clocked(add_row, COLLISION),
+    })
     attempt = twin(step.attempt, {
         "rows_of_listed": clocked(rows_of_listed, COLLISION), "nearest_step": clocked(nearest_step, IK),
-        "try_step": pose, "check": check,
+        "foresee": foresee, "place_links": clocked(place_links, POSING), "check": check,
     })
     back_off = twin(step.back_off, {"try_step": pose, "check": check})
     one = twin(step.step, {
