@@ -6,12 +6,11 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
 from avatarsim.engine import Engine
-from avatarsim.scene.scene import Scene
+from scenarios.asked import asked
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.processes import begin, ended, quiet, spare_the_collector
 from scenarios.run import described
-from scenarios.scenario import Motion, Scenario
 
 PATIENCE = 300.0
 """Longest one repeat may take [s]."""
@@ -20,18 +19,16 @@ GO = "go"
 
 Repeat = tuple[list[int], dict[str, list[int]], str]
 """Nanoseconds of each frame from outside and per stage, and the state hash of the last."""
-Asked = tuple[Scenario, Scene, Motion]
-"""What a job asks for."""
 
 
 class Prepared:
     """The first frames of a job, loaded anew and ready to be timed."""
 
-    def __init__(self, job: Job, frames: int, asked: Asked | None = None) -> None:
-        scenario, scene, motion = asked or job.asked()
-        self.dt, self.samples = scenario.dt, [motion(k) for k in range(min(frames, scenario.frames))]
+    def __init__(self, job: Job, frames: int) -> None:
+        what = asked(job)
+        self.dt, self.samples = what.scenario.dt, [what.motion(k) for k in range(min(frames, what.scenario.frames))]
         self.engine: Engine = opened(job.engine)
-        self.shown = self.engine.load(scene, job.settings(self.engine, stages=True), self.dt)
+        self.shown = self.engine.load(what.scene, job.settings(self.engine, stages=True), self.dt)
 
     def timed(self) -> Repeat:
         """Run the frames; once."""
@@ -60,15 +57,11 @@ def _serve(connection: Connection) -> None:
     the seconds it took. None ends it."""
     quiet()
     spare_the_collector()
-    last: tuple[Job, Asked] | None = None
     try:
         while (order := connection.recv()) is not None:
             begun = time.perf_counter()
             job, frames = order
-            if last is None or last[0] != job:
-                # building a scene may take longer than its frames, and nobody changes it
-                last = job, job.asked()
-            prepared = Prepared(job, frames, last[1])
+            prepared = Prepared(job, frames)
             connection.send((time.perf_counter() - begun, None))
             if connection.recv() is None:
                 return

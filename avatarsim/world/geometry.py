@@ -14,10 +14,10 @@ from avatarsim.world.pair_filter import PairFilter, pair_filter
 from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 """Corners (8, 3) of a cube of 1 m about the origin."""
-Index = NDArray[np.int64]
 
 
 class Geometry(NamedTuple):

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from avatarsim.impact.contact_solver import change, wanted_friction, wanted_normal
+from avatarsim.impact.contact_solver import change
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, add_contact, make_contacts, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
+from tests.impact.one_by_one import one_by_one
 
 BODIES, POINTS = 4, 12
 
@@ -36,23 +37,6 @@ def heap(seed: int):
     return contacts, masses, rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 3))
 
 
-def one_by_one(contacts, masses, back: bool, grip: bool, linear, angular) -> float:
-    """The dumb twin of `visit_all`; returns the largest change."""
-    worst = 0.0
-    for k in range(POINTS - 1, -1, -1) if back else range(POINTS):
-        if contacts.target[k] == -np.inf:
-            continue
-        dn = wanted_normal(contacts, k, linear, angular) - contacts.impulse[k, 0]
-        change(contacts, masses, k, (dn, 0.0, 0.0), linear, angular)
-        worst = max(worst, abs(dn) * contacts.ease[k, 0])
-        if grip and contacts.friction[k] > 0.0:
-            x, y = wanted_friction(contacts, k, contacts.impulse[k, 0], linear, angular)
-            dx, dy = x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]
-            change(contacts, masses, k, (0.0, dx, dy), linear, angular)
-            worst = max(worst, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
-    return worst
-
-
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 @pytest.mark.parametrize("back", [False, True])
@@ -66,7 +50,8 @@ def test_a_pass_is_what_its_contacts_want_one_by_one(back: bool, grip: bool) -> 
         lay_out(contacts, masses, 0, POINTS, linear, angular)
         worst, square = visit_all(contacts, 0, POINTS, back, grip, kept)
         take_motion(contacts, 0, POINTS, linear, angular)
-        assert worst == pytest.approx(one_by_one(twin, masses, back, grip, v, w), rel=1e-12, abs=1e-12)
+        order = range(POINTS)[::-1] if back else range(POINTS)
+        assert worst == pytest.approx(one_by_one(twin, masses, order, grip, v, w), rel=1e-12, abs=1e-12)
         np.testing.assert_array_equal(kept, before)
         for ours, theirs in ((contacts.impulse, twin.impulse), (linear, v), (angular, w)):
             np.testing.assert_allclose(ours, theirs, rtol=1e-11, atol=1e-11)

@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from avatarsim.impact.contact_solver import change, wanted_friction, wanted_normal
+from avatarsim.impact.contact_solver import change
 from avatarsim.impact.contacts import DRIVEN_A, LANE, MOTION, ROW, add_contact, make_contacts, weigh
 from avatarsim.impact.fours import CONTACT, READ, ROWS_OF_FOUR, WRITTEN, lay_out_fours, take_fours
 from avatarsim.impact.masses import Masses
@@ -20,6 +20,7 @@ from avatarsim.impact.visit_fours import (
     way_of_four,
 )
 from avatarsim.kernel import kernel
+from tests.impact.one_by_one import one_by_one
 
 pytestmark = pytest.mark.nojit
 BODIES, POINTS = 9, 20
@@ -46,21 +47,6 @@ def heap(seed: int):
     linear, angular = rng.normal(size=(2, BODIES, 3))
     linear[0], angular[0] = 0.0, 0.0
     return contacts, masses, linear, angular
-
-
-def one_by_one(contacts, masses, order, grip: bool, linear, angular) -> float:
-    """The dumb twin of `visit_fours`; returns the largest change."""
-    worst = 0.0
-    for k in order:
-        dn = wanted_normal(contacts, k, linear, angular) - contacts.impulse[k, 0]
-        change(contacts, masses, k, (dn, 0.0, 0.0), linear, angular)
-        worst = max(worst, abs(dn) * contacts.ease[k, 0])
-        if grip and contacts.friction[k] > 0.0:
-            x, y = wanted_friction(contacts, k, contacts.impulse[k, 0], linear, angular)
-            dx, dy = x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]
-            change(contacts, masses, k, (0.0, dx, dy), linear, angular)
-            worst = max(worst, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
-    return worst
 
 
 @pytest.mark.boundscheck
