@@ -45,8 +45,8 @@ SEGMENTS_CAP = 100
 STALL_COSTS = 5
 """A segment that stalls costs as many as so many of the budget."""
 
-WORK_CAP = 12000
-"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; about a millisecond."""
+WORK_CAP = 24000
+"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; about two milliseconds."""
 
 PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
 """Most plastic steps of a frame, and the work that they may take together; visits per contact point, and work per near pair."""
@@ -164,9 +164,12 @@ def step(
         note_lateness(memory, members, touching)
     else:
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, False)
-        t, pair = first_event(geometry, memory, pairs, until) if switches.continuous else (until, -1)
+        t, pair = until, -1
+        if switches.continuous:
+            t, pair = first_event(geometry, memory, pairs, until, islands.earliest[lead])
         if t < 0.0:
             return NOT_FINITE
+        islands.earliest[lead] = pair
         if t < STALL and pair >= 0:
             clog(memory, pairs[pair, 0], pairs[pair, 1])
         for m in range(size):

@@ -23,6 +23,7 @@ class Islands(NamedTuple):
     island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
     charged (nb) number of the last segment of a body in this frame; spent (nb) what of its budget of segments its island has
     spent; late (nb) 1 for who was in an island of which a plastic step stopped somebody in its last frame;
+    earliest (nb) of the island that a body leads, the number of the near pair that had the first event last;
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
     stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
@@ -39,6 +40,7 @@ class Islands(NamedTuple):
     charged: Index
     spent: Index
     late: Index
+    earliest: Index
     begun: Array
     due: Array
     stops: Array
@@ -57,7 +59,7 @@ def make_islands(bodies: int, room: int) -> Islands:
     return Islands(
         np.zeros(1, np.int64), np.zeros(n, np.int64), np.zeros(n + 1, np.int64), np.zeros((room, 2), np.int64),
         np.zeros(n + 1, np.int64), np.full(n, -1, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64),
-        np.zeros(n, np.int64), np.zeros(n),
+        np.zeros(n, np.int64), np.full(n, -1, np.int64), np.zeros(n),
         np.zeros(n), np.zeros(n), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors),
         np.zeros(vectors), np.zeros(vectors),
     )

@@ -58,9 +58,8 @@ def opened_islands(o: Opening) -> Islands:
     """The next Islands."""
     return Islands(
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
-        index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0], line(o)[0],
-        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
-        vectors(o)[0], vectors(o)[0],
+        index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], line(o)[0],
+        line(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0],
     )
 
 

@@ -199,7 +199,7 @@ def time_of_impact(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, sa: int, sb: int,
     begin: float, h: float, depth: float, pace: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array,
     scratch: Scratch,
-) -> tuple[int, float]:
+) -> tuple[int, float, int]:
     """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, as the upper loop wants it.
 
     Args:
@@ -211,7 +211,7 @@ def time_of_impact(
 
     Returns:
         (CLEAR, h), or (IMPACT, t) when the gap came down to the stand-off, or (DIPPED, t) when a resting pair reached DIP, or
-        (BROKEN, 0), or (SPENT, t) when the budget of rounds is. Up to t the gap is never below its target.
+        (BROKEN, 0), or (SPENT, t) when the budget of rounds is; and the rounds begun. Up to t the gap is never below its target.
     """
     a, b = geometry.body[sa], geometry.body[sb]
     t, n = begin, (0.0, 0.0, 0.0)
@@ -224,11 +224,11 @@ def time_of_impact(
         margin = margin_of(geometry, paths, reach, a, b, left, stand_off)
         status, gap, n, on_a, on_b = signed_distance_up_to(trial.vertices, geometry.shapes, sa, sb, n, margin, scratch)
         if status == NOT_FINITE or not (margin < inf):
-            return BROKEN, 0.0
+            return BROKEN, 0.0, rounds + 1
         if gap > margin:
-            return CLEAR, h
+            return CLEAR, h, rounds + 1
         if rounds > 0 and gap <= target + TOLERANCE:
-            return event, t
+            return event, t, rounds + 1
         count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
         if rounds == 0 and gap < TOUCH and depth == UNKNOWN:
             slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
@@ -244,8 +244,8 @@ def time_of_impact(
         if step < left and (rounds > 0 or gap < TOUCH):
             step = max(step, edge_time(geometry, angular, paths, sa, sb, n, on_a, on_b, target, left, trial, edges))
         if t + step >= h:
-            return CLEAR, h
+            return CLEAR, h, rounds + 1
         if step < STALLED and rounds > 0:
-            return event, t
+            return event, t, rounds + 1
         t += step
-    return SPENT, t
+    return SPENT, t, ROUNDS

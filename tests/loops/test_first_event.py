@@ -5,9 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.loops.balls_meet import ahead_of, balls_meet, farthest_along, never_meet
-from avatarsim.loops.first_event import out_of_reach
+from avatarsim.loops.first_event import ROUND_WORK, SEARCH_WORK, event_of_pair, first_event, out_of_reach
+from avatarsim.loops.upper_memory import SEARCHES, WORK
 from avatarsim.motion.path import FREE, HELD, STILL
-from avatarsim.motion.time_of_impact import BROKEN, CLEAR, UNKNOWN, time_of_impact
+from avatarsim.motion.time_of_impact import BROKEN, CLEAR, ROUNDS, UNKNOWN, time_of_impact
 from avatarsim.scene.shape import Box
 from avatarsim.world.geometry import place
 from tests.loops.upper_world import World, ball, thing
@@ -47,10 +48,12 @@ def throw(world: World, rng: np.random.Generator, touching: bool) -> None:
 def search(world: World, begin: float) -> tuple[int, float]:
     """The search itself."""
     m = world.memory
-    return time_of_impact(
+    outcome, t, rounds = time_of_impact(
         world.geometry, m.began, m.islands.linear, m.islands.angular, m.paths, m.series, m.reach, 0, 1, begin, H,
         UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
+    assert 1 <= rounds <= ROUNDS
+    return outcome, t
 
 
 @pytest.mark.nojit
@@ -132,3 +135,36 @@ def test_the_farthest_point_of_a_throw_is_that_of_many_looked_at() -> None:
         v, a = rng.normal() * 10.0 ** rng.uniform(-3, 1), rng.normal() * 10.0 ** rng.uniform(-1, 3)
         looked_at = (v * times + 0.5 * a * times**2).max()
         assert looked_at <= farthest_along(v, a, H) * (1.0 + 1e-12) <= looked_at + 0.5 * abs(a) * (H / 2000) ** 2 + 1e-15
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+def test_whichever_pair_is_asked_first_the_first_event_is_the_same() -> None:
+    """Eight balls thrown at each other, and a pair of every number asked first, of none too."""
+    rng, met = np.random.default_rng(7), 0
+    world = World([ball(str(k), (float(k), 0.0, 0.0)) for k in range(8)])
+    m, pairs = world.memory, np.array([(a, b) for a in range(8) for b in range(a)])
+    for _ in range(20):
+        m.paths.kind[:], m.paths.linear[:], m.paths.time[:] = FREE, 0.0, -1.0
+        m.began.position[:] = np.arange(8)[:, None] * (0.4, 0.0, 0.0) + 0.05 * rng.normal(size=(8, 3))
+        m.islands.linear[:] = 10.0 * rng.normal(size=(8, 3))
+        asked = [first_event(world.geometry, m, pairs, H, likely) for likely in range(-1, len(pairs) + 1)]
+        assert len(set(asked)) == 1
+        met += asked[0][1] >= 0
+    # else there would be nothing to find, or nobody to miss
+    assert 5 < met < 20
+
+
+@pytest.mark.nojit
+def test_rounds_of_a_search_are_charged() -> None:
+    """A box that tumbles down on another one takes more work the longer the search."""
+    world, rng, seen = world_of("boxes"), np.random.default_rng(11), set()
+    m = world.memory
+    for _ in range(50):
+        throw(world, rng, False)
+        m.counts[:] = 0
+        event_of_pair(world.geometry, m, 0, 1, 0.0, H)
+        assert m.counts[WORK] >= SEARCH_WORK * m.counts[SEARCHES]
+        assert (m.counts[WORK] - SEARCH_WORK * m.counts[SEARCHES]) % ROUND_WORK == 0
+        seen.add(int(m.counts[WORK]))
+    assert len(seen) > 3

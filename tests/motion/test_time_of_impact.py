@@ -29,10 +29,11 @@ def search(world: World, h: float) -> tuple[int, float]:
     m.paths.kind[:] = np.where(world.dynamics.role == 1, FREE, 0)
     m.paths.linear[:] = np.where((world.dynamics.role == 1)[:, None], world.dynamics.gravity, 0.0)
     m.paths.time[:] = -1.0
-    return time_of_impact(
+    outcome, t, _ = time_of_impact(
         world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0, h,
         UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
+    return outcome, t
 
 
 def test_two_spheres_that_graze() -> None:
@@ -57,7 +58,7 @@ def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sph
     m = world.memory
     assert search(world, 0.2) == (CLEAR, 0.2)
     m.paths.kind[0], m.paths.time[:] = STILL, -1.0
-    outcome, t = time_of_impact(
+    outcome, t, _ = time_of_impact(
         world.geometry, world.poses, world.velocities.linear, world.velocities.angular, m.paths, m.series, m.reach, 0, 1, 0.0,
         0.2, UNKNOWN, 1.0, m.trial, m.a_rows, m.b_rows, m.edges, m.scratch,
     )
