@@ -64,6 +64,8 @@ class Distances:
             turn_a, turn_b = turned[state[rows], a], turned[state[rows], b]
             one, other = self._pieces.outlines[a], self._pieces.outlines[b]
             sound = hold(found[rows], normals[rows], one, turn_a, other, turn_b, offsets[rows])
+            if sound.all():
+                continue
             open_ = np.flatnonzero(~sound)
             decided[rows[open_]] = True
             found[rows[open_]] = self._decided(a, turn_a[open_], b, turn_b[open_], offsets[rows[open_]])

@@ -39,7 +39,8 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     for start in range(0, len(low), chunk):
         # piece by piece in one line of memory each, so that a pair's states lie side by side
         lower, upper = (np.ascontiguousarray(box[start : start + chunk].transpose(2, 1, 0)) for box in (low, high + reach))
-        pairs, near = np.arange(len(first)), np.ones((len(first), lower.shape[2]), dtype=bool)
+        pairs = _ever_near(lower, upper, first, second)
+        near = np.ones((len(pairs), lower.shape[2]), dtype=bool)
         for along, end in zip(lower, upper, strict=True):
             one, other = first[pairs], second[pairs]
             near &= (along[one] <= end[other]) & (along[other] <= end[one])
@@ -49,6 +50,14 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
         state, row = np.nonzero(near.T)
         found.append(Near(state + start, first[pairs[row]], second[pairs[row]]))
     return Near(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+
+
+def _ever_near(lower: Array, upper: Array, first: Indices, second: Indices) -> Indices:
+    """Rows of the pairs whose boxes lower, upper (3, p, F) [m], each over all F states, meet; no others do in any of them."""
+    # a box that is no number meets nothing, and hides no state in which it is one
+    begins, ends = np.fmin.reduce(lower, axis=2), np.fmax.reduce(upper, axis=2)
+    meet = (begins[:, first] <= ends[:, second]) & (begins[:, second] <= ends[:, first])
+    return np.flatnonzero(meet.all(axis=0))
 
 
 def _joined(pairs: list[tuple[Indices, Indices]]) -> Near:

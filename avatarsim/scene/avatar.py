@@ -1,6 +1,7 @@
 """Avatars: trees of links. The first link is the root; a rigid hand is an avatar of one link."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class Avatar:
             farthest = max(farthest, before + max((reach(piece) for piece in link.pieces), default=0.0))
         return 2.0 * farthest
 
-    @property
+    @cached_property
     def hinge_count(self) -> int:
         """Number of hinge angles of all links together."""
         return sum(len(link.joint.hinges) for link in self.links if isinstance(link.joint, Hinges))

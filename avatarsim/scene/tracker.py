@@ -35,8 +35,10 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
     """`sample` if it is finite, fits the avatars and its rotations have length 1; a typed error otherwise."""
     if not isinstance(sample, TrackerSample):
         raise InvalidSample("tracker sample", sample, "a TrackerSample")
-    links = sum(len(avatar.links) for avatar in avatars)
-    hinges = sum(avatar.hinge_count for avatar in avatars)
+    links = sum([len(avatar.links) for avatar in avatars])
+    hinges = sum([avatar.hinge_count for avatar in avatars])
+    if _sound(sample, links, hinges):
+        return sample
     if not isfinite(as_number(sample.time)):
         raise InvalidSample("tracker time [s]", sample.time, "a finite number")
     finite_array("tracker positions", sample.positions, (links, 3), InvalidSample)
@@ -47,6 +49,19 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
         worst = int(np.argmax(np.abs(lengths - 1.0)))
         raise InvalidSample(f"tracker rotation of link {worst}", rotations[worst].tolist(), "a quaternion of length 1")
     return sample
+
+
+def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
+    """Whether `sample` is beyond doubt what it must be; said of plain numbers only, in a third of the time that it takes to find
+    out what is wrong with others."""
+    arrays = (sample.positions, (links, 3)), (sample.rotations, (links, 4)), (sample.angles, (hinges,))
+    for array, shape in arrays:
+        if type(array) is not np.ndarray or array.dtype != np.float64 or array.shape != shape:
+            return False
+    squares = np.einsum("ij,ij->i", sample.rotations, sample.rotations)
+    # well within the limit for lengths: squares differ from 1 by twice as much, and rounding may not decide
+    sound = (np.abs(squares - 1.0) <= 1e-6).all() and np.isfinite(sample.positions).all() and np.isfinite(sample.angles).all()
+    return bool(sound) and type(sample.time) is float and isfinite(sample.time)
 
 
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:

@@ -71,10 +71,14 @@ class MujocoEngine:
         self._cut(dt)
         self._origin = scene.first_sample.time
         self._last = self._targets.within_limits(scene.first_sample)
-        self._elapsed, self._warned = 0.0, np.zeros(len(self._data.warning), dtype=np.int64)
+        # views of MuJoCo's own memory, which stays where it is: to ask for one costs as much as to read it
+        self._warnings, self._iterations = self._data.warning.number, self._data.solver_niter
+        self._led = self._data.mocap_pos, self._data.mocap_quat
+        self._elapsed, self._warned = 0.0, self._warnings.tolist()
         self._first_state()
         self._reading = Reading(self._world, self._data)
-        return FrameRecord(self._reading.snapshots([0.0], [self._reading.raw()])[0], self._angles())
+        self._reading.read(0)
+        return FrameRecord(self._reading.snapshots([0.0])[0], self._angles())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """Follow the motion from the last sample to this one in equal steps."""
@@ -86,18 +90,20 @@ class MujocoEngine:
         # for all steps at once: a choice of rows costs numpy as much as a tenth of a step
         positions, orientations = positions[:, self._aimed], orientations[:, self._aimed]
         self._last = goal
-        stepping, raw, times, iterations = 0, [], [], np.zeros_like(self._data.solver_niter)
+        model, data, iterations = self._model, self._data, np.zeros_like(self._iterations)
+        led, stepping, times = len(self._aimed) > 0, 0, list[float]()
         for k in range(self._count):
-            self._aim(positions[k], orientations[k])
+            if led:
+                self._aim(positions[k], orientations[k])
             before = perf_counter_ns()
-            mujoco.mj_step(self._model, self._data)
+            mujoco.mj_step(model, data)
             stepping += perf_counter_ns() - before
-            iterations += self._data.solver_niter
+            iterations += self._iterations
             self._elapsed += self._step
             if self._settings.record_inside or k == self._count - 1:
-                raw.append(self._reading.raw())
+                self._reading.read(len(times))
                 times.append(self._elapsed)
-        inside = self._reading.snapshots(times, raw)
+        inside = self._reading.snapshots(times)
         shown, angles = inside[-1], self._angles()
         stages = {}
         if self._settings.time_stages:
@@ -107,7 +113,7 @@ class MujocoEngine:
 
     def close(self) -> None:
         """Drop the model; MuJoCo frees it."""
-        for name in ("_data", "_model", "_world", "_stiffness", "_reading"):
+        for name in ("_data", "_model", "_world", "_stiffness", "_reading", "_warnings", "_iterations", "_led"):
             self.__dict__.pop(name, None)
 
     def _cut(self, dt: float) -> None:
@@ -142,8 +148,8 @@ class MujocoEngine:
 
     def _aim(self, positions: Array, orientations: Array) -> None:
         """Put the mocap bodies at poses of the links that they lead, in their own order."""
-        self._data.mocap_pos[:] = positions
-        self._data.mocap_quat[:] = orientations
+        places, turns = self._led
+        places[:], turns[:] = positions, orientations
 
     def _angles(self) -> Array:
         return np.array(self._data.qpos[self._world.hinge_qpos])
@@ -151,9 +157,9 @@ class MujocoEngine:
     def _statuses(self) -> dict[str, int]:
         """How often each kind of warning was raised in this frame, and non-finite states."""
         # all at once: asked one by one, the warnings cost as much as a step
-        numbers = np.array(self._data.warning.number, dtype=np.int64)
-        new, self._warned = numbers - self._warned, numbers
-        found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): int(new[k]) for k in np.flatnonzero(new)}
+        before, self._warned = self._warned, self._warnings.tolist()
+        new = [] if before == self._warned else [now - then for now, then in zip(self._warned, before, strict=True)]
+        found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): count for k, count in enumerate(new) if count}
         if not np.isfinite(self._data.qpos).all():
             found["not_finite"] = 1
         return found

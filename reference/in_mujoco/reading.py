@@ -11,8 +11,6 @@ from reference.in_mujoco.world import World
 from reference.reading_kernels import about_own_centres
 
 Array = NDArray[np.float64]
-Raw = tuple[Array, ...]
-"""Poses, velocities and mass centres of all of MuJoCo's bodies at one instant, as it states them."""
 
 
 class Reading:
@@ -23,21 +21,26 @@ class Reading:
         self._trees = world.model.body_rootid[self._ids].astype(np.int64)
         # views of MuJoCo's own memory, which stays where it is
         self._seen = (data.xpos, data.xquat, data.cvel, data.xipos, data.subtree_com)
+        self._rows: tuple[Array, ...] = tuple(np.empty((0, *array.shape)) for array in self._seen)
 
-    def raw(self) -> Raw:
-        """All bodies in MuJoCo's order: place [m], turn, spin [rad/s] and velocity [m/s], mass centre and that of the tree [m].
+    def read(self, k: int) -> None:
+        """Keep, as the k-th since the last snapshots, all bodies in MuJoCo's order: place [m], turn, spin [rad/s] and velocity
+        [m/s], mass centre and that of the tree [m].
 
         From qpos: after a step xpos is one step old, so kinematics runs again first."""
         model, data = self._model, self._data
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_comVel(model, data)
-        return tuple(array.copy() for array in self._seen)
+        if k >= len(self._rows[0]):
+            self._rows = tuple(np.concatenate([rows, np.empty((k + 1, *rows.shape[1:]))]) for rows in self._rows)
+        for rows, array in zip(self._rows, self._seen, strict=True):
+            rows[k] = array
 
-    def snapshots(self, times: Sequence[float], raw: Sequence[Raw]) -> tuple[Snapshot, ...]:
+    def snapshots(self, times: Sequence[float]) -> tuple[Snapshot, ...]:
         """What was read at `times` [s] since load, as body frames."""
-        places, turns, motions, centres, trees = (np.array(states) for states in zip(*raw, strict=True))
-        shape = (len(raw), len(self._ids))
+        places, turns, motions, centres, trees = (rows[: len(times)] for rows in self._rows)
+        shape = (len(times), len(self._ids))
         positions, orientations = np.empty((*shape, 3)), np.empty((*shape, 4))
         velocities, spins = np.empty((*shape, 3)), np.empty((*shape, 3))
         # MuJoCo states velocities about the centre of mass of the whole tree

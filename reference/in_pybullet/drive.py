@@ -1,7 +1,6 @@
 """How avatars follow the tracker in PyBullet: the root by constraint or velocity, joints by position motors."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -47,6 +46,7 @@ class Drive:
             joints.append(joint)
             places.append(at)
         self._hinges = by_body
+        self._moves_hinges = {body: self._hinge_motors(body, len(joints)) for body, (joints, _) in by_body.items()}
         balls: dict[int, list[tuple[int, int]]] = {}
         for body, joint, k in world.balls:
             balls.setdefault(body, []).append((joint, k))
@@ -55,6 +55,7 @@ class Drive:
             frames = np.array([self._frames[k] for _, k in entries])
             followed = Followed([k for _, k in entries], rotation.conjugate(frames), frames)
             self._balls.append((body, [joint for joint, _ in entries], followed))
+        self._moves_balls = {body: self._ball_motors(body, len(joints)) for body, joints, _ in self._balls}
         roots = [world.parts[part] for part, _ in world.roots]
         self._rooted = [link for _, link in world.roots]
         self._held = np.array([part.centre for part in roots]).reshape(-1, 3)
@@ -88,6 +89,8 @@ class Drive:
         All at once, since numpy costs as much per call as Bullet per step.
         """
         self._step, self._joints = step, self._plan_hinges(goals, step) + self._plan_balls(goals)
+        if not self._rooted:
+            return
         lead = CONSTRAINT_LAG if self._constraints and self._chosen["feed_forward"].value else 0.0
         before, after = goals.positions[:-1, self._rooted], goals.positions[1:, self._rooted]
         turns = self._root.aimed(goals.orientations, 1.0 + lead)
@@ -125,16 +128,22 @@ class Drive:
         for body, (joints, places) in self._hinges.items():
             wanted = goals.angles[1:, places]
             speed = forward * (wanted - goals.angles[:-1, places])
-            planned.append((partial(self._move_hinges, body), joints, list(zip(wanted.tolist(), speed.tolist(), strict=True))))
+            planned.append((self._moves_hinges[body], joints, list(zip(wanted.tolist(), speed.tolist(), strict=True))))
         return planned
 
-    def _move_hinges(self, body: int, joints: list[int], goal: tuple[list[float], list[float]]) -> None:
-        n, numbers = len(joints), self._numbers
-        pybullet.setJointMotorControlArray(
-            body, joints, pybullet.POSITION_CONTROL, targetPositions=goal[0], targetVelocities=goal[1],
-            positionGains=[numbers["position_gain"]] * n, velocityGains=[numbers["velocity_gain"]] * n,
-            forces=[numbers["hinge_force"]] * n, physicsClientId=self._client,
-        )
+    def _hinge_motors(self, body: int, n: int) -> Callable[[list[int], tuple[list[float], list[float]]], None]:
+        """What moves the motors of n hinges: their gains and forces stay as they are."""
+        numbers, client, tell = self._numbers, self._client, pybullet.setJointMotorControlArray
+        gains, dampings = [numbers["position_gain"]] * n, [numbers["velocity_gain"]] * n
+        forces = [numbers["hinge_force"]] * n
+
+        def move(joints: list[int], goal: tuple[list[float], list[float]]) -> None:
+            tell(
+                body, joints, pybullet.POSITION_CONTROL, targetPositions=goal[0], targetVelocities=goal[1], positionGains=gains,
+                velocityGains=dampings, forces=forces, physicsClientId=client,
+            )
+
+        return move
 
     def _plan_balls(self, goals: Goals) -> list[Planned]:
         # the motor corrects this share of the error in a step, whatever velocity it is told; leading it by what is left
@@ -144,16 +153,22 @@ class Drive:
         planned: list[Planned] = []
         for body, joints, followed in self._balls:
             steps = followed.aimed(goals.turns, ahead)[..., [1, 2, 3, 0]].tolist()
-            planned.append((partial(self._move_balls, body), joints, steps))
+            planned.append((self._moves_balls[body], joints, steps))
         return planned
 
-    def _move_balls(self, body: int, joints: list[int], goal: list[list[float]]) -> None:
-        n, numbers = len(joints), self._numbers
-        pybullet.setJointMotorControlMultiDofArray(
-            body, joints, pybullet.POSITION_CONTROL, targetPositions=goal, positionGains=[numbers["ball_gain"]] * n,
-            velocityGains=[numbers["velocity_gain"]] * n, forces=[[numbers["ball_force"]] * 3] * n,
-            physicsClientId=self._client,
-        )
+    def _ball_motors(self, body: int, n: int) -> Callable[[list[int], list[list[float]]], None]:
+        """The same of n balls."""
+        numbers, client, tell = self._numbers, self._client, pybullet.setJointMotorControlMultiDofArray
+        gains, dampings = [numbers["ball_gain"]] * n, [numbers["velocity_gain"]] * n
+        forces = [[numbers["ball_force"]] * 3] * n
+
+        def move(joints: list[int], goal: list[list[float]]) -> None:
+            tell(
+                body, joints, pybullet.POSITION_CONTROL, targetPositions=goal, positionGains=gains, velocityGains=dampings,
+                forces=forces, physicsClientId=client,
+            )
+
+        return move
 
     def _turned(self, k: int, turn: Array) -> Array:
         """A ball's rotation as Bullet's joint sees it: between principal frames."""

@@ -41,6 +41,7 @@ class Reading:
                 bases.append(k)
                 self._bases.append(part.body)
         self.read = [*bases, *(k for rows in linked.values() for k in rows)]
+        self._moving = np.array(self.read, dtype=np.int64)
         self._hinges: dict[int, list[int]] = {}
         for body, joint in world.hinges:
             self._hinges.setdefault(body, []).append(joint)
@@ -49,11 +50,14 @@ class Reading:
         """What moves, in the order of `read`, as Bullet has it now: STATED numbers each, one after the other, since numpy takes
         three times as long over tuples of tuples."""
         found: list[float] = []
+        client, base, motion = self._client, pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
         for body in self._bases:
-            found += self._base(body)
+            at, turn = base(body, physicsClientId=client)
+            velocity, spin = motion(body, physicsClientId=client)
+            found += at + turn + velocity + spin
         for body, links in self._links.items():
             states = pybullet.getLinkStates(
-                body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=self._client
+                body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=client
             )
             for state in states:
                 found += state[0] + state[1] + state[6] + state[7]
@@ -61,9 +65,10 @@ class Reading:
 
     def snapshots(self, times: Sequence[float], raw: Sequence[list[float]]) -> tuple[Snapshot, ...]:
         """What was read at `times` [s] since load, as body frames."""
-        rows = np.broadcast_to(self._still, (len(raw), *self._still.shape)).copy()
+        rows = np.empty((len(raw), *self._still.shape))
+        rows[:] = self._still
         if self.read:
-            rows[:, self.read] = np.array(raw, dtype=np.float64).reshape(len(raw), -1, STATED)
+            rows[:, self._moving] = np.array(raw, dtype=np.float64).reshape(len(raw), -1, STATED)
         shape = rows.shape[:2]
         positions, orientations = np.empty((*shape, 3)), np.empty((*shape, 4))
         velocities, spins = np.empty((*shape, 3)), np.empty((*shape, 3))

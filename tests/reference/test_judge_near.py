@@ -46,3 +46,13 @@ def test_boxes_that_touch_are_near_and_no_state_asks_nothing(monkeypatch: pytest
     for most in (0, 3000):
         monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
         assert [len(column) for column in near_pairs(may_meet, low[:0], high[:0], 0.0)] == [0, 0, 0]
+
+
+def test_a_state_without_numbers_hides_no_other() -> None:
+    may_meet, low, high = boxes(5, 6, 12)
+    low[2], high[4, 3] = np.nan, np.nan
+    found = near_pairs(may_meet, low, high, 0.0)
+    for k in range(6):
+        _, first, second = found.at(found.state == k)
+        assert set(zip(first.tolist(), second.tolist(), strict=True)) == one_by_one(may_meet, low[k], high[k], 0.0)
+    assert not (found.state == 2).any()

@@ -14,7 +14,7 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses, rest
+from avatarsim.scene.tracker import TrackerSample, _sound, checked, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar
 
@@ -57,6 +57,16 @@ def test_rest_obeys_hinge_limits_and_is_a_valid_sample() -> None:
     sample = checked(rest((tree(), hinged_avatar())), (tree(), hinged_avatar()))
     assert sample.angles[:3] == pytest.approx([0.0, 0.0, 0.5])
     assert sample.angles.shape == (3 + 37,)
+
+
+@pytest.mark.parametrize(("turned", "quick"), [(1.0, True), (1.0 + 4e-7, True), (1.0 + 8e-7, False), (1.0 - 8e-7, False)])
+def test_what_the_quick_check_says_nothing_of_the_thorough_one_decides(turned: float, quick: bool) -> None:
+    sample = random_sample((tree(),), 5)
+    sample = replace(sample, rotations=turned * sample.rotations)
+    assert _sound(sample, 5, 3) == quick
+    assert checked(sample, (tree(),)) is sample
+    for other in (replace(sample, time=0), replace(sample, angles=sample.angles.tolist())):  # type: ignore[arg-type]
+        assert not _sound(other, 5, 3) and checked(other, (tree(),)) is other
 
 
 @pytest.mark.parametrize(
