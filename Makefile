@@ -81,12 +81,14 @@ nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free post
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write
 
+# Of a slice only the files that name its mark are imported: each worker would spend half a minute on the others.
 test: $(READY)  ## every test; then a slice with the kernels as plain Python, and one with index checks
 	@$(COMPILED)
 	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
-	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m nojit
+	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m nojit $$(grep -rlw --include='test_*.py' nojit tests)
 	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
-	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m boundscheck
+	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m boundscheck \
+	  $$(grep -rlw --include='test_*.py' boundscheck tests)
 
 look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py

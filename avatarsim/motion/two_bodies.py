@@ -5,11 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.scratch import make_scratch
+from avatarsim.by_reference import refer
+from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.errors import InvalidInput
+from avatarsim.kernel import kernel
 from avatarsim.motion.first_contact import Budget, Found, first_contact
-from avatarsim.motion.free_rotation import make_series
-from avatarsim.motion.path import FREE, STILL, make_paths
+from avatarsim.motion.free_rotation import Series, make_series
+from avatarsim.motion.path import FREE, STILL, Paths, make_paths
 from avatarsim.motion.time_of_impact import BROKEN, CLEAR, DIPPED, IMPACT, OVERLAPPING, SPENT
 from avatarsim.scene.body import Body, Role
 from avatarsim.scene.checks import as_number, vector
@@ -17,7 +19,7 @@ from avatarsim.scene.material import Contact, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.world.dynamics import dynamics
-from avatarsim.world.geometry import Geometry, geometry, poses
+from avatarsim.world.geometry import Geometry, Poses, geometry, poses
 from avatarsim.world.shapes import ELLIPSOID
 
 Array = NDArray[np.float64]
@@ -39,6 +41,18 @@ def reaches(geo: Geometry) -> Array:
         far = np.linalg.norm(points, axis=1)
         found[b] = max(found[b], far[0] + far[1:].max() if geo.shapes.kind[s] == ELLIPSOID else far.max())
     return found
+
+
+@kernel
+def first_contact_referred(
+    geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, h: float,
+    budget: Budget, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
+) -> Found:
+    """`first_contact` of bodies 0 and 1 by kernels that the engine has compiled: tuples by value would be others."""
+    return first_contact(
+        refer(geometry), refer(start), linear, angular, refer(paths), refer(series), reach, 0, 1, h, budget, refer(trial), a_rows,
+        b_rows, scratch,
+    )
 
 
 class TwoBodies:
@@ -95,8 +109,7 @@ class TwoBodies:
         pull = [vector("acceleration of a", tuple(acceleration_a)), vector("acceleration of b", tuple(acceleration_b))]
         self._paths.linear[:] = np.where(self._paths.kind[:, None] == STILL, 0.0, pull)
         self._paths.time[:] = -1.0
-        return Found(*first_contact(
-            self.geometry, self._start, self._linear, self._angular, self._paths, self._series, self._reach, 0, 1, float(seconds),
-            Budget(float(allowed.stand_off), int(allowed.rounds)), self._trial, self._rows[0], self._rows[1],
-            self._scratch,
+        return Found(*first_contact_referred(
+            self.geometry, self._start, self._linear, self._angular, self._paths, self._series, self._reach, float(seconds),
+            Budget(float(allowed.stand_off), int(allowed.rounds)), self._trial, self._rows[0], self._rows[1], self._scratch,
         ))
