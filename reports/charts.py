@@ -115,11 +115,14 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
         for run in dict.fromkeys(row.run for row in rows):
             series = results.series.get(scene, {}).get(run)
             timed = series.frame_time[np.isfinite(series.frame_time)] if series else np.empty(0)
+            own = [row for row in rows if row.run == run]
             three = []
             for percent in (50, 95, 99):
-                row = worst([r for r in rows if r.run == run and r.metric == f"frame_time_p{percent}"])
-                fallback = float(np.percentile(timed, percent)) if timed.size else math.nan
-                three.append(fallback if row is None or row.value is None else row.value)
+                row = worst([r for r in own if r.metric == f"frame_time_p{percent}"])
+                if row is not None and row.value is not None:
+                    three.append(row.value)
+                else:
+                    three.append(float(np.percentile(timed, percent)) if timed.size else math.nan)
             if any(math.isfinite(value) and value > 0.0 for value in three):
                 found.setdefault(scene, {})[run] = (three[0], three[1], three[2])
     return found

@@ -16,7 +16,7 @@ from avatarsim.world.geometry import Geometry
 
 Index = NDArray[np.int64]
 
-SEARCH_WORK, ROUND_WORK = 8, 40
+SEARCH_WORK, ROUND_WORK = 8, 25
 """Work of one search for an impact, and of each of its rounds after the first, see `upper_memory.WORK`. Most searches take five
 rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms."""
 
