@@ -74,10 +74,10 @@ def first_event(geometry: Geometry, memory: Memory, pairs: Index, h: float, like
     event is known, the less of their paths the others are searched.
     """
     first, count = -1, pairs.shape[0]
-    ahead = likely if 0 <= likely < count else -1
+    ahead = likely if 0 <= likely < count else 0
     for q in range(count):
         # the likely one, then the others in their order
-        p = (ahead if q == 0 else q - 1 if q <= ahead else q) if ahead >= 0 else q
+        p = ahead if q == 0 else q - 1 if q <= ahead else q
         t = event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], 0.0, h)
         if t < 0.0:
             return -1.0, p

@@ -50,14 +50,11 @@ class Reading:
         """What moves, in the order of `read`, as Bullet has it now: STATED numbers each, one after the other, since numpy takes
         three times as long over tuples of tuples."""
         found: list[float] = []
-        client, base, motion = self._client, pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
         for body in self._bases:
-            at, turn = base(body, physicsClientId=client)
-            velocity, spin = motion(body, physicsClientId=client)
-            found += at + turn + velocity + spin
+            found += self._base(body)
         for body, links in self._links.items():
             states = pybullet.getLinkStates(
-                body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=client
+                body, links, computeLinkVelocity=1, computeForwardKinematics=1, physicsClientId=self._client
             )
             for state in states:
                 found += state[0] + state[1] + state[6] + state[7]
