@@ -125,7 +125,8 @@ def outline(shape: Shape) -> Outline:
 class Pieces:
     """All convex pieces of a scene in canonical order, ready to be placed: p pieces of n bodies.
 
-    centres (p, 3) and radii (p,) [m] are those of balls that hold the pieces, in the pieces' own frames.
+    centres (p, 3) and radii (p,) [m] are those of balls that hold the pieces, in the pieces' own frames; swings (p,) [m] how far
+    the points reach from there that a turn moves, without the ball they are swept by, which is the same whichever way it turns.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -142,6 +143,7 @@ class Pieces:
         self._halves = np.array([box[1] for box in boxes])
         self._rounding = np.array([box[2] for box in boxes])
         self.radii = np.array([box[3] for box in boxes])
+        self.swings = self.radii - self._rounding
 
     def placed(self, positions: Array, turns: Array) -> tuple[Array, Array]:
         """Positions (..., p, 3) [m] and turns (..., p, 3, 3) of the pieces in the world, from those of the n bodies."""

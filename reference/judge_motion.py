@@ -27,7 +27,7 @@ class Moves:
 
     def __init__(self, pieces: Pieces, at: Array, turned: Array) -> None:
         self._centres = at + np.einsum("fpij,pj->fpi", turned, pieces.centres)
-        self._turned, self._radii = turned, pieces.radii
+        self._turned, self._swings = turned, pieces.swings
 
     def between(self, near: Near, then: Indices) -> Array:
         """(k,) [m] most by which the signed distance of each near pair may differ from that in the state `then` (k,)."""
@@ -38,8 +38,12 @@ class Moves:
     def _turning(self, now: Indices, then: Indices, piece: Indices) -> Array:
         """(k,) [m] most that a point of each piece moves when it turns about its middle: the spectral norm of the difference of
         two rotations is that of Frobenius by the root of 2."""
-        turns = self._turned[now, piece] - self._turned[then, piece]
-        return np.asarray(self._radii[piece] * np.sqrt(0.5 * np.einsum("kij,kij->k", turns, turns)))
+        moved = np.zeros(len(piece))
+        # balls, of which there may be thousands, have nothing that turns
+        k = np.flatnonzero(self._swings[piece])
+        turns = self._turned[now[k], piece[k]] - self._turned[then[k], piece[k]]
+        moved[k] = self._swings[piece[k]] * np.sqrt(0.5 * np.einsum("kij,kij->k", turns, turns))
+        return moved
 
 
 def where_deep(near: Near, moves: Moves, measure: Measure, deepest_only: bool) -> Array:

@@ -10,7 +10,10 @@ Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 MOST_PAIRS = 3000
-"""Pairs up to which all are compared in all states at once. Above, sorting along one axis, state by state, is faster."""
+"""Pairs up to which all are compared in all states at once. Above, sorting along one axis tells first which may meet at all."""
+
+CROWD_AT_ONCE = 16
+"""States of such a crowd that are sorted together: in more, boxes round all of them are wide and keep pairs that never meet."""
 
 AT_ONCE = 1_000_000
 """Comparisons made in one go; more would fill memory and not be faster."""
@@ -32,14 +35,17 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     """For each of F states the pairs of p pieces that `may_meet` (p, p), each pair once, and whose boxes low, high (F, p, 3) [m]
     come within `reach` [m]."""
     first, second = np.nonzero(np.triu(may_meet, 1))
-    if len(first) > MOST_PAIRS:
-        return _joined([by_sorting(may_meet, lower, upper, reach) for lower, upper in zip(low, high, strict=True)])
-    found = [_joined([])]
-    chunk = max(1, AT_ONCE // max(1, len(first)))
+    crowd = len(first) > MOST_PAIRS
+    chunk = CROWD_AT_ONCE if crowd else max(1, AT_ONCE // max(1, len(first)))
+    found = [Near(*(np.zeros(0, dtype=np.int64),) * 3)]
     for start in range(0, len(low), chunk):
         # piece by piece in one line of memory each, so that a pair's states lie side by side
         lower, upper = (np.ascontiguousarray(box[start : start + chunk].transpose(2, 1, 0)) for box in (low, high + reach))
-        pairs = _ever_near(lower, upper, first, second)
+        # a box that is no number meets nothing, and hides no state in which it is one
+        begins, ends = np.fmin.reduce(lower, axis=2), np.fmax.reduce(upper, axis=2)
+        if crowd:
+            first, second = by_sorting(may_meet, begins.T, ends.T, 0.0)
+        pairs = np.flatnonzero(((begins[:, first] <= ends[:, second]) & (begins[:, second] <= ends[:, first])).all(axis=0))
         near = np.ones((len(pairs), lower.shape[2]), dtype=bool)
         for along, end in zip(lower, upper, strict=True):
             one, other = first[pairs], second[pairs]
@@ -52,23 +58,8 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     return Near(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
-def _ever_near(lower: Array, upper: Array, first: Indices, second: Indices) -> Indices:
-    """Rows of the pairs whose boxes lower, upper (3, p, F) [m], each over all F states, meet; no others do in any of them."""
-    # a box that is no number meets nothing, and hides no state in which it is one
-    begins, ends = np.fmin.reduce(lower, axis=2), np.fmax.reduce(upper, axis=2)
-    meet = (begins[:, first] <= ends[:, second]) & (begins[:, second] <= ends[:, first])
-    return np.flatnonzero(meet.all(axis=0))
-
-
-def _joined(pairs: list[tuple[Indices, Indices]]) -> Near:
-    """The pairs of one state after the other as one table."""
-    nothing = np.zeros(0, dtype=np.int64)
-    state = np.repeat(np.arange(len(pairs)), np.array([len(first) for first, _ in pairs], dtype=np.int64))
-    return Near(state, *(np.concatenate([nothing, *(pair[k] for pair in pairs)]) for k in (0, 1)))
-
-
 def by_sorting(may_meet: Flags, low: Array, high: Array, reach: float) -> tuple[Indices, Indices]:
-    """The same for one state (p, 3): sweep along the axis on which the boxes are spread widest."""
+    """Pairs near each other in one state (p, 3): sweep along the axis on which the boxes are spread widest."""
     axis = int(np.argmax(np.ptp(low, axis=0)))
     order = np.argsort(low[:, axis], kind="stable")
     # in this order the partners of a piece are the next ones, up to the first that begins beyond its end

@@ -86,8 +86,11 @@ def save(recording: Recording, path: Path) -> None:
                 arrays.update({f"{entry.name}:{name}": numbers for name, numbers in value.items()})
         elif entry.name in WIDE and len(value):
             changing = np.flatnonzero(~_same_bits(value))
-            arrays[f"{entry.name}:first"], arrays[f"{entry.name}:changing"] = value[0], changing
-            arrays[entry.name] = value[:, changing]
+            # a crowd in which all move is not copied for nothing
+            few = len(changing) < value.shape[1]
+            if few:
+                arrays[f"{entry.name}:first"], arrays[f"{entry.name}:changing"] = value[0], changing
+            arrays[entry.name] = value[:, changing] if few else value
         else:
             arrays[entry.name] = value
     write_whole(path, lambda file: np.savez(file, allow_pickle=False, **arrays))

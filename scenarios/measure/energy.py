@@ -38,9 +38,13 @@ def _radius(piece: Piece) -> float:
 
 def kinetic(mass: Array, inertia: Array, orientations: Array, velocities: Array, spins: Array) -> Array:
     """(T, b) kinetic energy [J] of b bodies of `mass` (b,) and body-frame `inertia` (b, 3, 3)."""
-    own = rotation.rotate(rotation.conjugate(orientations), spins)
-    turning = np.einsum("tbi,bij,tbj->tb", own, inertia, own)
-    return np.asarray(0.5 * (mass * np.sum(velocities**2, axis=-1) + turning))
+    turning = inertia[:, 0, 0] * np.einsum("tbi,tbi->tb", spins, spins)
+    # whose inertia is the same about every axis needs no axes of its own
+    k = np.flatnonzero((inertia != inertia[:, :1, :1] * np.eye(3)).any(axis=(1, 2)))
+    if len(k):
+        own = rotation.rotate(rotation.conjugate(orientations[:, k]), spins[:, k])
+        turning[:, k] = np.einsum("tbi,bij,tbj->tb", own, inertia[k], own)
+    return np.asarray(0.5 * (mass * np.einsum("tbi,tbi->tb", velocities, velocities) + turning))
 
 
 def lifts(time: Array, height: Array, speed: Array) -> Array:
@@ -61,22 +65,18 @@ def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[n
     return np.asarray(away[:-1] & away[1:])
 
 
-def struck(recording: Recording, scene: Scene, bodies: list[int]) -> Array:
-    """(I,) kinetic energy [J] gained by simulated bodies and driven links together at each impact recorded inside a frame.
+def struck(recording: Recording, scene: Scene, moving: Array) -> Array:
+    """(I,) kinetic energy [J] gained by simulated bodies and driven links together at each impact recorded inside a frame, from
+    that of the simulated bodies `moving` (S,) [J] in all snapshots.
 
     A link counts with its coupled mass, which is what the body feels. At an instant neither gravity nor a user does work, so this
     sees what `undriven` must leave out: a link that comes out of an impact faster than the body could make it."""
     before = np.flatnonzero(recording.inside_event[:-1] == EVENTS.index("approach"))
     before = before[recording.inside_event[before + 1] == EVENTS.index("impact")]
-    masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
-    mass, inertia = np.array([m.mass for m in masses]), np.array([m.inertia for m in masses])
     owned = [(avatar.coupled_mass, link.mass.mass) for avatar in scene.avatars for link in avatar.links]
     coupled = np.array([own if stated is None else stated for stated, own in owned])
     links = recording.inside_velocities[:, recording.links]
-    moving = kinetic(
-        mass, inertia, recording.inside_orientations[:, bodies], recording.inside_velocities[:, bodies],
-        recording.inside_angular_velocities[:, bodies],
-    ).sum(axis=1) + 0.5 * np.sum(coupled * np.sum(links**2, axis=-1), axis=1)
+    moving = moving + 0.5 * np.sum(coupled * np.sum(links**2, axis=-1), axis=1)
     return np.asarray(moving[before + 1] - moving[before])
 
 
@@ -104,7 +104,7 @@ def energy(recording: Recording, scene: Scene) -> Values:
     np.add.at(lifted, line.frame[1:], (strength * mass * lift).sum(axis=1))
     chosen = undriven(recording, scene, bodies)
     none = Missing("a driven link is within reach of a simulated body in every frame", "scene")
-    added = np.concatenate([(gained - explained[1:])[chosen], struck(recording, scene, bodies)])
+    added = np.concatenate([(gained - explained[1:])[chosen], struck(recording, scene, moving[line.inside])])
     return {
         "energy_added_max": max(0.0, _largest(added)) if added.size else none,
         "lift_energy_max": _largest(lifted[1:]),

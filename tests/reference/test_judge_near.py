@@ -28,6 +28,7 @@ def one_by_one(may_meet: np.ndarray, low: np.ndarray, high: np.ndarray, reach: f
 def test_each_way_finds_every_near_pair_once(reach: float, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
     monkeypatch.setattr(judge_near, "AT_ONCE", 200)
+    monkeypatch.setattr(judge_near, "CROWD_AT_ONCE", 4)
     may_meet, low, high = boxes(5, 6, 12)
     found = near_pairs(may_meet, low, high, reach)
     assert (np.diff(found.state) >= 0).all()
