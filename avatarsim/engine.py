@@ -23,7 +23,7 @@ class Snapshot:
     """The world at one instant inside a frame: a sub-step or an event.
 
     `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order;
-    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes.
+    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes; read-only where nobody has one.
     `event` names what happened: "step", or "impact" for the velocities right after a collision at this instant
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
     surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import get_type_hints
 
+import numpy as np
+
 import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
@@ -12,13 +14,16 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.start_check import require_free, require_within_limits
-from avatarsim.world.world import build, shown_poses
+from avatarsim.world.world import Array, build, shown_again, shown_poses
 
 PRESETS = ("default", "paper")
 """`default`: every state certified; `paper`: the paper's equations as printed."""
 
 MOST = 1e9
 """Largest value of any option: a billion of anything here is a slip of the hand."""
+
+NOWHERE = np.zeros((0, 3))
+"""What is shown before a scene is loaded."""
 
 CHOICES = {"untie": 1, "around": 2}
 """Largest value of the options that are a choice between 0 and this."""
@@ -40,6 +45,13 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
     for name in left:
         raise UnknownName(f"option of avatarsim, preset {method}", name, known)
     return chosen
+
+
+def at_rest(velocities: Array) -> Array:
+    """Velocities of a scene in which nobody has one: shared by all its records, and therefore not to be written to."""
+    shared = velocities.copy()
+    shared.flags.writeable = False
+    return shared
 
 
 def frame_time(dt: float) -> None:
@@ -68,6 +80,8 @@ class AvatarsimEngine:
     def __init__(self) -> None:
         self._frames: Frames | None = None
         self._settings, self._chosen = Settings(), Chosen()
+        self._before: tuple[Array, Array] = NOWHERE, NOWHERE
+        self._still: tuple[Array, Array] | None = None
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """What this engine leaves out of `scene`."""
@@ -97,6 +111,9 @@ class AvatarsimEngine:
         self._frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )
+        self._before = shown_poses(world)
+        v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
+        self._still = None if moves else (at_rest(v.linear), at_rest(v.angular))
         return self._record({}, {}, ())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
@@ -123,8 +140,10 @@ class AvatarsimEngine:
     def _record(self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...]) -> FrameRecord:
         frames = self._running()
         world = frames.world
-        position, orientation = shown_poses(world)
-        shown = Snapshot(frames.time, position, orientation, world.velocities.linear.copy(), world.velocities.angular.copy())
+        # without simulated bodies only links move, and of velocities there are none
+        position, orientation = shown_again(world, self._before, world.skeleton.first if self._still else 0)
+        linear, angular = self._still or (world.velocities.linear.copy(), world.velocities.angular.copy())
+        shown = Snapshot(frames.time, position, orientation, linear, angular)
         # the state at the end is itself the frame's last sub-step; before it stand the events of the upper loop
         steps = (*inside, shown) if self._settings.record_inside else ()
         return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, frames.clock.ns, steps)

@@ -223,6 +223,17 @@ def test_bodies_that_stand_still_are_shown_where_they_were_put() -> None:
     assert not record.shown.velocities[0].any()
 
 
+def test_who_writes_into_a_record_changes_no_other() -> None:
+    engine, other = loaded(), loaded()
+    sample = at(SCENE.first_sample, (0.5, 0.2, 0.1))
+    for _ in range(3):
+        record = engine.advance(sample, DT)
+        assert same(record, other.advance(sample, DT))
+        record.shown.positions[:], record.shown.orientations[:] = 7.0, 7.0
+        # nobody has a velocity here, and all records share that
+        assert not record.shown.velocities.flags.writeable and not record.shown.angular_velocities.flags.writeable
+
+
 def test_a_start_beyond_a_hinge_limit_is_refused_by_name() -> None:
     limb = Link("limb", "root", Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
     avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))

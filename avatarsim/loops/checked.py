@@ -1,5 +1,7 @@
 """Method `default` as the frame sees it: the checked lower loop with its springs."""
 
+from operator import itemgetter
+
 import numpy as np
 
 from avatarsim.kernel import kernel
@@ -36,6 +38,9 @@ from avatarsim.world.world import World
 
 BAD = (BAD_QUERIES, DROPPED, RESYNCS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS)
 """Places of the counts that say that something did not end well."""
+
+BAD_OF, ALL_WELL = itemgetter(*BAD), (0,) * len(BAD)
+"""These of a list of counts, and what they are in nearly every frame."""
 
 NOTHING_RECEIVED, NOBODY = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
@@ -126,4 +131,6 @@ class CheckedLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""
         counts = self.memory.counts.tolist()
+        if BAD_OF(counts) == ALL_WELL:
+            return {}
         return {COUNT_NAMES[place]: counts[place] for place in BAD if counts[place]}

@@ -54,7 +54,7 @@ def opened_rows(o: Opening) -> Rows:
     """The next Rows."""
     return Rows(
         grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0], grid(o)[0], index_grid(o)[0], line(o)[0], line(o)[0],
-        index_line(o)[0],
+        index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], line(o)[0],
     )
 
 

@@ -13,7 +13,7 @@ def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...
     kept = []
     for k in range(min(int(events.kept[0]), len(events.time))):
         positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
-        write_shown(events.position[k], events.rotation[k], world.centres, positions, orientations)
+        write_shown(events.position[k], events.rotation[k], world.centres, 0, positions, orientations)
         name = "approach" if events.kind[k] == APPROACH else "impact"
         linear, angular = events.linear[k].copy(), events.angular[k].copy()
         kept.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name))

@@ -4,7 +4,7 @@ from math import sqrt
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.closeness import merit_of
-from avatarsim.posture.limits import has_cone, inside_cone
+from avatarsim.posture.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
 from avatarsim.posture.workspace import BEST, BEYOND, LOCATED, Goal
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, step_between
@@ -29,7 +29,7 @@ def clip_to_limits(skel: Skeleton, tracker: Posture, goal_out: Goal) -> None:
         turn = columns(tracker.turn, link)
         put_columns(own.turn, link, turn)
         joints += skel.first_dof[link + 1] - skel.first_dof[link] if kind == HINGES else 1
-        if kind == BALL and has_cone(skel, link):
+        if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
             kept = inside_cone(skel, link, turn)
             if kept != turn:
                 excess = norm(step_between(kept, turn))

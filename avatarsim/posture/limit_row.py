@@ -3,7 +3,7 @@
 from math import atan2
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.limits import cone_excess, has_cone, limb_of, surely_inside, swing_and_twist
+from avatarsim.posture.limits import SURELY, cone_excess, has_cone, limb_of, surely_inside, swing_and_twist
 from avatarsim.posture.reach_cone import ROUNDING, has_reach, nearest_in_reach
 from avatarsim.posture.workspace import ADDING, COUNT, DROPPED, ROWS, Memory
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
@@ -26,7 +26,7 @@ def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
             continue
         d = skel.first_dof[link]
         turn = stepped(columns(posture.turn, link), (x[d], x[d + 1], x[d + 2]))
-        if surely_inside(skel, link, turn) or cone_excess(skel, link, turn) <= 0.0:
+        if surely_inside(skel, link, turn, SURELY) or cone_excess(skel, link, turn) <= 0.0:
             continue
         failed += 1
         memory_out.touched[link] = True

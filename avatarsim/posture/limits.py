@@ -23,6 +23,9 @@ rounding of a half turn from an end that the sine of the rest cannot tell; then 
 INWARD = 1e-9
 """Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
 
+LEFT_ALONE = 2.0 * INWARD
+"""[rad] a target so far inside its limits stays as it is, and no angle of it is asked for."""
+
 
 @kernel
 def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
@@ -70,14 +73,14 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
 
 
 @kernel
-def surely_inside(skel: Skeleton, link: int, turn: Columns) -> bool:
-    """Whether the rotation of a ball is inside its limits beyond rounding: `cone_excess` without angles, as nearly every ball of
-    every trial is. False where that is to be asked."""
+def surely_inside(skel: Skeleton, link: int, turn: Columns, spare: float) -> bool:
+    """Whether the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: `cone_excess` without
+    angles, as nearly every ball of every trial is. False where that is to be asked."""
     limb, t = limb_of(skel, link, turn), skel.cone
     centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
     probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])
     low, high = (t[link, 16], t[link, 17]), (t[link, 18], t[link, 19])
-    if not surely_in_cone(limb, centre, edge, probe, turned(turn, untwisted), low, high):
+    if not surely_in_cone(limb, centre, edge, probe, turned(turn, untwisted), low, high, spare):
         return False
     return not has_reach(skel, link) or is_in_reach(skel, link, limb)
 
@@ -85,7 +88,7 @@ def surely_inside(skel: Skeleton, link: int, turn: Columns) -> bool:
 @kernel
 def surely_in_cone(
     limb: Vec3, centre: Vec3, edge: tuple[float, float], probe: Vec3, swung: Vec3, low: tuple[float, float],
-    high: tuple[float, float],
+    high: tuple[float, float], spare: float,
 ) -> bool:
     """The same of the swing, whose largest has cosine and sine `edge`, and of the twist, which takes `probe` to where `swung` is
     once the swing is turned back; of its ends cosines and sines.
@@ -95,7 +98,7 @@ def surely_in_cone(
     back, cosine = cross(limb, centre), dot(limb, centre)
     sine = norm(back)
     # the sine of the angle that is left to the edge of the cone
-    if not (edge[1] * cosine - edge[0] * sine > SURELY and sine > SURELY):
+    if not (edge[1] * cosine - edge[0] * sine > spare and sine > spare):
         return False
     back = scale(back, 1.0 / sine)
     # turned back by the swing, whose sine and cosine are known
@@ -104,8 +107,8 @@ def surely_in_cone(
     # the sines of what is left to the ends; where zero is between these only the end on the twist's own side counts
     to_low, to_high = low[0] * y - low[1] * x, high[1] * x - high[0] * y
     if low[1] < 0.0 < high[1]:
-        return bool((to_high if y >= 0.0 else to_low) > SURELY)
-    return bool(min(to_low, to_high) > SURELY)
+        return bool((to_high if y >= 0.0 else to_low) > spare)
+    return bool(min(to_low, to_high) > spare)
 
 
 @kernel

@@ -1,10 +1,11 @@
 """The step nearest to the wanted one that obeys linear conditions: min (x - e)^T W (x - e) / 2 with J x >= c, lo <= x <= hi.
 
-Dual coordinate ascent on the Gram matrix J W^-1 J^T. Bounds join as unit rows only when they are violated, since
-most of them never are.
+Dual coordinate ascent on the Gram matrix J W^-1 J^T, and where that is slow the rows that press are solved for
+together (`active_set.py`). Bounds join as unit rows only when they are violated, since most of them never are.
 """
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.active_set import settle
 from avatarsim.posture.closeness import solve_down, solve_up
 from avatarsim.posture.workspace import BOUND, BUILT, COUNT, COUPLED, Goal, Rows
 from avatarsim.world.geometry import Array, Index
@@ -14,6 +15,9 @@ SOFTNESS = 1e-6
 
 MULTIPLIER_CAP = 1e4
 """Infeasible rows (squeezed between two walls) would drive multipliers to infinity; the certificate refuses such steps anyway."""
+
+FIRST_SWEEPS = 4
+"""Sweeps after which rows that still change are solved for together (`active_set.py`)."""
 
 BOUND_ROUNDS = 4
 """Rounds in which violated bounds join. What is still outside after them is clipped."""
@@ -35,7 +39,13 @@ def nearest_step(goal: Goal, rows_out: Rows, sweeps: int, tolerance: float) -> i
         count += add_broken_bounds(goal.low, goal.high, goal.step, r, count)
     for _ in range(BOUND_ROUNDS):
         build_gram(goal, r, count)
-        used += ascend(goal.step, r, count, sweeps, tolerance)
+        look(goal.step, r, count)
+        first = min(sweeps, FIRST_SWEEPS)
+        done = ascend(r, count, first, tolerance)
+        used += done
+        if done > first and not settle(r, count, tolerance):
+            look(goal.step, r, count)
+            used += ascend(r, count, sweeps - first, tolerance)
         assemble(goal, r, count)
         added = add_broken_bounds(goal.low, goal.high, r.x, r, count) if count > 0 or coupled else 0
         count += added
@@ -125,11 +135,8 @@ def build_gram(goal: Goal, rows_out: Rows, count: int) -> None:
 
 
 @kernel
-def ascend(wanted: Array, rows_out: Rows, count: int, sweeps: int, tolerance: float) -> int:
-    """Coordinate ascent on the multipliers, residuals kept up to date; return the sweeps used.
-
-    The residual of row k is J_k x - c_k with x = e + W^-1 J^T multipliers.
-    """
+def look(wanted: Array, rows_out: Rows, count: int) -> None:
+    """The residual of row k is J_k x - c_k with x = e + W^-1 J^T multipliers."""
     jacobian, bound, gram, multiplier, residual = (
         rows_out.jacobian, rows_out.bound, rows_out.gram, rows_out.multiplier, rows_out.residual
     )
@@ -140,6 +147,13 @@ def ascend(wanted: Array, rows_out: Rows, count: int, sweeps: int, tolerance: fl
         for q in range(count):
             t += gram[k, q] * multiplier[q]
         residual[k] = t
+
+
+@kernel
+def ascend(rows_out: Rows, count: int, sweeps: int, tolerance: float) -> int:
+    """Coordinate ascent on the multipliers, residuals kept up to date; the sweeps used, one more than given if the last one still
+    changed something by `tolerance` [m]."""
+    gram, multiplier, residual = rows_out.gram, rows_out.multiplier, rows_out.residual
     for sweep in range(sweeps):
         change = 0.0
         for k in range(count):
@@ -156,4 +170,4 @@ def ascend(wanted: Array, rows_out: Rows, count: int, sweeps: int, tolerance: fl
                     residual[q] += gram[k, q] * step
         if change < tolerance:
             return sweep + 1
-    return sweeps
+    return sweeps + 1

@@ -190,6 +190,23 @@ def back_off(
 
 
 @kernel
+def go_less_far(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> None:
+    """Shorten a step that was certified but loses merit, where the budget has no second attempt; stay if that helps nothing."""
+    memory_out.flags[ADDING] = 0.0
+    for j in range(memory_out.rows.x.shape[0]):
+        memory_out.rows.x[j] *= SHRINK
+    if not loses_merit(settings, memory_out):
+        try_step(geo, skel, posture, memory_out)
+        if creeps(memory_out):
+            slow_down(geo, skel, posture, poses, memory_out)
+        if check(geo, skel, posture, poses, settings, False, memory_out) == 0:
+            return
+    stay(geo, skel, posture, memory_out)
+
+
+@kernel
 def stay(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory) -> None:
     """The empty step: the trial is the checked state."""
     memory_out.counts[HELD] += 1
@@ -231,7 +248,7 @@ def step(
     goal, r = memory_out.goal, memory_out.rows
     first = geo.first_shape[skel.first]
     memory_out.counts[STEPS] += 1
-    failed, to_turn, to_move, shorter, accepted = 0, 0.0, 0.0, 1.0, False
+    failed, to_turn, to_move, shorter, accepted, lost = 0, 0.0, 0.0, 1.0, False, 0
     for round_ in range(settings.attempts):
         to_turn, to_move = aim(skel, posture, settings, goal)
         memory_out.flags[MERIT_NOW] = merit(goal)
@@ -246,14 +263,17 @@ def step(
             break
         if failed == 0:
             shorter = SHRINK
+            lost += 1
         else:
             distrust_failing(skel, first, memory_out)
         if spent:
             break
     list_rows(first, memory_out)
     if not accepted:
-        if failed == 0:
+        if failed == 0 and lost > 1:
             stay(geo, skel, posture, memory_out)
+        elif failed == 0:
+            go_less_far(geo, skel, posture, poses, settings, memory_out)
         else:
             back_off(geo, skel, posture, poses, settings, memory_out)
     largest = 0.0

@@ -19,6 +19,9 @@ Index = NDArray[np.int64]
 ROW_CAP = 96
 """Most contact and bound rows of one step. The slowest frames of hostile motion used a dozen; more are counted as dropped."""
 
+PRESSING_CAP = 32
+"""Most rows that press at once and are solved for together; with more of them the sweeps' answer is taken."""
+
 LISTED_CAP = 64
 """Most pairs that get a row before anything fails; a pair that does not fit gets one when it fails."""
 
@@ -105,7 +108,9 @@ class Rows(NamedTuple):
     """Linear conditions J x >= c of one step and the dual solver's memory.
 
     jacobian, weighted (M, nd); bound, multiplier, residual (M); gram (M, M); pair (M, 2) shapes, or (-1, dof) for a bound;
-    x (nd) the solution; here (nd) zero: the checked state; size (2) rows, and rows whose gram entries are up to date
+    x (nd) the solution; here (nd) zero: the checked state; size (2) rows, and rows whose gram entries are up to date; pressing
+    (A) rows whose multiplier is above zero, factor (A, A) of their gram matrix, change (A) of their multipliers, before (M) what
+    all multipliers were (`active_set.py`)
     """
 
     jacobian: Array
@@ -118,6 +123,10 @@ class Rows(NamedTuple):
     x: Array
     here: Array
     size: Index
+    pressing: Index
+    factor: Array
+    change: Array
+    before: Array
 
 
 class PairMemory(NamedTuple):
@@ -255,7 +264,8 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
         np.zeros((ROW_CAP, ROW_CAP)), np.zeros((ROW_CAP, 2), dtype=np.int64), np.zeros(nd), np.zeros(nd),
-        np.zeros(2, dtype=np.int64),
+        np.zeros(2, dtype=np.int64), np.zeros(PRESSING_CAP, dtype=np.int64), np.zeros((PRESSING_CAP, PRESSING_CAP)),
+        np.zeros(PRESSING_CAP), np.zeros(ROW_CAP),
     )
     none = np.full((driven, ns), -1, dtype=np.int64)
     pairs = PairMemory(

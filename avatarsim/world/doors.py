@@ -59,10 +59,13 @@ def quaternion(m: Columns) -> tuple[float, float, float, float]:
 
 
 @kernel
-def write_shown(position: Array, rotation: Array, centres: Array, positions_out: Array, orientations_out: Array) -> bool:
-    """Body frames (n, 3) and (n, 4) from centres of mass and rotation matrices; False if a number is not finite."""
+def write_shown(
+    position: Array, rotation: Array, centres: Array, first: int, positions_out: Array, orientations_out: Array
+) -> bool:
+    """Body frames (n, 3) and (n, 4), from body `first` on, from centres of mass and rotation matrices; False if a number of them
+    is not finite."""
     good = True
-    for b in range(position.shape[0]):
+    for b in range(first, position.shape[0]):
         frame = columns(rotation, b)
         origin = along(row(position, b), -1.0, turned(frame, row(centres, b)))
         w, x, y, z = quaternion(frame)

@@ -87,7 +87,12 @@ def build(scene: Scene) -> World:
 def shown_poses(world: World) -> tuple[Array, Array]:
     """Positions (n, 3) and orientations (n, 4) of body frames now."""
     n = len(world.centres)
-    position, orientation = np.empty((n, 3)), np.empty((n, 4))
-    if not write_shown(world.poses.position, world.poses.rotation, world.centres, position, orientation):
+    return shown_again(world, (np.empty((n, 3)), np.empty((n, 4))), 0)
+
+
+def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
+    """The same for who has not moved below body `first` since it was shown as `before`: most of a room is furniture."""
+    position, orientation = before[0].copy(), before[1].copy()
+    if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
         raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
     return position, orientation

@@ -6,7 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.posture.limits import any_normal, cone_excess, has_cone, inside_cone, surely_inside, swing_and_twist, wrapped
+from avatarsim.posture.limits import (
+    LEFT_ALONE,
+    SURELY,
+    any_normal,
+    cone_excess,
+    has_cone,
+    inside_cone,
+    surely_inside,
+    swing_and_twist,
+    wrapped,
+)
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Ball, Free, SwingTwist
 from avatarsim.scene.mass import solid
@@ -152,7 +162,7 @@ def test_the_shortest_turn_of_the_tests_is_the_engines() -> None:
 def test_whoever_is_surely_inside_has_no_excess(name: str, seed: int) -> None:
     turn = tuples(Rotation.random(random_state=seed))
     excess = cone_excess(SKELETONS[name], 1, turn)
-    if surely_inside(SKELETONS[name], 1, turn):
+    if surely_inside(SKELETONS[name], 1, turn, SURELY):
         assert excess <= 0.0
     else:
         assert excess >= -1e-8, "that is asked of the exact angles in vain"
@@ -167,4 +177,7 @@ def test_at_an_edge_only_who_is_inside_is_surely_inside(beyond: float, name: str
     swing = limits.swing + beyond if edge == 0 else 0.5 * limits.swing
     twist = (middle, low - beyond, high + beyond)[edge]
     turn = tuples(composed(limits, swing, bearing, twist))
-    assert surely_inside(SKELETONS[name], 1, turn) == (beyond < -1e-10)
+    assert surely_inside(SKELETONS[name], 1, turn, SURELY) == (beyond < -1e-10)
+    # what is left alone as a target is what would be given back to the bit
+    assert surely_inside(SKELETONS[name], 1, turn, LEFT_ALONE) == (beyond < -1e-8)
+    assert beyond >= -1e-8 or inside_cone(SKELETONS[name], 1, turn) == turn

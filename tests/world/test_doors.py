@@ -77,7 +77,7 @@ def test_shown_poses_undo_the_centre_of_mass(seed: int) -> None:
     rng = np.random.default_rng(seed)
     frames, turns, centres = rng.normal(size=(4, 3)), rotation.normalised(rng.normal(size=(4, 4))), rng.normal(size=(4, 3))
     positions, orientations = np.empty((4, 3)), np.empty((4, 4))
-    assert write_shown(frames + rotation.rotate(turns, centres), rotation.to_matrix(turns), centres, positions, orientations)
+    assert write_shown(frames + rotation.rotate(turns, centres), rotation.to_matrix(turns), centres, 0, positions, orientations)
     assert positions == pytest.approx(frames, abs=1e-14)
     assert np.abs((orientations * turns).sum(axis=1)) == pytest.approx(np.ones(4), abs=1e-14)
 
@@ -86,12 +86,12 @@ def test_shown_poses_undo_the_centre_of_mass(seed: int) -> None:
 def test_poses_that_are_not_finite_are_not_shown(bad: float) -> None:
     turns, positions, orientations = np.tile(np.eye(3), (2, 1, 1)), np.empty((2, 3)), np.empty((2, 4))
     place = np.zeros((2, 3))
-    assert write_shown(place, turns, place, positions, orientations)
+    assert write_shown(place, turns, place, 0, positions, orientations)
     lost = place.copy()
     lost[1, 2] = bad
     with np.errstate(all="ignore"):
-        assert not write_shown(lost, turns, place, positions, orientations)
+        assert not write_shown(lost, turns, place, 0, positions, orientations)
     bent = turns.copy()
     bent[0, 1, 2] = bad
     with np.errstate(all="ignore"):
-        assert not write_shown(place, bent, place, positions, orientations)
+        assert not write_shown(place, bent, place, 0, positions, orientations)
