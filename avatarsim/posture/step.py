@@ -173,6 +173,17 @@ def attempt(
 
 
 @kernel
+def certifies(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
+) -> bool:
+    """Try a step that was shortened: whether the trial is free, slowed down where it creeps."""
+    try_step(geo, skel, posture, memory_out)
+    if creeps(memory_out):
+        slow_down(geo, skel, posture, poses, memory_out)
+    return bool(check(geo, skel, posture, poses, settings, False, memory_out) == 0)
+
+
+@kernel
 def back_off(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
@@ -181,10 +192,7 @@ def back_off(
     memory_out.flags[ADDING] = 0.0
     for k in range(BACK_OFFS):
         shrink_failing(skel, SHRINK if k < BACK_OFFS - 2 else 0.0, memory_out)
-        try_step(geo, skel, posture, memory_out)
-        if creeps(memory_out):
-            slow_down(geo, skel, posture, poses, memory_out)
-        if check(geo, skel, posture, poses, settings, False, memory_out) == 0:
+        if certifies(geo, skel, posture, poses, settings, memory_out):
             return
     stay(geo, skel, posture, memory_out)
 
@@ -197,12 +205,8 @@ def go_less_far(
     memory_out.flags[ADDING] = 0.0
     for j in range(memory_out.rows.x.shape[0]):
         memory_out.rows.x[j] *= SHRINK
-    if not loses_merit(settings, memory_out):
-        try_step(geo, skel, posture, memory_out)
-        if creeps(memory_out):
-            slow_down(geo, skel, posture, poses, memory_out)
-        if check(geo, skel, posture, poses, settings, False, memory_out) == 0:
-            return
+    if not loses_merit(settings, memory_out) and certifies(geo, skel, posture, poses, settings, memory_out):
+        return
     stay(geo, skel, posture, memory_out)
 
 

@@ -47,9 +47,11 @@ def checked_twin() -> Any:
         "rows_of_listed": clocked(rows_of_listed, COLLISION), "nearest_step": clocked(nearest_step, IK),
         "foresee": foresee, "place_links": clocked(place_links, POSING), "check": check,
     })
-    back_off = twin(step.back_off, {"try_step": pose, "check": check})
+    certifies = twin(step.certifies, {"try_step": pose, "check": check})
+    back_off, less_far = (twin(one, {"certifies": certifies}) for one in (step.back_off, step.go_less_far))
     one = twin(step.step, {
-        "attempt": attempt, "back_off": back_off, "aim": clocked(aim, IK), "adopt": clocked(step.adopt, POSING),
+        "attempt": attempt, "back_off": back_off, "go_less_far": less_far, "aim": clocked(aim, IK),
+        "adopt": clocked(step.adopt, POSING),
     })
     walk = twin(follow.walk, {"step": one, "measure_way": clocked(measure_way, IK)})
     frame = twin(follow.follow, {"walk": walk})
