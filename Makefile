@@ -81,14 +81,20 @@ nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free post
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write
 
-# Of a slice only the files that name its mark are imported: each worker would spend half a minute on the others.
+# Asserts run as they are written, for to rewrite them takes each worker half a minute: what fails is asked again, all values told.
+# Of a slice only the files that name its mark are imported, since each worker would spend as long on the others.
+ASK = $(VENV_PYTHON) -m pytest
+ALL_AT_ONCE := -n 2 --dist loadfile --no-loadscope-reorder --assert=plain
+AGAIN := --last-failed --last-failed-no-failures none
+NOJIT := -q -m nojit $$(grep -rlw --include='test_*.py' nojit tests)
+BOUNDSCHECK := -q -m boundscheck $$(grep -rlw --include='test_*.py' boundscheck tests)
+
 test: $(READY)  ## every test; then a slice with the kernels as plain Python, and one with index checks
 	@$(COMPILED)
-	$(VENV_PYTHON) -m pytest -n 2 --dist loadfile
-	NUMBA_DISABLE_JIT=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m nojit $$(grep -rlw --include='test_*.py' nojit tests)
+	$(ASK) $(ALL_AT_ONCE) || { $(ASK) $(AGAIN); exit 1; }
+	export NUMBA_DISABLE_JIT=1; $(ASK) $(ALL_AT_ONCE) $(NOJIT) || { $(ASK) $(AGAIN) $(NOJIT); exit 1; }
 	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
-	NUMBA_BOUNDSCHECK=1 $(VENV_PYTHON) -m pytest -q -n 2 --dist loadfile -m boundscheck \
-	  $$(grep -rlw --include='test_*.py' boundscheck tests)
+	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
 
 look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py

@@ -19,6 +19,7 @@ from numba.core.targetconfig import TargetConfig
 from avatarsim.quick_compiler import Known, While, remembered_hash, same_kind, same_options, told_once, variables, without_room
 
 COMPILE = """
+import gc
 import json
 import re
 from itertools import combinations
@@ -29,6 +30,7 @@ from avatarsim.compile_ahead import part_scene
 from avatarsim.start_check import require_free
 from avatarsim.world.world import build
 
+gc.disable()
 codes, written = {{}}, {{}}
 optimize = linking.KernelLibrary._optimize_functions
 reduce = linking.KernelCacheImpl.reduce
@@ -62,38 +64,41 @@ linking.KernelLibrary._optimize_functions = note
 linking.KernelCacheImpl.reduce = keep
 world = build(part_scene("motion")[0])
 require_free(world)
-codes_so_far = dict(codes)
+from avatarsim.collide.gjk import gjk
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 shapes, vertices, scratch = world.geometry.shapes, world.poses.vertices, make_scratch()
-pairs = combinations(range(len(shapes)), 2)
-answers = [str(signed_distance(vertices, shapes, s, t, (0.0, 0.0, 0.0), scratch)) for s, t in pairs]
-print(json.dumps([codes_so_far, written, [array.tobytes().hex() for array in world.poses], answers]))
+pairs = list(combinations(range(len(shapes)), 2))
+answers = [str(gjk(vertices, shapes, s, t, (0.0, 0.0, 0.0), float("inf"), scratch)) for s, t in pairs]
+codes_so_far, nearest = dict(codes), {asked} and [
+    str(signed_distance(vertices, shapes, s, t, (0.0, 0.0, 0.0), scratch)) for s, t in pairs
+]
+print(json.dumps([codes_so_far, [[array.tobytes().hex() for array in world.poses], answers], written, nearest]))
 """
 NUMBAS_PASSES = "linking.KernelCompiler.define_pipelines = compiler.Compiler.define_pipelines"
 REMEMBERED = "from avatarsim import quick_compiler; quick_compiler.write_lean = lambda: None; quick_compiler.quicken()"
 QUICK = "from avatarsim.quick_compiler import quicken; quicken()"
 
 
-def compiled(before, cache):
-    """LLVM's code of kernels that place shapes and ask how far they are apart, what is written of operations on numbers, and the
-    answers, from a process of its own."""
+def compiled(before, cache, asked=False):
+    """LLVM's code of kernels that place shapes and look for the distance of their cores, what these answer, what is written of
+    operations on numbers, and, if `asked`, how far shapes are apart, which takes twice as many; from a process of its own."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    command = [sys.executable, "-c", COMPILE.format(before=before)]
+    command = [sys.executable, "-c", COMPILE.format(before=before, asked=asked)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    codes, written, *answers = json.loads(done.stdout)
-    assert len(codes) > 20 and all(answers)
-    return codes, {name: Counter(operations) for name, operations in written.items()}, answers
+    codes, answers, written, nearest = json.loads(done.stdout)
+    assert len(codes) > 20 and all(answers) and bool(nearest) == asked
+    return codes, answers, {name: Counter(operations) for name, operations in written.items()}, nearest
 
 
 def test_fewer_passes_and_remembered_answers_give_the_same_code(tmp_path):
-    kinds = (NUMBAS_PASSES, "", REMEMBERED, QUICK)
-    numbas, ours, remembered, quick = (compiled(before, tmp_path / str(k)) for k, before in enumerate(kinds))
-    assert numbas[::2] == ours[::2] == remembered[::2]
+    numbas, remembered = (compiled(before, tmp_path / str(k)) for k, before in enumerate((NUMBAS_PASSES, REMEMBERED)))
+    ours, quick = (compiled(before, tmp_path / f"asked {k}", asked=True) for k, before in enumerate(("", QUICK)))
+    assert numbas[:2] == ours[:2] == remembered[:2]
     # What is written leanly may be inlined elsewhere, but gives the same answers by the same operations on numbers.
-    assert quick[2] == ours[2] and quick[1] == ours[1]
-    assert sum(operations.total() for operations in ours[1].values()) > 300
+    assert quick[1:] == ours[1:]
+    assert sum(operations.total() for operations in ours[2].values()) > 300
 
 
 def test_options_are_equal_as_numba_says():

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests import longest_first
+
 HOUSE = Path(__file__).resolve().parents[2]
 ENGINE = HOUSE / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
@@ -106,3 +108,8 @@ def test_files_name_no_place_on_a_machine(file: Path) -> None:
     for place in (home, home.parent, Path.home()):
         assert len(place.parts) < 2 or f"{place}/" not in text
     assert "fastmath=True" not in text and "acos(" not in text and "arccos(" not in text
+
+
+def test_files_that_begin_first_are_there() -> None:
+    stems = [file.stem for file in (HOUSE / "tests").rglob("test_*.py")]
+    assert set(longest_first.LONGEST) <= set(stems)

@@ -4,19 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.kernel import kernel
 from avatarsim.loops.seams import FLUSH, level_seams
 from avatarsim.loops.touching import find_contacts
-from avatarsim.loops.upper_memory import Memory
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Shape, Sphere
-from avatarsim.world.dynamics import Dynamics, Velocities
-from avatarsim.world.geometry import Geometry, Poses
 from reference.closed_form import roll_speed, stop_distance
 from tests.loops.upper_world import G, World, thing
 
@@ -143,26 +137,12 @@ def test_a_ridge_across_the_way_is_no_seam() -> None:
     assert world.impacts
 
 
-@kernel
-def find_contacts_referred(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: NDArray[np.int64], memory: Memory
-) -> None:
-    """`find_contacts` as the engine calls it: by value, all of its kernels would be compiled once more."""
-    find_contacts(refer(geometry), refer(dynamics), refer(poses), refer(velocities), pairs, refer(memory))
-
-
-@kernel
-def level_seams_referred(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory) -> None:
-    """`level_seams`, likewise."""
-    level_seams(refer(geometry), refer(poses), refer(velocities), refer(memory))
-
-
 def found(world: World) -> None:
     """Contacts of all pairs, as at the start of a segment."""
     n = len(world.bodies)
     world.memory.moving[:] = world.dynamics.role == 1
     pairs = np.array([(a, b) for a in range(n) for b in range(a + 1, n)], np.int64)
-    find_contacts_referred(world.geometry, world.dynamics, world.poses, world.velocities, pairs, world.memory)
+    find_contacts(world.geometry, world.dynamics, world.poses, world.velocities, pairs, world.memory)
 
 
 @pytest.mark.nojit
@@ -191,5 +171,5 @@ def test_a_floor_and_a_wall_keep_their_normals() -> None:
     contacts = world.memory.contacts
     before = contacts.frame[: contacts.used[0]].copy()
     assert {tuple(np.abs(np.round(n)).astype(int)) for n in before[:, 0]} == {(0, 0, 1), (1, 0, 0)}
-    level_seams_referred(world.geometry, world.poses, world.velocities, world.memory)
+    level_seams(world.geometry, world.poses, world.velocities, world.memory)
     assert np.array_equal(before, contacts.frame[: contacts.used[0]])

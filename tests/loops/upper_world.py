@@ -2,27 +2,29 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
-from avatarsim.collide.scratch import make_scratch
+from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.impact.events import Events, make_events
+from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
 from avatarsim.loops.upper import advance
-from avatarsim.loops.upper_memory import Memory, Switches, make_memory
+from avatarsim.loops.upper_memory import Switches, make_memory
 from avatarsim.scene.avatar import Avatar, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.material import Contact, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
-from avatarsim.world.dynamics import Dynamics, Velocities, dynamics, velocities
-from avatarsim.world.geometry import Geometry, Poses, geometry, poses
+from avatarsim.world.dynamics import dynamics, velocities
+from avatarsim.world.geometry import geometry, poses
 from avatarsim.world.pair_filter import may_meet
+from avatarsim.world.shapes import Shapes
 
 Array = NDArray[np.float64]
 G = 9.81
@@ -30,14 +32,15 @@ GRAVITY = (0.0, 0.0, -G)
 
 
 @kernel
-def advance_referred(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, events: Events,
-    switches: Switches,
-) -> int:
-    """`advance` as the engine calls it: by value, its two hundred kernels would be compiled once more."""
-    return advance(
-        refer(geometry), refer(dynamics), refer(poses), refer(velocities), dt, refer(memory), refer(events), refer(switches)
-    )
+def least_gap(vertices: Array, shapes: Shapes, pairs: NDArray[np.int64], scratch: Scratch) -> float:
+    """Smallest signed distance [m] of pairs of shapes; inf of none, and nan if there is one."""
+    least = np.inf
+    for k in range(len(pairs)):
+        gap = signed_distance(vertices, shapes, pairs[k, 0], pairs[k, 1], (0.0, 0.0, 0.0), scratch)[1]
+        if gap != gap:
+            return gap
+        least = min(least, gap)
+    return least
 
 
 def thing(name: str, shape: Shape, position: Sequence[float], mass: float = 1.0, **more: Any) -> Body:
@@ -87,7 +90,7 @@ class World:
 
     def frame(self, dt: float = 1.0 / 60.0, **switches: bool) -> int:
         """Advance one frame, collect its impacts, return the status."""
-        status = advance_referred(
+        status = advance(
             self.geometry, self.dynamics, self.poses, self.velocities, dt, self.memory, self.events,
             Switches(**{"record": True, **switches}),
         )
@@ -121,12 +124,20 @@ class World:
 
     def gap(self) -> float:
         """Smallest gap [m] of all pairs of pieces that must not overlap."""
-        g, worst = self.geometry, np.inf
-        for a in range(len(g.body)):
-            for b in range(a + 1, len(g.body)):
-                if g.body[a] != g.body[b] and may_meet(g.wanted, g.body[a], g.body[b]):
-                    worst = min(worst, signed_distance(self.poses.vertices, g.shapes, a, b, (0.0, 0.0, 0.0), make_scratch())[1])
-        return float(worst)
+        return float(least_gap(self.poses.vertices, self.geometry.shapes, self.apart, self.scratch))
+
+    @cached_property
+    def apart(self) -> NDArray[np.int64]:
+        """Pairs of pieces that must not overlap (n, 2)."""
+        body, wanted = self.geometry.body, self.geometry.wanted
+        both = combinations(range(len(body)), 2)
+        pairs = [(a, b) for a, b in both if body[a] != body[b] and may_meet(wanted, body[a], body[b])]
+        return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+    @cached_property
+    def scratch(self) -> Scratch:
+        """What a query needs."""
+        return make_scratch()
 
 
 def hand(name: str = "hand", size: Sequence[float] = (0.4, 0.4, 0.1), mass: float = 2.0) -> Avatar:

@@ -7,22 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import accepted_gap
 from avatarsim.posture.certify import certify
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.workspace import Memory
 from avatarsim.scene.body import fixed
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest
-from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses, place
+from avatarsim.world.geometry import place
 from avatarsim.world.pair_filter import may_meet
-from avatarsim.world.skeleton import Skeleton
 from tests.posture.little_worlds import SETTINGS, Little, at, hand, hand_scene, little, mixed_avatar, panel
 
 SCRATCH = make_scratch()
@@ -32,18 +27,12 @@ HANDS = {
 }
 
 
-@kernel
-def certify_referred(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, memory: Memory) -> int:
-    """`certify` as the engine calls it: by value, all of its kernels would be compiled once more."""
-    return certify(refer(geo), refer(skel), refer(poses), refer(settings), refer(memory))
-
-
 def failures(found: Little, step: object) -> int:
     """Failed pairs of the step (nd) from the world's posture."""
     geo, skel, posture, poses = found.parts
     found.memory.rows.x[:] = np.broadcast_to(step, found.memory.rows.x.shape)
     forward(geo, skel, posture, found.memory.rows.x, found.memory.trial, found.memory.trial_axes)
-    return int(certify_referred(geo, skel, poses, SETTINGS, found.memory))
+    return int(certify(geo, skel, poses, SETTINGS, found.memory))
 
 
 def move(x: float = 0.0, y: float = 0.0, z: float = 0.0, *turn: float) -> list[float]:

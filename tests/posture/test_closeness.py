@@ -5,40 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.by_reference import refer
-from avatarsim.kernel import kernel
 from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
 from avatarsim.posture.follow import ALONE, stiffen
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
-from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness, Goal
+from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
-from avatarsim.settings import PostureSettings
-from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
+from avatarsim.world.skeleton import FREE, HINGES, Posture
 from avatarsim.world.world import posture_of
 from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, random_sample
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 SCENE = Scene("s", (), (mixed_avatar(), replace(mixed_avatar(), name="n")))
-
-
-@kernel
-def aim_referred(skel: Skeleton, posture: Posture, settings: PostureSettings, goal: Goal) -> None:
-    """`aim` as the engine calls it: by value, all of its kernels would be compiled once more."""
-    aim(refer(skel), refer(posture), refer(settings), refer(goal))
-
-
-@kernel
-def couple_referred(skel: Skeleton, axes: np.ndarray, full: np.ndarray, closeness: Closeness) -> None:
-    """`couple`, likewise."""
-    couple(refer(skel), axes, full, refer(closeness))
-
-
-@kernel
-def clip_to_limits_referred(skel: Skeleton, tracker: Posture, goal: Goal) -> None:
-    """`clip_to_limits`, likewise."""
-    clip_to_limits(refer(skel), refer(tracker), refer(goal))
 
 
 def towards(seed: int, far: float = 1e9, stiff: float = 1.0) -> Little:
@@ -60,7 +39,7 @@ def towards(seed: int, far: float = 1e9, stiff: float = 1.0) -> Little:
         mine[:] = other
     locate(skel, target, c)
     c.mode[LOCATED] = 1.0
-    aim_referred(skel, posture, SETTINGS, found.memory.goal)
+    aim(skel, posture, SETTINGS, found.memory.goal)
     return found
 
 
@@ -78,12 +57,12 @@ def merit_after(found: Little, step: np.ndarray) -> float:
     kept = [array.copy() for array in posture]
     take(skel, posture, step)
     stand(found)
-    aim_referred(skel, posture, SETTINGS, found.memory.goal)
+    aim(skel, posture, SETTINGS, found.memory.goal)
     value = merit_of(found.memory.goal.closeness, found.memory.goal.closeness.here, found.memory.goal.wanted)
     for mine, other in zip(posture, kept, strict=True):
         mine[:] = other
     stand(found)
-    aim_referred(skel, posture, SETTINGS, found.memory.goal)
+    aim(skel, posture, SETTINGS, found.memory.goal)
     return value
 
 
@@ -126,7 +105,7 @@ def test_the_factor_is_that_of_the_dense_matrix_and_what_bends_up_joins_the_diag
 ) -> None:
     found = towards(seed, far, stiff)
     c = found.memory.goal.closeness
-    couple_referred(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
     more = factored(c) - dense(found)
     assert more - np.diag(np.diag(more)) == pytest.approx(0.0, abs=1e-10)
     assert (np.diag(more) >= -1e-10).all() and np.diag(more).max() > 1e-3
@@ -139,7 +118,7 @@ def test_the_pull_is_down_the_slope_of_the_measure(
 ) -> None:
     found = towards(seed, far, stiff)
     c = found.memory.goal.closeness
-    couple_referred(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
     slope = factored(c) @ c.pull
     for j, h in enumerate(np.eye(len(slope)) * 1e-6):
         assert (merit_after(found, -h) - merit_after(found, h)) / 2e-6 == pytest.approx(slope[j], abs=1e-5)
@@ -149,7 +128,7 @@ def test_the_pull_is_down_the_slope_of_the_measure(
 def test_solve_and_gain_beside_dense_algebra(seed: int) -> None:
     found = towards(seed)
     c, rng = found.memory.goal.closeness, np.random.default_rng(seed)
-    couple_referred(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
+    couple(found.world.skeleton, found.memory.axes, found.memory.goal.wanted, c)
     whole, vector = factored(c), rng.normal(size=len(c.pull))
     solved = vector.copy()
     solve(c, solved)
@@ -161,13 +140,13 @@ def test_solve_and_gain_beside_dense_algebra(seed: int) -> None:
 def test_the_slope_is_of_now_and_the_factor_is_kept_until_it_is_worn() -> None:
     found = towards(1)
     c, skel = found.memory.goal.closeness, found.world.skeleton
-    couple_referred(skel, found.memory.axes, found.memory.goal.wanted, c)
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
     factor, slope = c.factor.copy(), factored(c) @ c.pull
     c.mode[WORN], c.there[:] = 0.9 * WORN_OUT, c.there + 0.1
-    couple_referred(skel, found.memory.axes, found.memory.goal.wanted, c)
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
     assert (c.factor == factor).all() and np.abs(factored(c) @ c.pull - slope).max() > 0.05
     c.mode[WORN] = 1.1 * WORN_OUT
-    couple_referred(skel, found.memory.axes, found.memory.goal.wanted, c)
+    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
     assert (c.factor != factor).any() and c.mode[WORN] == 0.0
 
 
@@ -177,11 +156,11 @@ def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
     found = little(SCENE)
     skel, posture, goal = found.world.skeleton, found.world.posture, found.memory.goal
     tracker = posture_of(skel, found.world.hinges, at(rest(SCENE.avatars), (0.0, 0.0, 0.0)))
-    clip_to_limits_referred(skel, tracker, goal)
+    clip_to_limits(skel, tracker, goal)
     assert goal.closeness.mode[BEYOND] == 0.0
     hinge = int(np.flatnonzero(skel.limits[:, 1] < 100.0)[seed % 3])
     tracker.angle[hinge] = skel.limits[hinge, 1] + 0.4
-    clip_to_limits_referred(skel, tracker, goal)
+    clip_to_limits(skel, tracker, goal)
     assert goal.tracker.angle[hinge] == skel.limits[hinge, 1]
     # the mean square over hinges and links that have none
     joints = int((skel.kind != HINGES).sum() + np.diff(skel.first_dof)[skel.kind == HINGES].sum())
@@ -191,7 +170,7 @@ def test_a_tracker_beyond_its_limits_is_measured_as_it_is(seed: int) -> None:
         mine[:] = inside
     posture.root[0] += 0.3
     stand(found)
-    aim_referred(skel, posture, SETTINGS, goal)
+    aim(skel, posture, SETTINGS, goal)
     want(skel, posture, goal)
     assert goal.wanted[hinge] == pytest.approx(0.4) and goal.full[hinge] == 0.0
     # until somebody has asked how near the posture inside is, the way there counts
@@ -211,7 +190,7 @@ def test_an_excess_that_is_rounded_away_when_squared_is_one() -> None:
     tracker = posture_of(skel, found.world.hinges, at(rest(SCENE.avatars), (0.0, 0.0, 0.0)))
     hinge = int(np.flatnonzero(skel.limits[:, 1] < 100.0)[0])
     tracker.angle[hinge] = np.nextafter(skel.limits[hinge, 1], np.inf)
-    clip_to_limits_referred(skel, tracker, goal)
+    clip_to_limits(skel, tracker, goal)
     assert goal.closeness.mode[BEYOND] > 0.0
 
 

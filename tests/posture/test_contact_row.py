@@ -3,21 +3,17 @@
 import numpy as np
 import pytest
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.collide.support import gap_along
-from avatarsim.kernel import kernel
 from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, rows_of_listed, support_row, witness_row
 from avatarsim.posture.kinematics import forward, take
-from avatarsim.posture.workspace import COUNT, DROPPED, LISTED, Memory
+from avatarsim.posture.workspace import COUNT, DROPPED, LISTED
 from avatarsim.scene.body import fixed
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
+from avatarsim.world.skeleton import Posture
 from tests.posture.little_worlds import SETTINGS, Little, hand_scene, little, mixed_avatar, panel, random_sample
 
 pytestmark = [pytest.mark.boundscheck]
@@ -25,27 +21,6 @@ NO_SEED = (0.0, 0.0, 0.0)
 H = 1e-6
 BLOCK = fixed("block", (Piece(Box((0.5, 0.4, 0.3))),), "wood", (3.0, 1.0, 0.5), (0.5, 0.5, -0.5, 0.5))
 BALL = fixed("ball", (Piece(Sphere(0.3)),), "wood", (-2.0, 1.0, 0.5))
-
-
-@kernel
-def witness_row_referred(
-    geo: Geometry, skel: Skeleton, a: int, b: int, n: tuple[float, float, float], gap: float, wanted: float, simplex: int,
-    poses: Poses, axes: np.ndarray, x: np.ndarray, memory: Memory,
-) -> None:
-    """`witness_row` as the engine calls it: by value, all of its kernels would be compiled once more."""
-    witness_row(refer(geo), refer(skel), a, b, n, gap, wanted, simplex, refer(poses), axes, x, refer(memory))
-
-
-@kernel
-def rows_of_listed_referred(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings, memory: Memory) -> None:
-    """`rows_of_listed`, likewise."""
-    rows_of_listed(refer(geo), refer(skel), refer(poses), refer(settings), refer(memory))
-
-
-@kernel
-def list_pair_referred(a: int, b: int, first: int, memory: Memory) -> None:
-    """`list_pair`, likewise."""
-    list_pair(a, b, first, refer(memory))
 
 
 def world(seed: int) -> Little:
@@ -79,7 +54,7 @@ def test_witness_rows_are_the_gradient_of_the_gap(seed: int, pair: tuple[int, in
         pytest.fail("the posture of this seed overlaps: choose another")
     rows, nd = found.memory.rows, len(found.memory.rows.x)
     rows.size[:] = 0
-    witness_row_referred(geo, skel, a, b, n, gap, 0.25, simplex, poses, found.memory.axes, rows.here, found.memory)
+    witness_row(geo, skel, a, b, n, gap, 0.25, simplex, poses, found.memory.axes, rows.here, found.memory)
     assert rows.size[COUNT] == 1 and rows.pair[0].tolist() == [a, b]
     assert gap == pytest.approx(exact_gap(found, a, b, np.zeros(nd)), abs=1e-12)
     assert rows.jacobian[0] == pytest.approx(differences(lambda x: exact_gap(found, a, b, x), nd), abs=2e-5)
@@ -122,7 +97,7 @@ def test_a_full_table_counts_what_it_drops() -> None:
     rows = found.memory.rows
     rows.size[COUNT] = len(rows.bound)
     gap, n, simplex = nearest_direction(geo, poses, NO_SEED, 6, 0, np.inf, found.memory)
-    witness_row_referred(geo, skel, 6, 0, n, gap, 0.1, simplex, poses, found.memory.axes, rows.here, found.memory)
+    witness_row(geo, skel, 6, 0, n, gap, 0.1, simplex, poses, found.memory.axes, rows.here, found.memory)
     assert rows.size[COUNT] == len(rows.bound) and found.memory.counts[DROPPED] == 1
 
 
@@ -131,15 +106,15 @@ def test_pairs_are_listed_once_and_forgotten_when_idle() -> None:
     first = int(found.world.geometry.first_shape[found.world.skeleton.first])
     pairs = found.memory.pairs
     for _ in range(3):
-        list_pair_referred(6, 0, first, found.memory)
-        list_pair_referred(7, 1, first, found.memory)
+        list_pair(6, 0, first, found.memory)
+        list_pair(7, 1, first, found.memory)
     assert pairs.marks[LISTED] == 2
     forget_idle_pairs(first, 1, found.memory)
-    list_pair_referred(7, 1, first, found.memory)
+    list_pair(7, 1, first, found.memory)
     forget_idle_pairs(first, 1, found.memory)
     assert pairs.marks[LISTED] == 1 and pairs.listed[0].tolist() == [7, 1]
     assert pairs.active.sum() == 1
-    list_pair_referred(6, 0, first, found.memory)
+    list_pair(6, 0, first, found.memory)
     assert pairs.marks[LISTED] == 2
 
 
@@ -148,7 +123,7 @@ def test_a_full_list_takes_no_more() -> None:
     first = int(found.world.geometry.first_shape[found.world.skeleton.first])
     pairs = found.memory.pairs
     pairs.marks[LISTED] = len(pairs.listed)
-    list_pair_referred(6, 0, first, found.memory)
+    list_pair(6, 0, first, found.memory)
     assert pairs.marks[LISTED] == len(pairs.listed) and not pairs.active.any()
 
 
@@ -157,8 +132,8 @@ def test_standing_still_obeys_every_row_of_pairs_that_are_not_squeezed(gap: floa
     """Right-hand sides are at most 0 for gaps above twice the least; closer pairs are asked back to the stand-off."""
     found = little(hand_scene((-0.051 - gap, 0.0, 0.0), panel()))
     geo, skel, _, poses = found.parts
-    list_pair_referred(1, 0, 1, found.memory)
-    rows_of_listed_referred(geo, skel, poses, SETTINGS, found.memory)
+    list_pair(1, 0, 1, found.memory)
+    rows_of_listed(geo, skel, poses, SETTINGS, found.memory)
     assert found.memory.rows.size[COUNT] == 1
     bound = found.memory.rows.bound[0]
     if gap > 2.0 * SETTINGS.least_gap:

@@ -3,33 +3,14 @@
 import numpy as np
 import pytest
 
-from avatarsim.by_reference import refer
-from avatarsim.kernel import kernel
 from avatarsim.posture.way_lead import AHEAD, lead, straight_to
 from avatarsim.posture.way_memory import AT, LAST, REFUSED, Way, add_node, make_way
 from avatarsim.posture.way_path import trace
-from avatarsim.posture.workspace import Memory
-from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
+from avatarsim.world.skeleton import Posture
 from tests.posture.little_worlds import SETTINGS, Little, hand_scene, little, panel
 
 pytestmark = [pytest.mark.boundscheck]
 STEP = 0.1
-
-
-@kernel
-def lead_referred(geo: Geometry, skel: Skeleton, settings: PostureSettings, way: Way, posture: Posture, poses: Poses,
-                  memory: Memory) -> None:
-    """`lead` as the engine calls it: by value, all of its kernels would be compiled once more."""
-    lead(refer(geo), refer(skel), refer(settings), refer(way), refer(posture), refer(poses), refer(memory))
-
-
-@kernel
-def straight_to_referred(geo: Geometry, skel: Skeleton, settings: PostureSettings, node: int, way: Way, posture: Posture,
-                         poses: Poses, memory: Memory) -> bool:
-    """`straight_to`, likewise."""
-    return straight_to(refer(geo), refer(skel), refer(settings), node, refer(way), refer(posture), refer(poses), refer(memory))
 
 
 def way_along_x(nodes: int, wall: float) -> tuple[Little, Way]:
@@ -55,7 +36,7 @@ def test_a_free_way_is_gone_to_its_end_with_no_step_longer_than_allowed() -> Non
     geo, skel, posture, poses = found.parts
     places = [place(found)]
     while way.state[AT] < way.state[LAST]:
-        lead_referred(geo, skel, SETTINGS, way, posture, poses, found.memory)
+        lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
         places.append(place(found))
     assert np.diff(places).max() <= SETTINGS.move_cap + 1e-12 and places[-1] == pytest.approx(11 * STEP, abs=1e-12)
 
@@ -64,7 +45,7 @@ def test_several_nodes_are_skipped_where_they_are_close() -> None:
     found, way = way_along_x(8, wall=9.0)
     way.node_root[:8, 0, 0] *= 0.1
     geo, skel, posture, poses = found.parts
-    lead_referred(geo, skel, SETTINGS, way, posture, poses, found.memory)
+    lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
     assert way.state[AT] == AHEAD and place(found) == pytest.approx(0.1 * AHEAD * STEP)
 
 
@@ -72,9 +53,9 @@ def test_several_nodes_are_skipped_where_they_are_close() -> None:
 def test_what_stands_in_the_way_is_not_gone_into_nor_through(wall: float) -> None:
     found, way = way_along_x(6, wall)
     geo, skel, posture, poses = found.parts
-    assert not straight_to_referred(geo, skel, SETTINGS, 1, way, posture, poses, found.memory)
+    assert not straight_to(geo, skel, SETTINGS, 1, way, posture, poses, found.memory)
     assert place(found) == 0.0
     for k in range(6):
-        lead_referred(geo, skel, SETTINGS, way, posture, poses, found.memory)
+        lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
         assert way.state[REFUSED] == k + 1 and way.state[AT] == 0
         assert place(found) < wall - 0.001 - 0.05

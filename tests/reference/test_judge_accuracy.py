@@ -1,5 +1,7 @@
 """The judge against exact answers: 2,000 random pairs and more of each kind in each regime, and the kinds that go wrong."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -44,13 +46,16 @@ def plate(rng):
 KINDS = {"spheres": sphere, "boxes": box, "capsules": capsule, "ellipsoid hulls": hull, "thin plates": plate}
 
 
-def gallery(make, seed):
-    """A scene of PAIRS pairs of shapes and its judge; the poses come later."""
-    rng = np.random.default_rng(seed)
-    shapes = [(make(rng), make(rng)) for _ in range(PAIRS)]
+@cache
+def gallery(kind):
+    """PAIRS pairs of shapes, the points and radii of both, outlines if they are hulls, and the judge; the poses come later."""
+    rng = np.random.default_rng(sum(map(ord, kind)))
+    shapes = [(KINDS[kind](rng), KINDS[kind](rng)) for _ in range(PAIRS)]
     bodies = [fixed(f"a{k}", (Piece(a),), "wood") for k, (a, _) in enumerate(shapes)]
     bodies += [simulated(f"b{k}", (Piece(b),), "wood", Mass(1.0)) for k, (_, b) in enumerate(shapes)]
-    return shapes, Judge(Scene("gallery", tuple(bodies)))
+    points = [(rounded_points(a), rounded_points(b)) for a, b in shapes]
+    outlines = [(Polytope(a.vertices), Polytope(b.vertices)) for a, b in shapes] if isinstance(shapes[0][0], ConvexHull) else []
+    return shapes, points, outlines, Judge(Scene("gallery", tuple(bodies)))
 
 
 def offset_of(regime, a, radius_a, b, radius_b, rng):
@@ -68,7 +73,7 @@ def offset_of(regime, a, radius_a, b, radius_b, rng):
     return touching + 10.0 ** rng.uniform(-7.0, 0.0) * toward + aside - (aside @ toward) * toward
 
 
-def exact_signed(shapes, turns_a, turns_b, offsets):
+def exact_signed(shapes, points, outlines, turns_a, turns_b, offsets):
     """Exact signed distances of PAIRS pairs by whatever closed form or complete enumeration their kind has."""
     first, second = [a for a, _ in shapes], [b for _, b in shapes]
     if isinstance(first[0], Sphere):
@@ -83,27 +88,22 @@ def exact_signed(shapes, turns_a, turns_b, offsets):
         signed = box_signed_distance(halves_a, turns_a, offsets, halves_b, turns_b, np.zeros(3))
     else:
         signed = np.array([
-            polytope_signed_distance(OUTLINES[id(a)].moved(ta, at), OUTLINES[id(b)].moved(tb, np.zeros(3)))
-            for (a, b), ta, tb, at in zip(shapes, turns_a, turns_b, offsets, strict=True)
+            polytope_signed_distance(a.moved(ta, at), b.moved(tb, np.zeros(3)))
+            for (a, b), ta, tb, at in zip(outlines, turns_a, turns_b, offsets, strict=True)
         ])
     for k in np.flatnonzero(signed > 0.0):
-        a, b = rounded_points(first[k])[0] @ turns_a[k].T + offsets[k], rounded_points(second[k])[0] @ turns_b[k].T
+        (a, _), (b, _) = points[k]
+        a, b = a @ turns_a[k].T + offsets[k], b @ turns_b[k].T
         lower, upper = separated_distance(a, b)
         assert upper - lower <= 1e-10
         signed[k] = upper
     return signed
 
 
-OUTLINES: dict[int, Polytope] = {}
-
-
 @pytest.mark.parametrize("regime", REGIMES)
 @pytest.mark.parametrize("kind", KINDS)
 def test_judge_agrees_with_exact_answers_on_two_thousand_pairs(kind, regime, record_property):
-    shapes, judge = gallery(KINDS[kind], seed=sum(map(ord, kind)))
-    OUTLINES.clear()
-    if kind == "ellipsoid hulls":
-        OUTLINES.update({id(s): Polytope(s.vertices) for pair in shapes for s in pair})
+    shapes, points, outlines, judge = gallery(kind)
     rng = np.random.default_rng(sum(map(ord, kind + regime)))
     at_b = np.arange(PAIRS)[:, None] * np.array([SPACING, 0.0, 0.0])
     worst, right_side, asked = 0.0, 0, 0
@@ -113,12 +113,11 @@ def test_judge_agrees_with_exact_answers_on_two_thousand_pairs(kind, regime, rec
         matrices = rotation.to_matrix(turns)
         offsets = np.array([
             offset_of(regime, points_a @ matrices[k].T, radius_a, points_b @ matrices[PAIRS + k].T, radius_b, rng)
-            for k, ((points_a, radius_a), (points_b, radius_b)) in enumerate(
-                (rounded_points(a), rounded_points(b)) for a, b in shapes)
+            for k, ((points_a, radius_a), (points_b, radius_b)) in enumerate(points)
         ])
         # what the judge is given carries the rounding of the place: measure that
         at_a = at_b + offsets
-        exact = exact_signed(shapes, matrices[:PAIRS], matrices[PAIRS:], at_a - at_b)
+        exact = exact_signed(shapes, points, outlines, matrices[:PAIRS], matrices[PAIRS:], at_a - at_b)
         first, second, found = judge.distances(np.concatenate([at_a, at_b]), turns, REACH)
         judged = np.full(PAIRS, np.nan)
         judged[np.minimum(first, second)] = found

@@ -1,7 +1,8 @@
 """Hostile material: two avatars, a closed room of thin walls with furniture, and motions no user should make."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -248,37 +249,42 @@ def hinge_excess(scene: Scene, record: FrameRecord) -> float:
 
 def ball_excess(scene: Scene, record: FrameRecord) -> float:
     """Largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
-    worst, first = -np.inf, len(scene.bodies)
-    turns = Rotation.from_quat(record.shown.orientations[first:], scalar_first=True)
-    start = 0
+    turns = Rotation.from_quat(record.shown.orientations[len(scene.bodies) :], scalar_first=True)
+    balls, rests, parents, children, start = [], [], [], [], 0
     for avatar in scene.avatars:
         index = {link.name: start + k for k, link in enumerate(avatar.links)}
         start += len(avatar.links)
         for link in avatar.links:
             if isinstance(link.joint, Ball) and link.joint.limits is not None and link.parent is not None:
-                rest_turn = Rotation.from_quat(link.orientation, scalar_first=True)
-                turn = (turns[index[link.parent]] * rest_turn).inv() * turns[index[link.name]]
-                worst = max(worst, swing_twist_excess(link.joint, turn))
-    return float(worst)
+                balls.append(link.joint)
+                rests.append(link.orientation)
+                parents.append(index[link.parent])
+                children.append(index[link.name])
+    if not balls:
+        return -np.inf
+    rest_turns = Rotation.from_quat(rests, scalar_first=True)
+    return float(swing_twist_excess(balls, (turns[parents] * rest_turns).inv() * turns[children]).max())
 
 
-def swing_twist_excess(ball: Ball, turn: Rotation) -> float:
-    """Excess of one rotation: swing of the limb from the centre, twist left after the shortest swing back."""
-    assert ball.limits is not None
-    axis, centre = np.array(ball.limits.axis), np.array(ball.limits.centre)
-    limb = turn.apply(axis)
-    swing = float(np.arctan2(np.linalg.norm(np.cross(limb, centre)), limb @ centre))
-    start = Rotation.from_quat(rotation.between(axis, centre), scalar_first=True)
-    left = shortest(limb, centre) * turn * start.inv()
-    twist = float(left.as_rotvec() @ centre)
-    low, high = ball.limits.twist
-    return max(swing - ball.limits.swing, low - twist, twist - high)
+def swing_twist_excess(balls: Sequence[Ball], turns: Rotation) -> Array:
+    """Excess (n,) of n rotations: swing of the limb from the centre, twist left after the shortest swing back."""
+    limits = [ball.limits for ball in balls if ball.limits is not None]
+    axes, centres = np.array([one.axis for one in limits]), np.array([one.centre for one in limits])
+    most, (low, high) = np.array([one.swing for one in limits]), np.array([one.twist for one in limits]).T
+    limbs = turns.apply(axes)
+    swings = np.arctan2(np.linalg.norm(np.cross(limbs, centres), axis=1), (limbs * centres).sum(axis=1))
+    start = Rotation.from_quat([between(one.axis, one.centre) for one in limits], scalar_first=True)
+    twists = ((shortest(limbs, centres) * turns * start.inv()).as_rotvec() * centres).sum(axis=1)
+    return np.maximum(swings - most, np.maximum(low - twists, twists - high))
+
+
+between = cache(rotation.between)
+"""The turn of a ball's axis to its centre, which every frame asks for."""
 
 
 def shortest(a: Array, b: Array) -> Rotation:
-    """The shortest turn that takes unit vector a onto unit vector b."""
+    """The shortest turns that take unit vectors a onto unit vectors b, one or many."""
     normal = np.cross(a, b)
-    sine = float(np.linalg.norm(normal))
-    if sine < 1e-14:
-        return Rotation.identity()
-    return Rotation.from_rotvec(normal / sine * np.arctan2(sine, float(a @ b)))
+    sine = np.linalg.norm(normal, axis=-1, keepdims=True)
+    angle = np.arctan2(sine, (a * b).sum(axis=-1, keepdims=True))
+    return Rotation.from_rotvec(np.where(sine < 1e-14, 0.0, normal / np.maximum(sine, 1e-14) * angle))

@@ -17,7 +17,7 @@ def test_each_is_as_alone(name: str, seed: int) -> None:
     draw = np.random.default_rng(seed)
     # all round, near the corners, and exactly on them
     corners = np.array(cone.vertices)
-    limbs = np.concatenate([draw.normal(size=(40, 3)), corners + 1e-3 * draw.normal(size=corners.shape), corners])
+    limbs = np.concatenate([draw.normal(size=(12, 3)), corners + 1e-3 * draw.normal(size=corners.shape), corners])
     limbs /= np.linalg.norm(limbs, axis=1, keepdims=True)
     limbs[3] = np.nan
     expected = [beyond_cone(cone, limb) for limb in limbs]
