@@ -24,7 +24,7 @@ class PostureSettings(NamedTuple):
     stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
     stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
     untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
-    search_after    frames without coming nearer to a tracker whose own posture is free, after which a way out is searched.
+    search_after    frames without coming nearer to a tracker whose own posture is free, or far off, before a way is searched.
     search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it. 2: for all.

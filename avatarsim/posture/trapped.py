@@ -1,14 +1,16 @@
-"""What is done when the avatar comes no nearer to a tracker whose own posture is free: search, lead, say so, and jump if asked.
+"""What is done when the avatar comes no nearer to a tracker though it could: search, lead, say so, and jump if asked.
 
-trapped: the tracker's posture overlaps nothing, the shown one is not near it, and for `trapped_frames` frames in a row it was not
-a fifth nearer than a few frames before. walled: besides, something that is no link stands between the shown trunk and the
-tracker's. Both are said in every frame that they last, the time included in which the avatar is led out.
+trapped: the tracker's posture overlaps nothing, or its trunk is far off and not because of what that trunk itself is inside of
+(`held_off.py`); the shown posture is not near it, and for `trapped_frames` frames in a row it was not a fifth nearer than a few
+frames before. walled: besides, something that is no link stands between the shown trunk and the tracker's. Both are said in every
+frame that they last, the time included in which the avatar is led out.
 """
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
+from avatarsim.posture.certify import boxes_meet, is_no_pose
 from avatarsim.posture.follow import has_joints, notice_others
 from avatarsim.posture.goal import aim
+from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, trunk_to_go, what_holds_off
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import apart_at_trial, forget
@@ -23,6 +25,7 @@ from avatarsim.posture.way_memory import (
     LEADING,
     MODE,
     NODE,
+    OPEN,
     REFUSED,
     REST,
     RESTED,
@@ -34,7 +37,6 @@ from avatarsim.posture.way_memory import (
 )
 from avatarsim.posture.way_search import begin_tree, search
 from avatarsim.posture.workspace import (
-    ADDING,
     CROSSINGS,
     HELD_STILL,
     LED,
@@ -73,12 +75,8 @@ LONGEST_REST = 960
 
 @kernel
 def tracker_is_free(geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Way) -> bool:
-    """Whether the posture way.goal is proved free of every overlap; its poses are then the trial of the unseen avatar."""
+    """Whether the posture way.goal, whose poses are the trial of the unseen avatar, is proved free of every overlap."""
     memory, state = way_out.memory, way_out.state
-    memory.rows.x[:] = 0.0
-    forward(geo, skel, way_out.goal, memory.rows.x, memory.trial, memory.trial_axes)
-    if is_no_pose(skel, memory):
-        return False
     trial, nb = memory.trial, geo.first_shape.shape[0] - 1
     a, b = state[BLOCKING], state[BLOCKED]
     if a != b and boxes_meet(trial.boxes, a, b) and not apart_at_trial(geo, a, b, settings.least_gap, memory):
@@ -97,35 +95,26 @@ def tracker_is_free(geo: Geometry, skel: Skeleton, settings: PostureSettings, wa
 
 
 @kernel
-def is_walled(geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory: Memory) -> bool:
-    """Whether, for a root, some piece of a body that is no link has no direction that separates here from the trial."""
-    sweep_boxes(geo, skel, poses, settings.least_gap, memory)
-    memory.flags[ADDING] = 0.0
-    for link in range(skel.kind.shape[0]):
-        if skel.parent[link] >= 0:
-            continue
-        body = skel.first + link
-        for k in range(skel.first):
-            if not boxes_meet(memory.swept_hulls, body, k) or not may_meet(geo.wanted, body, k):
-                continue
-            for a in range(geo.first_shape[body], geo.first_shape[body + 1]):
-                for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
-                    if boxes_meet(memory.swept, a, b) and not certify_pair(geo, skel, poses, a, b, settings, memory):
-                        return True
-    return False
-
-
-@kernel
 def look(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory_out: Memory, way_out: Way
 ) -> bool:
-    """Whether the tracker's posture is free; if so, whether something walls the avatar off from it."""
+    """Whether a way to the tracker's posture may be sought: it is free, which state[OPEN] says, or the trunk is far off it and
+    not because of what the tracker's own trunk is inside of. If so, whether something in between walls the avatar off."""
     s = way_out
     copy_posture(memory_out.goal.tracker, s.goal)
     notice_others(geo, skel, poses, s.memory)
-    if not tracker_is_free(geo, skel, settings, s):
+    s.memory.rows.x[:] = 0.0
+    forward(geo, skel, s.goal, s.memory.rows.x, s.memory.trial, s.memory.trial_axes)
+    if is_no_pose(skel, s.memory):
         return False
-    memory_out.flags[WALLED] = 1.0 if is_walled(geo, skel, settings, poses, s.memory) else 0.0
+    is_open = tracker_is_free(geo, skel, settings, s)
+    s.state[OPEN] = int(is_open)
+    if not is_open and trunk_to_go(skel, memory_out.goal) < FAR_OFF:
+        return False
+    held = what_holds_off(geo, skel, settings, poses, s.memory)
+    if not is_open and held == INSIDE:
+        return False
+    memory_out.flags[WALLED] = 1.0 if held == BETWEEN else 0.0
     return True
 
 
@@ -183,7 +172,7 @@ def begin_search(
         let_go(RESTING, memory_out, way_out)
         way_out.state[RESTED] = 0
         return
-    begin_tree(posture, poses, way_out)
+    begin_tree(posture, poses, trunk_to_go(skel, memory_out.goal), way_out)
     way_out.state[MODE], way_out.state[TRIES] = SEARCHING, 0
     hold_if_at_rest(memory_out, way_out)
 
@@ -199,7 +188,7 @@ def go_on_searching(
     if s.state[NODE] < 0:
         copy_posture(memory_out.goal.tracker, s.goal)
         if flags[LED] == 0.0:
-            begin_tree(posture, poses, s)
+            begin_tree(posture, poses, trunk_to_go(skel, memory_out.goal), s)
             hold_if_at_rest(memory_out, s)
     s.state[MODE] = search(geo, skel, settings, s)
     if s.state[MODE] == RESTING:
@@ -245,7 +234,10 @@ def seek(
             set_free(memory_out, s)
             flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
             return
-        flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
+        if s.state[OPEN] == 0:
+            flags[PRESSED], flags[SOUGHT], flags[TRAVELS] = 1.0, 0.0, 0.0
+        else:
+            flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
         if not has_joints(skel) and not may_search(skel, settings, memory_out):
             # it waits where it is nearest, and has no limbs that could get caught there
             flags[SOUGHT] = 0.0
@@ -255,7 +247,7 @@ def seek(
         return
     flags[TRAPPED] = 1.0 if flags[SLOW] >= settings.trapped_frames else 0.0
     memory_out.counts[TRAPPED_FRAMES], memory_out.counts[WALLED_FRAMES] = int(flags[TRAPPED]), int(flags[TRAPPED] * flags[WALLED])
-    if due and jump_is_due(settings, memory_out):
+    if due and s.state[OPEN] == 1 and jump_is_due(settings, memory_out):
         # that posture was just proved free
         aim(skel, posture, settings, memory_out.goal)
         for j in range(memory_out.rows.x.shape[0]):

@@ -1,9 +1,10 @@
 """The search for a way out of a trap: an avatar that nobody sees tries detours under the same certificate.
 
 Randomized descent. The first walk goes straight to the tracker's posture. Each later one begins at the shown posture or where
-an earlier walk ended, goes to a random waypoint, and from there to the tracker's posture. A walk that arrives is a chain of
-certified postures, which the shown avatar then follows (`way_lead.py`). Some of the work is done in each frame, counted and
-not timed, and waypoints come from the seed, so that results repeat.
+an earlier walk ended, goes to a random waypoint, and from there to the tracker's posture. A walk that arrives, or that ends with
+the trunk much nearer to a tracker whose posture is not free, is a chain of certified postures. The shown avatar then follows it
+(`way_lead.py`). Some of the work is done in each frame, counted and not timed, and waypoints come from the seed, so that results
+repeat.
 """
 
 from math import inf
@@ -12,6 +13,7 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.chain import draw
 from avatarsim.posture.follow import notice_others, walk
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit
+from avatarsim.posture.held_off import CLOSER, trunk_to_go
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import work_done
 from avatarsim.posture.untie import forget
@@ -22,6 +24,7 @@ from avatarsim.posture.way_memory import (
     LEAVES_USED,
     NODE,
     NODES_USED,
+    OPEN,
     PHASE,
     RESTING,
     SEARCHING,
@@ -72,8 +75,9 @@ def share(way_out: Way) -> float:
 
 
 @kernel
-def begin_tree(posture: Posture, poses: Poses, way_out: Way) -> None:
-    """Begin a tree at the shown posture, among the bodies where they are now."""
+def begin_tree(posture: Posture, poses: Poses, to_go: float, way_out: Way) -> None:
+    """Begin a tree at the shown posture, among the bodies where they are now; its trunk is `to_go` [m] from the tracker's."""
+    way_out.best[1] = to_go
     copy_poses(poses, way_out.poses)
     way_out.state[NODES_USED], way_out.state[LEAVES_USED] = 0, 0
     add_node(posture, -1, way_out)
@@ -185,6 +189,9 @@ def judge_walk(geo: Geometry, skel: Skeleton, largest: float, way_out: Way) -> b
         return not begin_cut(geo, skel, s)
     elif walked % PATIENCE == 0 or largest < STILL:
         if walked >= HOME_STEPS or largest < STILL or now > NEARER * s.best[0]:
+            if s.state[OPEN] == 0 and trunk_to_go(skel, s.memory.goal) < CLOSER * s.best[1]:
+                trace(s)
+                return not begin_cut(geo, skel, s)
             add_leaf(now, s)
             s.state[NODE] = -1
         s.best[0] = min(s.best[0], now)
