@@ -21,5 +21,16 @@ FOLLOWS_WHEN_FREE = Bound(
     "where nothing is in the way the avatar is where the user is, to a millimetre",
 )
 
-AVATAR = (NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, KEEPS_MOVING, FOLLOWS_WHEN_FREE)
+NO_LEAP = Bound(
+    "pose_jump_max", 90.0,
+    "no joint turns by more than a quarter turn a frame beyond the user's own: a limb gets elsewhere on a way that is seen",
+)
+NO_LEAP_OF_THE_ROOT = Bound(
+    "root_jump_max", 0.4,
+    "a body goes after its user by no more than 0.4 m a frame beyond the user's own way, and never through what is between",
+)
+
+MOVES = (KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT)
+"""An avatar answers its user, and is never suddenly elsewhere."""
+AVATAR = (NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, *MOVES, FOLLOWS_WHEN_FREE)
 """What every scene with an articulated avatar promises."""

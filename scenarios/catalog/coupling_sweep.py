@@ -23,7 +23,7 @@ from avatarsim.spatial import rotation
 from reference.closed_form import spring_state, two_spheres
 from scenarios.cases import NOWHERE, pair_table
 from scenarios.expected import Course, OfTime, steady
-from scenarios.promises import FINITE, KEEPS_MOVING, NO_OVERLAP
+from scenarios.promises import FINITE, MOVES, NO_OVERLAP
 from scenarios.scenario import Bound, Motion, Scenario
 
 MASSES = (0.1, 0.4, 1.0, 10.0)
@@ -99,7 +99,7 @@ def at_rate(rate: int) -> Scenario:
         frames=round(SECONDS * rate),
         dt=1.0 / rate,
         bounds=(
-            NO_OVERLAP, FINITE, KEEPS_MOVING,
+            NO_OVERLAP, FINITE, *MOVES,
             Bound("course_error_max", 1e-6, "eq. 6 in closed form at any frame time; contact is a gap of 2e-8 m"),
             Bound("velocity_error_max", 1e-9, "eq. 9 with the hand's coupled mass; nothing but rounding is left"),
         ),

@@ -15,7 +15,7 @@ from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import INFINITE, Motion, Region, Scenario
 from scenarios.stage import HIGH, THICK, wall_ahead
 
@@ -55,7 +55,7 @@ SCENARIO = Scenario(
     build=build,
     motion=motion,
     frames=FRAMES,
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE),
     regions=(
         Region(
             ("hand",), (-INFINITE, -INFINITE, -INFINITE), (FACE + 0.5 * THICK, INFINITE, INFINITE),

@@ -2,7 +2,8 @@
 
 Both objects are non-convex: the duck comes in five convex pieces, the mug is a ring of boxes with a bottom and a handle. The
 user closes all fingers far beyond the object's surface, twice on each, as one does without feeling anything, and opens
-them again. The mug stands on a pedestal; it may be pushed, but neither passed through nor shot away.
+them again. The mug stands on a narrow pedestal; it may be pushed, and fall to the floor, but neither be passed through nor shot
+away.
 
 In the 420 frames of a quick comparison the raw motion is inside duck in 98 of them (up to 0.026 m deep), inside mug
 in 69 (0.023 m).
@@ -64,13 +65,14 @@ def mug() -> Body:
 
 
 def build() -> Scene:
-    """Two pedestals with duck and mug, and an open hand behind the duck."""
+    """A floor, two pedestals with duck and mug, and an open hand behind the duck."""
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.5 * MUG_AT[0], 0.0, -0.1))
     places = (("pedestal_duck", 0.0, 0.02, (0.04, 0.04, 0.3)), ("pedestal_mug", MUG_AT[0], 0.1, (0.1, 0.3, 0.02)))
     pedestals = tuple(
         fixed(name, (Piece(Box(size)),), "wood", (x, y, TOP - 0.5 * size[2])) for name, x, y, size in places
     )
     duck = fixed("duck", convex_pieces(data_file("duck_vhacd.obj"), DUCK_SCALE, True), "wood", (0.0, 0.0, TOP))
-    return Scene("hand_grasp", (*pedestals, duck, mug()), (shadow_hand(),), start=_at(shadow_hand(), 0.0, -0.25, 0.0))
+    return Scene("hand_grasp", (floor, *pedestals, duck, mug()), (shadow_hand(),), start=_at(shadow_hand(), 0.0, -0.25, 0.0))
 
 
 def motion(scene: Scene, seed: int) -> Motion:
@@ -112,8 +114,8 @@ SCENARIO = Scenario(
     bounds=AVATAR,
     regions=(
         Region(
-            ("mug",), (MUG_AT[0] - 0.5, MUG_AT[1] - 0.5, -2.0), (MUG_AT[0] + 0.5, MUG_AT[1] + 0.5, TOP + 0.3),
-            "a mug that fingers close on is pushed aside at most, not shot away",
+            ("mug",), (MUG_AT[0] - 0.5, MUG_AT[1] - 0.5, 0.0), (MUG_AT[0] + 0.5, MUG_AT[1] + 0.5, TOP + 0.3),
+            "a mug that fingers close on is pushed aside or off its pedestal at most, not shot away, nor through the floor",
         ),
     ),
 )

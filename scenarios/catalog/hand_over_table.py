@@ -18,7 +18,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.avatars.hand import rigid_hand
 from scenarios.gallery import TABLE_AT, TABLE_HEIGHT, gallery, inside
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.reach import reach
 from scenarios.scenario import RENDERED, Bound, Motion, Scenario
 
@@ -111,7 +111,7 @@ SCENARIO = Scenario(
     frames=FRAMES,
     short=SHORT,
     short_motion=motion_over(SHORT),
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE, BALL_PUSHED),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE, BALL_PUSHED),
     expects={"travel": {"ball": PUSHED}},
     regions=(inside("hand", "ball"),),
     everyday=True,

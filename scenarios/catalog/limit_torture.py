@@ -19,7 +19,7 @@ from avatarsim.spatial import rotation
 from scenarios.avatars.humanoid import humanoid
 from scenarios.avatars.mjcf_humanoid import hinged_humanoid
 from scenarios.avatars.standing import standing
-from scenarios.promises import FINITE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
+from scenarios.promises import FINITE, MOVES, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
 from scenarios.scenario import RENDERED, Motion, Scenario
 from scenarios.stage import above_floor, floor
 
@@ -98,7 +98,7 @@ SCENARIO = Scenario(
     motion=motion,
     frames=FRAMES,
     short=SHORT,
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, KEEPS_MOVING),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, *MOVES),
     regions=(above_floor("human/*"),),
 )
 SCENARIOS = (

@@ -17,7 +17,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import INFINITE, Motion, Region, Scenario
 
 FRAMES = 150
@@ -59,7 +59,7 @@ SCENARIO = Scenario(
     build=build,
     motion=motion,
     frames=FRAMES,
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE),
     regions=(
         Region(
             ("hand",), (-INFINITE, -INFINITE, 0.0), (INFINITE, INFINITE, INFINITE),

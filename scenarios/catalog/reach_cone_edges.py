@@ -19,7 +19,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.promises import FINITE, KEEPS_MOVING, NO_OVERLAP, WITHIN_LIMITS
+from scenarios.promises import FINITE, MOVES, NO_OVERLAP, WITHIN_LIMITS
 from scenarios.scenario import RENDERED, Bound, Motion, Scenario
 
 FRAMES, SHORT = 600, 240
@@ -93,7 +93,7 @@ SCENARIO = Scenario(
     frames=FRAMES,
     short=SHORT,
     bounds=(
-        NO_OVERLAP, FINITE, WITHIN_LIMITS, KEEPS_MOVING,
+        NO_OVERLAP, FINITE, WITHIN_LIMITS, *MOVES,
         Bound("reach_cone_excess_max", 1e-9, "cones hold exactly; 1e-9 degrees is the rounding of poses turned into angles"),
     ),
 )

@@ -15,7 +15,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.avatars.hand import rigid_hand
 from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.reach import reach
 from scenarios.scenario import INFINITE, Bound, Motion, Region, Scenario
 
@@ -51,7 +51,7 @@ SCENARIO = Scenario(
     motion=motion,
     frames=FRAMES,
     bounds=(
-        NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE,
+        NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE,
         Bound("tracker_offset_rms", DEEP, "straight up is the shortest way out, and it is at most as long as the hand is deep"),
     ),
     regions=(

@@ -17,7 +17,7 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import INFINITE, Bound, Motion, Region, Scenario
 from scenarios.stage import THICK, floor, wall_ahead
 
@@ -68,7 +68,7 @@ SCENARIO = Scenario(
     frames=FRAMES,
     short=SHORT,
     bounds=(
-        NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE,
+        NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE,
         Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it where it is"),
     ),
     expects={"travel": {"box": FACE - 0.5 * EDGE - BOX_AT - 0.01}},

@@ -12,7 +12,7 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.avatars.hand import rigid_hand
-from scenarios.promises import FINITE, KEEPS_MOVING, NO_OVERLAP
+from scenarios.promises import FINITE, MOVES, NO_OVERLAP
 from scenarios.run import REFUSAL
 from scenarios.scenario import RENDERED, Motion, Scenario
 
@@ -48,6 +48,6 @@ SCENARIO = Scenario(
     build=build,
     motion=motion,
     frames=FRAMES,
-    bounds=(NO_OVERLAP, FINITE, KEEPS_MOVING),
+    bounds=(NO_OVERLAP, FINITE, *MOVES),
     expects={REFUSAL: True},
 )

@@ -17,7 +17,7 @@ from avatarsim.spatial import rotation
 from scenarios.avatars.humanoid import humanoid
 from scenarios.avatars.standing import standing
 from scenarios.gallery import gallery, inside
-from scenarios.promises import FINITE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
+from scenarios.promises import FINITE, MOVES, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
 from scenarios.scenario import RENDERED, Motion, Scenario
 
 FRAMES, SHORT = 600, 240
@@ -65,6 +65,6 @@ SCENARIO = Scenario(
     motion=motion,
     frames=FRAMES,
     short=SHORT,
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, KEEPS_MOVING),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, *MOVES),
     regions=(inside("human/*"),),
 )

@@ -14,7 +14,7 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.avatars.hand import rigid_hand
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, KEEPS_MOVING, NO_OVERLAP, RIGHT_SIDE
+from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import INFINITE, RENDERED, Motion, Region, Scenario
 from scenarios.stage import HIGH, SPAN
 
@@ -73,7 +73,7 @@ SCENARIO = Scenario(
     build=build,
     motion=motion,
     frames=FRAMES,
-    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_MOVING, FOLLOWS_WHEN_FREE),
+    bounds=(NO_OVERLAP, RIGHT_SIDE, FINITE, *MOVES, FOLLOWS_WHEN_FREE),
     regions=(
         Region(
             ("hand",), (-INFINITE, -INFINITE, -INFINITE), (0.5 * THIN, INFINITE, INFINITE),
