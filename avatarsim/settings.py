@@ -51,7 +51,7 @@ class PostureSettings(NamedTuple):
     stiffness_floor: float = 3.0
     stuck_frames: int = 12
     untie: int = 1
-    search_after: int = 3
+    search_after: int = 1
     search_work: int = 1200
     around: int = 1
     trapped_frames: int = 12

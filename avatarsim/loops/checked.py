@@ -8,7 +8,7 @@ from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.posture.follow import follow
-from avatarsim.posture.trapped import LOOK_EVERY, seek
+from avatarsim.posture.trapped import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import (
     BAD_QUERIES,
@@ -112,8 +112,7 @@ class CheckedLoop:
         follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._noticed)
         # everybody has been looked at once
         self._noticed = self._moving
-        slow = self.memory.flags.item(SLOW) - self._search_after
-        if self.way.state.item(MODE) != IDLE or (slow >= 0.0 and slow % LOOK_EVERY == 0.0):
+        if self.way.state.item(MODE) != IDLE or self.memory.flags.item(SLOW) >= self._search_after:
             seek_opened(self.world.words, self._kept, self._way)
 
     def watch(self, moving: Index) -> None:

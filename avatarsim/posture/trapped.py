@@ -55,7 +55,7 @@ from avatarsim.posture.workspace import (
     Memory,
 )
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
 from avatarsim.world.skeleton import Posture, Skeleton
 
@@ -67,7 +67,8 @@ CREEPING_TRIES = 2
 """Walks during which an avatar that still moves is not made to wait; 0 stops limbs short of the wall that they press on."""
 
 LOOK_EVERY = 8
-"""Frames after which it is looked again whether the tracker's posture is free: pressing into a wall is the ordinary case."""
+"""Frames after which it is looked again whether the posture of a tracker that rests is free: pressing into a wall is the ordinary
+case. While it moves it is looked each frame, for a limb that is found caught eight frames late is far behind by then."""
 
 LONGEST_REST = 960
 """Most frames that the search rests: a tracker may stay beyond a wall for good, and a trap may open at any time."""
@@ -124,6 +125,13 @@ def jump_is_due(settings: PostureSettings, memory: Memory) -> bool:
     flags = memory.flags
     patience = settings.walled_jump if flags[WALLED] > 0.0 else settings.trapped_jump
     return flags[TRAPPED] > 0.0 and patience > 0 and flags[SLOW] >= patience
+
+
+@kernel
+def is_time_to_look(settings: PostureSettings, flags: Array) -> bool:
+    """Whether it is looked in this frame if the tracker's posture is free, the avatar having come no nearer for some frames."""
+    late = int(flags[SLOW]) - settings.search_after
+    return late >= 0 and (flags[SPEED] > 0.0 or late % LOOK_EVERY == 0)
 
 
 @kernel
@@ -229,7 +237,7 @@ def seek(
         return
     mode = s.state[MODE]
     due = mode != IDLE and mode != LEADING and jump_is_due(settings, memory_out)
-    if due or (mode != LEADING and int(flags[SLOW]) % LOOK_EVERY == settings.search_after % LOOK_EVERY):
+    if due or (mode != LEADING and is_time_to_look(settings, flags)):
         if not look(geo, skel, settings, poses, memory_out, s):
             set_free(memory_out, s)
             flags[PRESSED], flags[TRAVELS] = 1.0, 0.0

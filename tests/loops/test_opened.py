@@ -11,7 +11,7 @@ from avatarsim.loops.upper import advance
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
 from avatarsim.posture.follow import follow
-from avatarsim.posture.trapped import LOOK_EVERY, seek
+from avatarsim.posture.trapped import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import COUNT, SLOW, ready_memory
 from avatarsim.scene.scene import Scene
@@ -48,8 +48,7 @@ class Plain:
             pull(self.geo, self.skel, self.dyn, self.poses, self.lower, dt, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
         follow(self.geo, self.skel, target, CHOSEN.posture, NOBODY, self.posture, self.poses, self.lower)
-        slow = self.lower.flags[SLOW] - CHOSEN.posture.search_after
-        if self.way.state[MODE] != IDLE or (slow >= 0 and slow % LOOK_EVERY == 0):
+        if self.way.state[MODE] != IDLE or self.lower.flags[SLOW] >= CHOSEN.posture.search_after:
             seek(self.geo, self.skel, CHOSEN.posture, self.posture, self.poses, self.lower, self.way)
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
         if self.coupled:
