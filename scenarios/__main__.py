@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate, sweep."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate, sweep, stability."""
 
 import argparse
 import os
@@ -11,6 +11,7 @@ from scenarios import ablation, commands, listing
 from scenarios.files import OUT
 from scenarios.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.resume import stoppable
+from scenarios.stability import __main__ as stability
 from scenarios.sweep import command
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
@@ -18,6 +19,8 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate, "sweep": command.sweep,
 }
 """What each word of the command line does."""
+STABILITY = "stability"
+"""The word whose options are none of the others'; its own command line reads them."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -50,12 +53,15 @@ def parser() -> argparse.ArgumentParser:
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     chosen.add_parser("ablate", help="what each effect of a scene costs, and what leaving it out changes", parents=[shared])
     chosen.add_parser("sweep", help="accuracy against time over every engine's own settings, resumable", parents=[shared])
+    chosen.add_parser(STABILITY, help="hard cases under other starts, frame times, sizes and places; options of its own")
     return top
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; whatever was wrong with the input is said in one line."""
     words = list(sys.argv[1:] if argv is None else argv)
+    if words[:1] == [STABILITY]:
+        return stability.main(words[1:])
     try:
         asked = parser().parse_args(words)
     except SystemExit as end:

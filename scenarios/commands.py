@@ -5,7 +5,6 @@ import json
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from fnmatch import fnmatchcase
 from importlib import import_module
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios import catalog
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
+from scenarios.filtered import filtered, unmatched
 from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.harness import Run, offers
 from scenarios.job import Job, Outcome, State
@@ -47,8 +47,7 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     name = getattr(asked, "scene", None)
     found = {name: catalog.get(name)} if name else catalog.scenarios()
     if asked.filter is not None:
-        patterns = asked.filter.split(",")
-        found = {key: scenario for key, scenario in found.items() if any(fnmatchcase(key, pattern) for pattern in patterns)}
+        found = filtered(found, asked.filter)
     elif asked.command in ("bench", "ablate") and not asked.full:
         also = (*SCENES, *PILES) if asked.command == "bench" else ()
         everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
@@ -157,8 +156,10 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
 
 
 def nothing(asked: argparse.Namespace) -> int:
-    """The filter lets no scene through: say which there are."""
-    print(f"no scene matches {asked.filter!r}; there are: {', '.join(catalog.scenarios())}", file=sys.stderr)
+    """The filter, or one of its patterns, lets no scene through: say which there are."""
+    known = catalog.scenarios()
+    wrong = " or ".join(repr(pattern) for pattern in unmatched(known, asked.filter)) or repr(asked.filter)
+    print(f"no scene matches {wrong}; there are: {', '.join(known)}", file=sys.stderr)
     say_last(asked, NOTHING, None)
     return NOTHING
 

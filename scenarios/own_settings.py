@@ -35,7 +35,7 @@ def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
     for engine, tables in content.items():
         if engine not in known:
             raise UnknownName(f"engine in {path}", engine, known)
-        if not isinstance(tables, dict) or not all(isinstance(entry, dict) for entry in tables.values()):
+        if not isinstance(tables, dict) or not tables or not all(isinstance(entry, dict) for entry in tables.values()):
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
         for name, entry in tables.items():
             if not NAME.fullmatch(name):
@@ -43,4 +43,6 @@ def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
                 raise InvalidFile(f"name of a row in {path}", name, valid)
             options = {key: value for key, value in entry.items() if key != "preset"}
             rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))
+    if not rows:
+        raise InvalidFile(str(path), "nothing", "a table [engine.name] for each row")
     return tuple(rows)

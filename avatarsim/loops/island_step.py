@@ -45,6 +45,9 @@ SEGMENTS_CAP = 100
 STALL_COSTS = 5
 """A segment that stalls costs as many as so many of the budget."""
 
+UNDONE_COSTS = 50
+"""The same of a plastic step undone because its island changed: after four of them, islands follow from old velocities."""
+
 WORK_CAP = 24000
 """Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; about two milliseconds."""
 
@@ -134,6 +137,10 @@ def step(
         change_at_once(velocities, memory, members)
     until = h
     if not all_keep(poses, velocities, memory, members, h):
+        # new velocities follow from who is in the island, and islands from new velocities: that may change to and fro, for ever
+        old = at_once and islands.spent[lead] >= 2 * SEGMENTS_CAP
+        if old:
+            change_at_once(velocities, memory, members)
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
         if found == NOT_FINITE:
             return found
@@ -141,12 +148,14 @@ def step(
         i = islands.label[lead]
         # whoever joins or leaves makes it another island; who touched was near before, so contacts stay otherwise
         if islands.first[i + 1] - islands.first[i] != size or not still_those(memory, i):
-            if at_once:
-                change_at_once(velocities, memory, members)
+            if at_once and not old:
+                change_back(velocities, memory)
             return AGAIN if status == DONE else status
         first = islands.pair_first[i]
         members = islands.order[islands.first[i] : islands.first[i + 1]]
         pairs = islands.pairs[first : islands.pair_first[i + 1]]
+        if old:
+            change_at_once(velocities, memory, members)
         while not all_keep(poses, velocities, memory, members, until):
             until *= 0.5
     depart(poses, velocities, memory, members, now)
@@ -242,6 +251,15 @@ def still_those(memory: Memory, i: int) -> bool:
         if islands.charged[islands.order[m]] != memory.counts[SEGMENTS]:
             return False
     return True
+
+
+@kernel
+def change_back(velocities: Velocities, memory: Memory) -> None:
+    """Undo `change_at_once` once islands are formed anew: ``members`` names others then, so who was charged pays."""
+    for b in range(memory.moving.shape[0]):
+        if memory.islands.charged[b] == memory.counts[SEGMENTS]:
+            memory.islands.spent[b] += UNDONE_COSTS
+            change_at_once(velocities, memory, memory.everybody[b : b + 1])
 
 
 @kernel

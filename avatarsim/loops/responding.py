@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import FIRST_TRY
 from avatarsim.impact.contact_time import time_to_contact
-from avatarsim.impact.contacts import SHARP, Contacts, weigh
+from avatarsim.impact.contacts import SHARP, Contacts, axis, velocity_at, weigh
 from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, line_up, next_approach, resolve_impact, settle
-from avatarsim.impact.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold
+from avatarsim.impact.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.impact.rolling import curvature
 from avatarsim.kernel import kernel
 from avatarsim.loops.clocks import witness
@@ -212,6 +212,11 @@ def segment(
                     rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
                     if rolls * h > STEADY_TURN:
                         h = STEADY_TURN / rolls
+        if count <= MANY and not hasty:
+            for k in range(count):
+                rises = dot(axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular))
+                if rises <= PARTING * contacts.pace[0] and rises * h > HOP:
+                    h = HOP / rises
         if h < left:
             # what is left over at the end would be a stretch so short that a nanometre to come down is a speed
             h = left / ceil(left / h)

@@ -1,9 +1,13 @@
-"""Positions corrected where simulated bodies overlap; no velocity is touched, so no kinetic energy is added."""
+"""Positions corrected where simulated bodies overlap; no velocity is touched, so no kinetic energy is added.
+
+Heavy bodies give way less than light ones at first. That never ends where a light one is held down by a ton: what it rises from
+the floor it has to come down again. So from some pass on all give way as if they weighed the same.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contacts import Contacts, axis, push, velocity_at, weigh
+from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh
 from avatarsim.impact.masses import Masses, to_world
 from avatarsim.impact.resting import STAND_OFF
 from avatarsim.kernel import kernel
@@ -11,15 +15,15 @@ from avatarsim.loops.touching import find_contacts
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.free_rotation import spun
 from avatarsim.spatial.tangent import columns, put_columns
-from avatarsim.spatial.vec3 import add, dot, norm, put_row, row, scale
+from avatarsim.spatial.vec3 import add, dot, norm, put_row, row
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-PASSES = 10
-"""Times contacts are found anew. Normals of deep overlaps turn while bodies come apart."""
+PASSES, WEIGHED = 10, 4
+"""Times contacts are found anew, and of these how often by mass. Normals of deep overlaps turn while bodies come apart."""
 
 ROUNDS = 30
 """Gauss-Seidel rounds over the contacts of one pass."""
@@ -29,7 +33,13 @@ GOOD = -1e-7
 
 
 @kernel
-def displace(contacts: Contacts, masses: Masses, linear: Array, angular: Array) -> None:
+def share_of(masses: Masses, b: int, evenly: bool) -> float:
+    """By what a push of body b is multiplied: ``evenly``, by its mass, so that bodies of one shape yield alike."""
+    return 1.0 / masses.inverse_mass[b] if evenly and masses.inverse_mass[b] > 0.0 else 1.0
+
+
+@kernel
+def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, angular: Array) -> None:
     """Displacements [m], [rad], of all bodies that bring the gaps of all contacts to the stand-off, to first order."""
     linear[:, :] = 0.0
     angular[:, :] = 0.0
@@ -39,7 +49,16 @@ def displace(contacts: Contacts, masses: Masses, linear: Array, angular: Array) 
             n = axis(contacts, k, 0)
             gap = contacts.gap[k] + dot(n, velocity_at(contacts, k, linear, angular))
             if gap < GOOD and contacts.ease[k, 0] > 0.0:
-                push(contacts, masses, k, scale(n, (STAND_OFF - gap) / contacts.ease[k, 0]), linear, angular)
+                a, b = contacts.body[k, 0], contacts.body[k, 1]
+                of_a, of_b = share_of(masses, a, evenly), share_of(masses, b, evenly)
+                ease_a = masses.inverse_mass[a] + dot(row(contacts.lever_a[k], 0), row(contacts.turn_a[k], 0))
+                ease_b = masses.inverse_mass[b] + dot(row(contacts.lever_b[k], 0), row(contacts.turn_b[k], 0))
+                d = (STAND_OFF - gap) / (of_a * ease_a + of_b * ease_b)
+                for x in range(3):
+                    linear[a, x] += d * of_a * masses.inverse_mass[a] * n[x]
+                    linear[b, x] -= d * of_b * masses.inverse_mass[b] * n[x]
+                    angular[a, x] += d * of_a * contacts.turn_a[k, 0, x]
+                    angular[b, x] -= d * of_b * contacts.turn_b[k, 0, x]
                 done = False
         if done:
             break
@@ -52,12 +71,12 @@ def unsqueeze(
     """Push overlapping simulated bodies out of each other and of the others; returns the smallest gap left [m]."""
     linear, angular = memory.linear_end, memory.angular_end
     worst = 0.0
-    for _ in range(PASSES):
+    for k in range(PASSES + 1):
         _, worst = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
-        if not (worst < GOOD):
+        if not (worst < GOOD) or k == PASSES:
             break
         weigh(memory.contacts, memory.hold)
-        displace(memory.contacts, memory.hold, linear, angular)
+        displace(memory.contacts, memory.hold, k >= WEIGHED, linear, angular)
         for b in range(memory.moving.shape[0]):
             d, turn = row(linear, b), row(angular, b)
             if memory.moving[b] == 1 and dot(d, d) + dot(turn, turn) > 0.0:

@@ -8,7 +8,6 @@ from avatarsim.impact.events import Events
 from avatarsim.kernel import kernel
 from avatarsim.loops.island_step import step
 from avatarsim.loops.islands import behind
-from avatarsim.loops.plastic import AGAIN
 from avatarsim.loops.upper_memory import DONE, NOT_FINITE, OUT_OF_SEGMENTS, STATUS_NAMES, Memory, Switches
 from avatarsim.loops.waiting import go_on
 from avatarsim.loops.waking import begin, regroup
@@ -58,8 +57,8 @@ def advance(
         outcome = step(geometry, dynamics, poses, velocities, dt, i, memory, events, switches)
         if outcome == NOT_FINITE:
             return NOT_FINITE
-        if outcome != DONE and outcome != AGAIN:
-            status = outcome
+        # AGAIN is below all of them, and the worst is told
+        status = max(status, outcome)
     go_on(velocities, memory, memory.everybody)
     show_tails(velocities, memory, dt)
     for b in range(bodies):

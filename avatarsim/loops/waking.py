@@ -54,7 +54,7 @@ def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
     put_row(memory.owed_linear, b, nothing)
     put_row(memory.owed_angular, b, nothing)
     memory.paths.kind[b] = STILL
-    memory.islands.spent[b] = 0
+    memory.islands.spent[b], memory.islands.charged[b] = 0, 0
     memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
     memory.corrected[b] = -1.0
     # contacts with what does not move read these rows too

@@ -48,6 +48,10 @@ TOUCH = 1e-6
 LEAVING, RESTING = 1e-4, -1.5e-3
 """Normal velocities [m/s]: above the first a touching pair separates, between the two it rests or rolls."""
 
+LIFTED = 5e-4
+"""The first of a pair that has dipped [m/s]: forces lift it again at 2e-4 m/s. As a separating one, a rolling egg that rises by
+less than the tolerance until its next bound would have an event then, a hundred times a frame."""
+
 ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
@@ -234,7 +238,7 @@ def time_of_impact(
             slowest = max(slowest_touch(a_rows, count_a), slowest_touch(b_rows, count_b))
             if slowest <= RESTING * pace:
                 slowest = max(slowest, slowest_edge(geometry, angular, paths, sa, sb, n, on_a, on_b, trial, edges))
-            if slowest > LEAVING * pace:
+            if slowest > (LEAVING if gap >= 0.0 else LIFTED) * pace:
                 target = min(stand_off, gap)
             elif slowest > RESTING * pace:
                 target, event = min(DIP, gap - CREEP), DIPPED

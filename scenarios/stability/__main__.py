@@ -1,4 +1,4 @@
-"""`python -m scenarios.stability [--run FOLDER] [--kept FOLDER] [--engine NAME ...] [--filter CASE] [--draws N] [--jobs N]`.
+"""`python -m scenarios.stability [--run FOLDER] [--kept FOLDER] [--engine NAME ...] [--filter GLOB,...] [--draws N] [--jobs N]`.
 
 Tries every hard case under every change, in every engine, side by side; prints a table and writes stability.csv into the run's
 folder. What is finished is kept beside all runs and not done again while no source changes: a command that was stopped goes on.
@@ -7,13 +7,14 @@ folder. What is finished is kept beside all runs and not done again while no sou
 import argparse
 import sys
 from collections.abc import Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
 from scenarios.files import OUT, write_text
+from scenarios.filtered import filtered, unmatched
+from scenarios.gate import NOTHING
 from scenarios.harness import offers
 from scenarios.progress import Progress
 from scenarios.resume import stoppable
@@ -32,9 +33,7 @@ KEPT = OUT / "stability"
 
 def tasks_of(presets: dict[str, tuple[str, ...]], pattern: str, draws: int) -> list[Task]:
     """Every trial of every case whose name fits, by every engine and preset; the plain trials first."""
-    cases = {case: seconds for case, seconds in CASES.items() if fnmatchcase(case, pattern)}
-    if not cases:
-        raise UnknownName("case", pattern, CASES)
+    cases = filtered(CASES, pattern)
     return [
         Task(case, seconds, engine, preset, trial) for trial in trials(draws) for case, seconds in cases.items()
         for engine, offered in presets.items() for preset in offered
@@ -59,13 +58,14 @@ def run_of(asked: Path | None) -> Path:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 130: stopped."""
+    """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 5: the filter matched nothing;
+    130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.stability", description=str(__doc__).splitlines()[2])
     parser.add_argument("--run", type=Path, metavar="FOLDER", help="folder for the rows (default: that of the last run)")
     parser.add_argument("--kept", type=Path, default=KEPT, metavar="FOLDER", help="folder of what is finished")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
-    parser.add_argument("--filter", default="*", metavar="PATTERN", help="cases (default: all)")
+    parser.add_argument("--filter", default="*", metavar="GLOB,...", help="cases (default: all)")
     parser.add_argument("--draws", type=int, default=TOGETHER, metavar="N", help=f"changes of all at once ({TOGETHER})")
     parser.add_argument("--jobs", type=int, default=-1, metavar="N", help="trials side by side (default: one per processor)")
     asked = parser.parse_args(argv)
@@ -75,6 +75,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         for name in asked.engine:
             if name not in known():
                 raise UnknownName("engine", name, known())
+        if wrong := unmatched(CASES, asked.filter):
+            print(f"no case matches {' or '.join(map(repr, wrong))}; there are: {', '.join(CASES)}", file=sys.stderr)
+            return NOTHING
         presets = {name: offer.presets for name, offer in offers(asked.engine, 1).items() if not offer.trouble}
         with stoppable():
             done = swept(tasks_of(presets, asked.filter, asked.draws), asked.kept, asked.jobs)

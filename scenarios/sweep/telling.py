@@ -1,10 +1,10 @@
 """The scenes that are swept unless others are named, and the figures that count as error in each."""
 
 from collections.abc import Mapping
-from fnmatch import fnmatchcase
 
 from scenarios import catalog
 from scenarios.engines import BASELINE
+from scenarios.filtered import filtered
 from scenarios.scenario import Scenario
 
 OVERLAP, LIMITS, OFFSET = "residual_overlap_max", "joint_limit_excess_max", "tracker_offset_rms_free"
@@ -35,7 +35,7 @@ def swept(pattern: str | None, full: bool) -> dict[str, Scenario]:
     """Scenes by name: the telling ones, all with `full`, or those that one of the comma-separated patterns lets through."""
     everything = catalog.scenarios()
     if pattern is not None:
-        return {name: s for name, s in everything.items() if any(fnmatchcase(name, p) for p in pattern.split(","))}
+        return filtered(everything, pattern)
     return everything if full else {name: everything[name] for name in TELLING}
 
 

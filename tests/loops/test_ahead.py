@@ -6,9 +6,11 @@ import pytest
 from avatarsim.impact.resting import aim_at_once
 from avatarsim.loops.ahead import look_ahead, of_balls
 from avatarsim.loops.clocks import depart, go_back
+from avatarsim.loops.island_step import change_back, spend
+from avatarsim.loops.islands import part
 from avatarsim.loops.responding import change_at_once, note_change
 from avatarsim.loops.touching import FOUND, NO_ROOM, find_contacts
-from avatarsim.loops.upper_memory import PLASTIC
+from avatarsim.loops.upper_memory import PLASTIC, SEGMENTS
 from avatarsim.loops.waking import begin, regroup
 from avatarsim.motion.path import FREE, HELD
 from avatarsim.scene.shape import Box
@@ -103,6 +105,51 @@ def test_velocities_change_at_once_for_who_is_held_and_back_again() -> None:
     assert v[:, 0].tolist() == [0.0, 2.0, 1.0]
     change_at_once(world.velocities, memory, members)
     np.testing.assert_array_equal(v, before)
+
+
+def test_a_heap_whose_islands_part_in_a_plastic_step_goes_on() -> None:
+    """200 balls, looked at every 0.2 s: who goes on at once may leave its island or join another, and neither changes to and fro
+    without end, nor gives anybody the velocities of others."""
+    random = np.random.default_rng(3)
+    balls = []
+    for k in range(200):
+        random.integers(1), random.uniform()
+        random.normal(size=4)
+        at = 0.36 * np.array([k % 6 - 3.0, k // 6 % 6 - 3.0, k // 36]) + (0.0, 0.0, 0.23)
+        balls.append(ball(f"ball_{k}", tuple(at), velocity=tuple(random.normal(size=3)),
+                          angular_velocity=tuple(4.0 * random.normal(size=3))))
+    world = World([slab(), *balls], 0.4, 0.4)
+    energy = world.energy()
+    for _ in range(15):
+        world.frame(0.2)
+        assert world.memory.counts[SEGMENTS] < 2000
+        assert world.energy() <= energy * (1.0 + 1e-12)
+        energy = world.energy()
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+def test_islands_formed_anew_give_nobody_the_velocities_of_others() -> None:
+    """A ball leaves an island that went on at once: that is undone for both, and not for who stands in its place."""
+    world = World([slab(), *(ball(name, (float(k), 0.0, 1.0)) for k, name in enumerate("abcd"))], 0.0)
+    memory, v = world.memory, world.velocities.linear
+    islands = memory.islands
+    memory.paths.kind[1:], memory.moving[1:], memory.joins[1:] = HELD, 1, 1
+    v[1:], memory.linear_end[1:] = 1.0, 2.0
+    before = v.copy()
+    part(islands, np.array([[1, 3]]), 1, memory.moving, memory.joins)
+    members = islands.order[:2]
+    memory.counts[SEGMENTS] = 7
+    spend(memory, members, 1)
+    change_at_once(world.velocities, memory, members)
+    assert v[:, 0].tolist() == [0.0, 2.0, 1.0, 2.0, 1.0]
+    part(islands, np.zeros((0, 2), np.int64), 0, memory.moving, memory.joins)
+    assert members.tolist() == [1, 2]
+    change_back(world.velocities, memory)
+    np.testing.assert_array_equal(v, before)
+    # the number of a segment of the last frame is not taken for one of this
+    begin(world.geometry, world.dynamics, world.poses, world.velocities, memory, True)
+    assert not islands.charged.any()
 
 
 @pytest.mark.nojit

@@ -88,3 +88,23 @@ def test_a_crowd_is_late_while_plastic_steps_stop_somebody() -> None:
     assert memory.islands.late.tolist() == [1, 0, 0, 0]
     note_lateness(memory, members, 0)
     assert memory.islands.late.tolist() == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 10.0, 1e2, 1e3, 1e4])
+@pytest.mark.parametrize("boxes", [1, 3])
+def test_a_heavy_box_stands_on_light_ones(ratio: float, boxes: int) -> None:
+    """Each begins a millimetre above the one below. At 1e5 to 1 it takes ten seconds to rest; from a million to one on the budget
+    of impacts of every frame is spent on rebounds between floor and heavy box, and the light one hangs in the air."""
+    tall = [thing(f"box_{k}", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + 0.2 * k + 1e-3 * (k + 1)), 1.0) for k in range(boxes)]
+    heavy = thing("heavy", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + 0.2 * boxes + 1e-3 * (boxes + 1)), ratio)
+    world = World([slab(), *tall, heavy], 0.0, 0.5)
+    energy = world.energy()
+    for _ in range(300):
+        world.frame()
+        assert world.energy() <= energy + 1e-12 * abs(energy)
+        energy = world.energy()
+        assert world.gap() >= -1e-6
+    assert not world.velocities.linear.any() and not world.velocities.angular.any()
+    heights = [0.1 + 0.2 * k for k in range(boxes + 1)]
+    np.testing.assert_allclose(world.poses.position[1:, 2], heights, rtol=0.0, atol=1e-5)
+    np.testing.assert_allclose(world.poses.position[1:, :2], 0.0, rtol=0.0, atol=1e-4)

@@ -66,6 +66,14 @@ def test_3_when_a_bound_was_not_measured(site: Path, tmp_path: Path) -> None:
     assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop") == 3
 
 
+def test_5_when_one_of_several_patterns_matches_nothing(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Who misspells one name in a list must not read that all held."""
+    assert called(tmp_path, "check", "--filter", "ball_drop, nosuch,none_*") == 5
+    assert "no scene matches 'nosuch' or 'none_*'; there are: " in last(capsys)[1]
+
+
 def test_5_when_the_filter_matches_nothing(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert called(tmp_path, "check", "--filter", "no_such_*") == 5
     line, err = last(capsys)
@@ -103,7 +111,10 @@ def test_settings_of_a_strangers_own_appear_as_a_row(site: Path, tmp_path: Path)
     assert [entry["preset"] for entry in engines] == ["default", "brisk"] and engines[1]["settings"]["gain"] == 2.5
 
 
-@pytest.mark.parametrize("text", ["[nobody.x]\n", "[tunnels]\ngain = 1\n", "[tunnels.default]\n", "[tunnels.'a/b']\n", "= 3"])
+WRONG = ("[nobody.x]\n", "[tunnels]\ngain = 1\n", "[tunnels.default]\n", "[tunnels.'a/b']\n", "= 3", "", "[tunnels]")
+
+
+@pytest.mark.parametrize("text", WRONG)
 def test_wrong_settings_are_refused_before_anything_runs(site: Path, tmp_path: Path, text: str) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(text)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from scenarios.__main__ import main as scenarios_main
 from scenarios.csv_rows import csv_text
 from scenarios.processes import Died
 from scenarios.stability import __main__ as command
@@ -89,8 +90,8 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: p
     # the third was asked twice, and nobody else
     assert len(asked) == len(set(asked)) + 1 == len(lines)
     assert command.main(words) == 0 and len(asked) == len(lines)
-    assert command.main([*words[:-1], "0"]) == 2 and command.main([*words, "--filter", "nothing"]) == 2
-    assert command.main([*words, "--engine", "abacus"]) == 2
+    assert command.main([*words[:-1], "0"]) == 2 and command.main([*words, "--engine", "abacus"]) == 2
+    assert scenarios_main(["stability", *words, "--filter", "nothing"]) == 5
 
 
 def test_of_a_process_that_dies_every_trial_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
