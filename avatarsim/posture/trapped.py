@@ -7,8 +7,9 @@ tracker's. Both are said in every frame that they last, the time included in whi
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
-from avatarsim.posture.follow import has_joints, notice_others
+from avatarsim.posture.follow import notice_others
 from avatarsim.posture.goal import aim
+from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import apart_at_trial, forget

@@ -8,6 +8,7 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.closeness import couple, gain_of, locate, merit_of
 from avatarsim.posture.goal import shorten, want, ways
 from avatarsim.posture.limit_row import beyond_limits
+from avatarsim.posture.round_edges import round_edges
 from avatarsim.posture.workspace import (
     ADDING,
     BEST,
@@ -27,7 +28,7 @@ from avatarsim.posture.workspace import (
 )
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.world.geometry import Array
+from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 
@@ -67,7 +68,7 @@ def scale_step(share: float, goal_out: Goal) -> None:
 
 @kernel
 def seek_the_nearest(
-    skel: Skeleton, posture: Posture, settings: PostureSettings, shorter: float, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
 ) -> None:
     """Make the wanted step the one to the least merit in link origins and angles, and its second derivatives the metric."""
     goal = memory_out.goal
@@ -84,6 +85,7 @@ def seek_the_nearest(
             c.mode[BEST] = merit_of(c, c.way, c.pull)
         else:
             locate(skel, goal.tracker, c)
+        round_edges(geo, skel, poses, memory_out)
     memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
     if c.mode[LOCATED] == 0.0:
         c.mode[LOCATED] = 1.0
