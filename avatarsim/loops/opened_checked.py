@@ -36,7 +36,7 @@ def opened_closeness(o: Opening) -> Closeness:
     return Closeness(
         index_grid(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0],
         line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
-        line(o)[0], line(o)[0],
+        line(o)[0], line(o)[0], vectors(o)[0],
     )
 
 

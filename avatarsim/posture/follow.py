@@ -4,6 +4,7 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.body_place import place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
+from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
@@ -41,7 +42,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
+from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
 
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
@@ -148,16 +149,6 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
     if changed:
         # an empty reach makes the list anew
         memory_out.reach[:] = 0.0
-
-
-@kernel
-def has_joints(skel: Skeleton) -> bool:
-    """Whether anything turns against anything in an avatar."""
-    rates = 0
-    for link in range(skel.kind.shape[0]):
-        if skel.kind[link] != FREE:
-            rates += skel.first_dof[link + 1] - skel.first_dof[link]
-    return rates > 0
 
 
 @kernel

@@ -7,7 +7,7 @@ from avatarsim.posture.limits import SURELY, cone_excess, has_cone, limb_of, sur
 from avatarsim.posture.reach_cone import ROUNDING, has_reach, nearest_in_reach
 from avatarsim.posture.workspace import ADDING, COUNT, DROPPED, ROWS, Memory
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
-from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, scale
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale
 from avatarsim.world.skeleton import BALL, Posture, Skeleton
 
 INSIDE = 1e-4
@@ -20,35 +20,40 @@ def beyond_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> int:
 
     The links are marked in memory.touched.
     """
-    failed, x = 0, memory_out.rows.x
+    failed = 0
     for link in range(skel.kind.shape[0]):
-        if skel.kind[link] != BALL or not has_cone(skel, link):
-            continue
-        d = skel.first_dof[link]
-        turn = stepped(columns(posture.turn, link), (x[d], x[d + 1], x[d + 2]))
-        if surely_inside(skel, link, turn, SURELY) or cone_excess(skel, link, turn) <= 0.0:
-            continue
-        failed += 1
-        memory_out.touched[link] = True
-        if memory_out.flags[ADDING] > 0.0:
-            swing, twist, back = swing_and_twist(skel, link, turn)
-            most = atan2(skel.cone[link, 7], skel.cone[link, 6])
-            beyond = swing - most
-            if has_reach(skel, link):
-                beyond, back = way_back(skel, link, limb_of(skel, link, turn), most)
-            if beyond > 0.0:
-                turn_row(d, turned_back(turn, back), beyond + INSIDE, memory_out)
-            low, high = skel.cone[link, 8], skel.cone[link, 9]
-            if twist < low or twist > high:
-                # rate of twist of a swung limb: the turn's part along the middle of limb and centre
-                centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
-                limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
-                rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(1e-3, 1.0 + dot(centre, limb))))
-                if twist < low:
-                    turn_row(d, rate, low - twist + INSIDE, memory_out)
-                else:
-                    turn_row(d, scale(rate, -1.0), twist - high + INSIDE, memory_out)
+        if skel.kind[link] == BALL and has_cone(skel, link) and is_beyond(skel, posture, link, memory_out):
+            failed += 1
+            memory_out.touched[link] = True
     return failed
+
+
+@kernel
+def is_beyond(skel: Skeleton, posture: Posture, link: int, memory_out: Memory) -> bool:
+    """Whether the step in rows.x takes a ball with limits beyond these; a row for each that it breaks if rows are being added."""
+    d, x = skel.first_dof[link], memory_out.rows.x
+    turn = stepped(columns(posture.turn, link), (x[d], x[d + 1], x[d + 2]))
+    if surely_inside(skel, link, turn, SURELY) or cone_excess(skel, link, turn) <= 0.0:
+        return False
+    if memory_out.flags[ADDING] > 0.0:
+        swing, twist, back = swing_and_twist(skel, link, turn)
+        most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+        beyond = swing - most
+        if has_reach(skel, link):
+            beyond, back = way_back(skel, link, limb_of(skel, link, turn), most)
+        if beyond > 0.0:
+            turn_row(d, turned_back(turn, back), beyond + INSIDE, memory_out)
+        low, high = skel.cone[link, 8], skel.cone[link, 9]
+        if twist < low or twist > high:
+            # rate of twist of a swung limb: the turn's part along the middle of limb and centre
+            centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+            limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
+            rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(1e-3, 1.0 + dot(centre, limb))))
+            if twist < low:
+                turn_row(d, rate, low - twist + INSIDE, memory_out)
+            else:
+                turn_row(d, scale(rate, -1.0), twist - high + INSIDE, memory_out)
+    return True
 
 
 @kernel
@@ -64,7 +69,7 @@ def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float,
 
 @kernel
 def turn_row(d: int, direction: Vec3, missing: float, memory_out: Memory) -> None:
-    """Append: the ball at degrees d .. d + 3 turns along `direction` (its own axes) by at least `missing` from the trial."""
+    """Append: the ball at degrees d .. d + 3 turns along `direction` (its axes at the trial) by at least `missing` from there."""
     r = memory_out.rows
     count = r.size[COUNT]
     if count == r.bound.shape[0]:
@@ -72,6 +77,10 @@ def turn_row(d: int, direction: Vec3, missing: float, memory_out: Memory) -> Non
         return
     for j in range(r.x.shape[0]):
         r.jacobian[count, j] = 0.0
+    # more of the step is not a turn about these axes: the derivative of the exponential map, to second order
+    x = (r.x[d], r.x[d + 1], r.x[d + 2])
+    once = cross(x, direction)
+    direction = along(along(direction, 0.5, once), 1.0 / 6.0, cross(x, once))
     bound = missing
     for k in range(3):
         r.jacobian[count, d + k] = direction[k]

@@ -144,7 +144,7 @@ def attempt(
         # limits are in the way as contacts are: each joint clipped by itself is not the nearest posture
         if mode[COUPLED] == 0.0 and memory_out.flags[CLOSE] > 0.0 and (mode[BEYOND] > 0.0 or hindered(goal.step, r)):
             # where nothing is in the way the straight way is taken: it ends at the tracker's posture, and no metric is needed
-            seek_the_nearest(skel, posture, settings, shorter, memory_out)
+            seek_the_nearest(geo, skel, posture, poses, settings, shorter, memory_out)
             if mode[BEYOND] > 0.0:
                 keep_limits(skel, posture, memory_out)
         memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)

@@ -8,9 +8,10 @@ frame that they last, the time included in which the avatar is led out.
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, is_no_pose
-from avatarsim.posture.follow import has_joints, notice_others
+from avatarsim.posture.follow import notice_others
 from avatarsim.posture.goal import aim
 from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, trunk_to_go, what_holds_off
+from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import apart_at_trial, forget

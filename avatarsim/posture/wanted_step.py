@@ -4,10 +4,14 @@ Where a contact is, or the tracker is beyond its limits, the one to the posture 
 (`closeness.py`) to the tracker's own.
 """
 
+from math import sqrt
+
 from avatarsim.kernel import kernel
 from avatarsim.posture.closeness import couple, gain_of, locate, merit_of
 from avatarsim.posture.goal import shorten, want, ways
-from avatarsim.posture.limit_row import beyond_limits
+from avatarsim.posture.limit_row import is_beyond
+from avatarsim.posture.limits import has_cone
+from avatarsim.posture.round_edges import round_edges
 from avatarsim.posture.workspace import (
     ADDING,
     BEST,
@@ -27,8 +31,12 @@ from avatarsim.posture.workspace import (
 )
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.world.geometry import Array
-from avatarsim.world.skeleton import Posture, Skeleton
+from avatarsim.world.geometry import Array, Geometry, Poses
+from avatarsim.world.skeleton import BALL, Posture, Skeleton
+
+FIRST_PART = 0.02
+"""[rad] part of a ball's wanted step that is looked at first. A limb pressed on its limits is beyond them there already; at
+the end of the step the nearest place of a cone is another one, and what keeps the limb there lets it not slide where it is."""
 
 
 @kernel
@@ -67,7 +75,7 @@ def scale_step(share: float, goal_out: Goal) -> None:
 
 @kernel
 def seek_the_nearest(
-    skel: Skeleton, posture: Posture, settings: PostureSettings, shorter: float, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
 ) -> None:
     """Make the wanted step the one to the least merit in link origins and angles, and its second derivatives the metric."""
     goal = memory_out.goal
@@ -84,6 +92,7 @@ def seek_the_nearest(
             c.mode[BEST] = merit_of(c, c.way, c.pull)
         else:
             locate(skel, goal.tracker, c)
+        round_edges(geo, skel, poses, memory_out)
     memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
     if c.mode[LOCATED] == 0.0:
         c.mode[LOCATED] = 1.0
@@ -129,8 +138,18 @@ def hindered(wanted: Array, rows: Rows) -> bool:
 
 @kernel
 def keep_limits(skel: Skeleton, posture: Posture, memory_out: Memory) -> None:
-    """Rows for balls that the wanted step turns over their limits: known before anything is solved."""
+    """Rows for balls that the wanted step turns over their limits, where it meets these: known before anything is solved."""
+    step, x = memory_out.goal.step, memory_out.rows.x
     memory_out.flags[ADDING] = 1.0
-    for j in range(memory_out.rows.x.shape[0]):
-        memory_out.rows.x[j] = memory_out.goal.step[j]
-    beyond_limits(skel, posture, memory_out)
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] != BALL or not has_cone(skel, link):
+            continue
+        d = skel.first_dof[link]
+        far = sqrt(step[d] ** 2 + step[d + 1] ** 2 + step[d + 2] ** 2)
+        share = FIRST_PART / max(far, FIRST_PART)
+        for _ in range(2):
+            for j in range(d, d + 3):
+                x[j] = share * step[j]
+            if is_beyond(skel, posture, link, memory_out) or share == 1.0:
+                break
+            share = 1.0

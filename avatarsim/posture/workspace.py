@@ -50,7 +50,7 @@ class Closeness(NamedTuple):
     (nd) [m^2] of a squared angle, 0 for translations; here, there (nl, 3) [m] link origins of the checked and the tracker's
     posture; frame (nl, 3, 3) of the latter; number (nl), first, way (nl, 3), second, moment (nl, 3, 3) see `gather`; motion
     (nd, 6) see `note_motions`; factor (nd, w); pull (nd) the step to the least merit; far (1) [m] distance beyond which an
-    origin pulls no harder; mode, see the places below
+    origin pulls no harder; mode, see the places below; around (nl, 3) [m] how far `there` is put aside (`round_edges.py`)
     """
 
     path: Index
@@ -70,13 +70,15 @@ class Closeness(NamedTuple):
     pull: Array
     far: Array
     mode: Array
+    around: Array
 
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
 # joints over their limits; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody
 # has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of
-# turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`)
-COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY = range(7)
+# turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`); the frame in which `around` was
+# last in use
+COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY, SEEN = range(8)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -248,7 +250,7 @@ def _closeness(skel: Skeleton) -> Closeness:
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0]),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0, -1.0]), np.zeros((nl, 3)),
     )
 
 
