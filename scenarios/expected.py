@@ -34,6 +34,16 @@ class Rest:
 
 
 @dataclass(frozen=True)
+class Tower:
+    """Key "towers": a body with `ratio` times the mass of what carries it stands at `place` [m] from `since` [s] on."""
+
+    body: str
+    ratio: float
+    place: Vector
+    since: float
+
+
+@dataclass(frozen=True)
 class Stop:
     """Key "stops": a body slides `distance` [m] along the unit vector `direction` and stops before the time `by` [s]."""
 

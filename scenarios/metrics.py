@@ -18,6 +18,8 @@ METRICS: dict[str, tuple[str, str]] = {
     "spin_error_max": ("rad/s", "largest difference of a body's angular velocity from the closed form, over all states shown"),
     "drift_max": ("m", "farthest that a body which should rest is from where it came to rest"),
     "rest_energy_end": ("J", "kinetic energy at the end of all bodies that should rest"),
+    "towers_fallen": ("towers", "towers of a heavy body on a light one that do not stand to a millimetre"),
+    "ratio_standing_max": ("", "largest ratio of masses of which, and of all below, those towers stand"),
     "momentum_drift_max": ("", "largest |P - P0| of bodies that nothing else touches, over the first sum of m |v|"),
     "angular_momentum_drift_max": ("", "largest |L - L0| about their common centre, over the largest sum of the bodies' shares"),
     "energy_drift_max": ("", "largest |E - E0| of bodies that lose nothing, over their largest kinetic energy"),

@@ -24,6 +24,7 @@ from scenarios.measure.side import wrong_side
 from scenarios.measure.sliding import stops
 from scenarios.measure.spinning import flips, pivots
 from scenarios.measure.stillness import still_frames
+from scenarios.measure.towers import towers
 from scenarios.measure.tracker_offset import tracker_offset
 from scenarios.measure.travel import travel
 from scenarios.measure.value import Missing, Value
@@ -48,7 +49,7 @@ class Measured:
 def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
     """Closed forms and invariants of motion and impact, each only if the scenario expects it."""
     found: dict[str, Value] = {**halts(recording, scene)}
-    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, escapes):
+    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, escapes, towers):
         found |= family(recording, scenario, scene)
     return found
 

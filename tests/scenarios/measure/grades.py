@@ -14,6 +14,7 @@ ENERGY = "test_conserved.py::test_energy_that_comes_or_goes_is_drift_and_only_wh
 STOP = "test_course.py::test_a_stop_is_compared_along_its_way_and_its_angle_beside_it"
 ROD = "test_spinning.py::test_a_rod_is_judged_by_its_angle_until_it_is_down"
 HALT = "test_course.py::test_a_body_with_speed_that_stays_is_a_halt"
+TOWERS = "test_course.py::test_towers_stand_up_to_the_first_ratio_that_falls"
 FOLLOWS = "test_tracker_offset.py::test_an_injected_offset_comes_out_and_free_frames_apart"
 TURNS = "test_tracker_offset.py::test_an_injected_turn_comes_out_over_joints"
 
@@ -33,6 +34,7 @@ METRICS_GRADED = {
     "flip_time_error_max": "test_spinning.py::test_flips_are_compared_one_by_one",
     "pivot_rate_error_max": ROD, "pivot_missing": ROD, "halted_frames": HALT, "status_frames": HALT,
     "escaped_bodies": "test_course.py::test_the_share_of_bodies_that_left_their_region",
+    "towers_fallen": TOWERS, "ratio_standing_max": TOWERS,
     "travel_missing": "test_travel.py::test_the_shortfall_of_a_stated_way_is_the_figure",
     "joint_limit_excess_max": "test_limits.py::test_an_injected_excess_comes_out",
     "joint_gap_max": "test_limits.py::test_a_link_torn_off_its_parent_shows_as_a_gap",

@@ -3,18 +3,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.expected import Course, Rest, Stop, steady, uniform
+from scenarios.expected import Course, Rest, Stop, Tower, steady, uniform
 from scenarios.measure.at_rest import at_rest
 from scenarios.measure.course import course_errors
 from scenarios.measure.escapes import escapes
 from scenarios.measure.halts import halts
 from scenarios.measure.sliding import stops
+from scenarios.measure.towers import towers
 from scenarios.measure.value import Missing
 from scenarios.record import Recording
 from scenarios.scenario import Region, Scenario
 from tests.scenarios.examples import DT, drop, drop_scene, resting
 
 BALL = 1
+HEIGHT = float(resting(drop_scene(), 1).positions[0, BALL, 2])
 
 
 def moved(velocity: tuple[float, float, float], frames: int = 30) -> Recording:
@@ -82,6 +84,22 @@ def test_a_body_with_speed_that_stays_is_a_halt() -> None:
     found = halts(replace(recording, statuses={"motion out of segments": status}), drop_scene())
     assert found == {"halted_frames": 3.0, "status_frames": 1.0}
     assert halts(moved((0.0, 0.0, 0.0)), drop_scene()) == {"halted_frames": 0.0, "status_frames": 0.0}
+
+
+def test_towers_stand_up_to_the_first_ratio_that_falls() -> None:
+    def of(*places: float) -> tuple[Tower, ...]:
+        return tuple(Tower("ball", 10.0**k, (x, 0.0, HEIGHT), 0.2) for k, x in enumerate(places))
+
+    still = moved((0.0, 0.0, 0.0))
+    asked = ((0.0, 0.0009), 0.0, 10.0), ((0.0, 0.0011, 0.0), 1.0, 1.0), ((0.002, 0.0), 1.0, 0.0)
+    for places, fallen, stands in asked:
+        found = towers(still, asks(towers=of(*places)), drop_scene())
+        assert found == {"towers_fallen": fallen, "ratio_standing_max": stands}
+    # it is there at first, and leaves
+    assert towers(moved((1.0, 0.0, 0.0)), asks(towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
+    nowhere = replace(still, positions=np.full_like(still.positions, np.nan))
+    assert towers(nowhere, asks(towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
+    assert towers(still, drop(30), drop_scene()) == {}
 
 
 def test_the_share_of_bodies_that_left_their_region() -> None:
