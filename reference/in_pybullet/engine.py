@@ -69,7 +69,8 @@ class PybulletEngine:
         self._last = self._targets.within_limits(scene.first_sample)
         self._set_engine()
         self._world: World = build_world(
-            scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits
+            scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits,
+            hulls=bool(self._chosen["boxes_as_hulls"].value),
         )
         self._set_bodies()
         up = -np.array(scene.gravity)

@@ -1,6 +1,7 @@
 """Our convex pieces as Bullet collision shapes, vertex for vertex."""
 
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,6 +17,10 @@ from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
 Array = NDArray[np.float64]
 
 
+SAME = 1e-12
+"""Places [m] and turns that differ by no more are one: what is left of rounding must not keep a shape from its own frame."""
+
+
 def xyzw(quaternion: Array | Quaternion) -> list[float]:
     """Scalar last, as PyBullet wants it. Together with `wxyz` the only place where the order changes."""
     w, x, y, z = (float(value) for value in quaternion)
@@ -28,27 +33,45 @@ def wxyz(quaternion: Sequence[float]) -> Array:
     return np.array([w, x, y, z])
 
 
-def collision_shape(pieces: tuple[Piece, ...], frame: Array, client: int) -> int:
-    """Shape of all pieces, in a frame that is turned by the quaternion `frame` against the body's; -1, Bullet's word for none,
-    without pieces."""
+def collision_shape(pieces: tuple[Piece, ...], frame: Array, centre: Array, client: int, hulls: bool = False) -> int:
+    """Shape of all pieces, in a frame that is turned by the quaternion `frame` against the body's; `centre` (3,) [m] is the mass
+    centre in that frame; `hulls`: boxes as hulls of their corners. -1, Bullet's word for none, without pieces.
+
+    One piece is handed over in the mass centre's own frame where it can be: there Bullet keeps the shape itself, anywhere else a
+    compound of it, whose contacts begin when boxes around the parts overlap and end when they do not. Only the shape itself is
+    met before it overlaps.
+    """
     if not pieces:
         return -1
     back = rotation.conjugate(frame)
     places = [rotation.rotate(back, piece.position).tolist() for piece in pieces]
     turns = [xyzw(rotation.multiply(back, piece.orientation)) for piece in pieces]
+    shapes = [corners(piece.shape) if hulls and isinstance(piece.shape, Box) else piece.shape for piece in pieces]
     if len(pieces) == 1:
-        arguments = _single(pieces[0].shape)
+        arguments, place, turn = _single(shapes[0]), places[0], turns[0]
+        vertices = hull_of(shapes[0])
+        if vertices is not None:
+            turned = rotation.rotate(rotation.multiply(back, pieces[0].orientation), vertices)
+            arguments["vertices"] = (turned + (np.array(place) - centre)).tolist()
+            place, turn = centre.tolist(), xyzw(rotation.IDENTITY)
+        elif np.abs(np.array(turn) - xyzw(rotation.IDENTITY)).max() < SAME and np.abs(np.array(place) - centre).max() < SAME:
+            place, turn = centre.tolist(), xyzw(rotation.IDENTITY)
         made = pybullet.createCollisionShape(
-            collisionFramePosition=places[0], collisionFrameOrientation=turns[0], physicsClientId=client, **arguments
+            collisionFramePosition=place, collisionFrameOrientation=turn, physicsClientId=client, **arguments
         )
         return int(made)
     with TemporaryDirectory() as folder:
-        rows = [_row(piece.shape, Path(folder) / f"{k}.obj") for k, piece in enumerate(pieces)]
+        rows = [_row(shape, Path(folder) / f"{k}.obj") for k, shape in enumerate(shapes)]
         columns = {name: [row[name] for row in rows] for name in rows[0]}
         made = pybullet.createCollisionShapeArray(
             collisionFramePositions=places, collisionFrameOrientations=turns, physicsClientId=client, **columns
         )
     return int(made)
+
+
+def corners(box: Box) -> ConvexHull:
+    """A box as the hull of its eight corners."""
+    return ConvexHull(0.5 * np.array(box.size) * np.array(list(product((-1.0, 1.0), repeat=3))))
 
 
 def hull_of(shape: Shape) -> Array | None:

@@ -56,9 +56,9 @@ class World:
     maximal: set[int] = field(default_factory=set)
 
 
-def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World:
+def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: bool) -> World:
     """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the
-    multibody solver."""
+    multibody solver; `limits`: those of hinges; `hulls`: boxes of links as hulls."""
     world = World(client)
     for k, body in enumerate(scene.bodies):
         # a bounce between two solvers is the multibody solver's: fixed bodies go with the simulated ones
@@ -68,14 +68,21 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool) -> World
             world.maximal.add(k)
     first = 0
     for avatar in scene.avatars:
-        _avatar(world, scene, avatar, first, limits)
+        _avatar(world, scene, avatar, first, limits, hulls)
         first += len(avatar.links)
     _filter(world, scene)
     return world
 
 
-def principal(mass: Mass) -> tuple[Array, Array]:
-    """Principal moments (3,) [kg m^2] and the frame (w, x, y, z) of their axes in the body's."""
+def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
+    """Principal moments (3,) [kg m^2] and the frame (w, x, y, z) of their axes in the body's: those of its one piece, where they
+    are that."""
+    if len(pieces) == 1:
+        axes = rotation.to_matrix(np.array(pieces[0].orientation))
+        turned = axes.T @ mass.inertia @ axes
+        moments = np.diag(turned).copy()
+        if np.abs(turned - np.diag(moments)).max() <= 1e-12 * moments.max():
+            return moments, np.array(pieces[0].orientation)
     moments = np.diag(mass.inertia).copy()
     if np.abs(mass.inertia - np.diag(moments)).max() <= 1e-15 * moments.max():
         return moments, IDENTITY
@@ -106,14 +113,14 @@ def _inertia_per_mass(shape: Sphere | Box) -> Array:
 def _body(body: Body, client: int, maximal: bool) -> Part:
     if body.role is Role.FIXED or body.mass is None:
         made = pybullet.createMultiBody(
-            0.0, collision_shape(body.pieces, IDENTITY, client), basePosition=body.position,
+            0.0, collision_shape(body.pieces, IDENTITY, np.zeros(3), client), basePosition=body.position,
             baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
         )
         return Part(int(made), -1, IDENTITY, np.zeros(3))
-    moments, frame = principal(body.mass)
+    moments, frame = principal(body.mass, body.pieces)
     centre = rotation.rotate(rotation.conjugate(frame), body.mass.centre)
     made = pybullet.createMultiBody(
-        body.mass.mass, collision_shape(body.pieces, frame, client), basePosition=body.position,
+        body.mass.mass, collision_shape(body.pieces, frame, centre, client), basePosition=body.position,
         baseOrientation=xyzw(rotation.multiply(body.orientation, frame)), baseInertialFramePosition=centre.tolist(),
         useMaximalCoordinates=maximal, physicsClientId=client,
     )
@@ -126,9 +133,10 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
 @dataclass(eq=False)
 class _Chain:
     """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint ->
-    limits."""
+    limits. `hulls`: boxes as hulls."""
 
     client: int
+    hulls: bool
     columns: dict[str, list[object]] = field(default_factory=dict)
     moments: dict[int, list[float]] = field(default_factory=dict)
     stops: dict[int, tuple[float, float]] = field(default_factory=dict)
@@ -149,8 +157,8 @@ class _Chain:
         return index
 
 
-def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool) -> None:
-    client, chain = world.client, _Chain(world.client)
+def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool, hulls: bool) -> None:
+    client, chain = world.client, _Chain(world.client, hulls)
     parts: dict[str, tuple[int, Array, Array]] = {}
     hinges: dict[int, list[int]] = {}
     balls: list[tuple[int, int]] = []
@@ -158,7 +166,7 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
     free = isinstance(root.joint, Free)
     for k in _depth_first(avatar):
         link = avatar.links[k]
-        moments, frame = principal(link.mass)
+        moments, frame = principal(link.mass, link.pieces)
         if k == 0 and free:
             parts[link.name] = (-1, frame, np.array(link.mass.centre))
             continue
@@ -171,12 +179,14 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
             balls.append((index, first + k))
     start, base = scene.first_sample, {}
     if free:
-        moments, frame = principal(root.mass)
+        moments, frame = principal(root.mass, root.pieces)
+        centre = rotation.rotate(rotation.conjugate(frame), root.mass.centre)
         base = {
-            "baseMass": root.mass.mass, "baseCollisionShapeIndex": collision_shape(root.pieces, frame, client),
+            "baseMass": root.mass.mass,
+            "baseCollisionShapeIndex": collision_shape(root.pieces, frame, centre, client, hulls),
             "basePosition": start.positions[first].tolist(),
             "baseOrientation": xyzw(rotation.multiply(rotation.normalised(start.rotations[first]), frame)),
-            "baseInertialFramePosition": rotation.rotate(rotation.conjugate(frame), root.mass.centre).tolist(),
+            "baseInertialFramePosition": centre.tolist(),
         }
     made = int(pybullet.createMultiBody(
         **base, **chain.columns, flags=pybullet.URDF_USE_SELF_COLLISION, physicsClientId=client,
@@ -209,7 +219,7 @@ def _depth_first(avatar: Avatar) -> list[int]:
 
 def moments_of(link: Link) -> list[float]:
     """Principal moments of a link, as a list."""
-    moments: list[float] = principal(link.mass)[0].tolist()
+    moments: list[float] = principal(link.mass, link.pieces)[0].tolist()
     return moments
 
 
@@ -218,7 +228,8 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
     """Append a link with its joint, and stand-ins before it where several hinges share a centre: its index,
     its hinges."""
     back = rotation.conjugate(frame)
-    shape, centre = collision_shape(link.pieces, frame, chain.client), rotation.rotate(back, link.mass.centre)
+    centre = rotation.rotate(back, link.mass.centre)
+    shape = collision_shape(link.pieces, frame, centre, chain.client, chain.hulls)
     kind = pybullet.JOINT_SPHERICAL if isinstance(link.joint, Ball) else pybullet.JOINT_FIXED
     if not isinstance(link.joint, Hinges):
         assert isinstance(link.joint, Ball | Rigid)

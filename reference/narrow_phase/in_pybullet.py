@@ -48,7 +48,7 @@ class PyBullet:
         upright = np.array([1.0, 0.0, 0.0, 0.0])
         self._bodies = []
         for shape in sequence.shapes:
-            made = collision_shape((Piece(shape),), upright, client)
+            made = collision_shape((Piece(shape),), upright, np.zeros(3), client)
             body = pybullet.createMultiBody(baseMass=1.0, baseCollisionShapeIndex=made, physicsClientId=client)
             if self.identity is not CLOSEST_DEFAULT:
                 pybullet.changeDynamics(body, -1, collisionMargin=1e-6, physicsClientId=client)
