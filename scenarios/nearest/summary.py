@@ -10,6 +10,8 @@ from scenarios.nearest.frames import Sample
 
 TIMES = 2.0
 """How many times as far as the nearest free posture the one shown may be."""
+NOTHING = 1e-12
+"""Distance [m, rad] up to which a posture is where the user's is, to rounding: a root at rest is 1e-17 m from its user's."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,9 @@ def _times(ours: float, best: float) -> float:
     """Ratio of two distances; both nothing is as good, something over nothing is infinitely worse."""
     if not ours >= 0.0 or not best >= 0.0:
         return math.nan
-    return ours / best if best > 0.0 else 1.0 if ours == 0.0 else math.inf
+    if ours <= NOTHING and best <= NOTHING:
+        return 1.0
+    return ours / best if best > 0.0 else math.inf
 
 
 def _rms(values: Sequence[float]) -> float:

@@ -31,6 +31,8 @@ def test_frames_without_a_nearest_posture_are_counted_and_left_out() -> None:
 
 def test_something_over_nothing_is_not_within() -> None:
     assert summarised([replace(ONE, angle=0.001, nearest_angle=0.0)]).times[1] == math.inf
+    # a root at rest is where its user's is, to rounding
+    assert summarised([replace(ONE, offset=3e-17, nearest_offset=1e-17)]).times[0] == 1.0
     assert summarised([replace(ONE, angle=0.0, nearest_angle=0.0)]).within
 
 
