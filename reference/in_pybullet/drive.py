@@ -7,8 +7,10 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
+from reference.in_pybullet.ball_stops import BallStops
 from reference.in_pybullet.shapes import wxyz, xyzw
 from reference.in_pybullet.world import World
 from reference.presets import Chosen
@@ -36,7 +38,8 @@ class Drive:
 
     def __init__(self, world: World, scene: Scene, chosen: dict[str, Chosen]) -> None:
         self._world, self._chosen, self._client = world, chosen, world.client
-        names = ("root_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain", "ball_force")
+        names = ("root_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain", "ball_force",
+                 "limit_force")
         self._numbers = {name: float(np.asarray(chosen[name].value, dtype=np.float64)) for name in names}
         self._frames = {k: world.parts[len(scene.bodies) + k].frame for _, _, k in world.balls}
         self._constraints: list[int] = []
@@ -55,7 +58,10 @@ class Drive:
             frames = np.array([self._frames[k] for _, k in entries])
             followed = Followed([k for _, k in entries], rotation.conjugate(frames), frames)
             self._balls.append((body, [joint for joint, _ in entries], followed))
+        self._torques = {body: [[self._numbers["ball_force"]] * 3] * len(joints) for body, joints, _ in self._balls}
         self._moves_balls = {body: self._ball_motors(body, len(joints)) for body, joints, _ in self._balls}
+        holds = self._numbers["limit_force"] > 0.0 and scene.effects.limits
+        self._stops = {body: stops for body in balls if (stops := self._ball_stops(scene, body, balls[body]))} if holds else {}
         roots = [world.parts[part] for part, _ in world.roots]
         self._rooted = [link for _, link in world.roots]
         self._held = np.array([part.centre for part in roots]).reshape(-1, 3)
@@ -108,6 +114,8 @@ class Drive:
                 )
             else:
                 self._chase(self._world.parts[part].body, centre, turn)
+        for body, stops in self._stops.items():
+            stops.harden(self._torques[body], [self._numbers["ball_force"]] * 3, [self._numbers["limit_force"]] * 3)
         for motor, joints, steps in self._joints:
             motor(joints, steps[k - 1])
 
@@ -160,7 +168,7 @@ class Drive:
         """The same of n balls."""
         numbers, client, tell = self._numbers, self._client, pybullet.setJointMotorControlMultiDofArray
         gains, dampings = [numbers["ball_gain"]] * n, [numbers["velocity_gain"]] * n
-        forces = [[numbers["ball_force"]] * 3] * n
+        forces = self._torques[body]
 
         def move(joints: list[int], goal: list[list[float]]) -> None:
             tell(
@@ -169,6 +177,19 @@ class Drive:
             )
 
         return move
+
+    def _ball_stops(self, scene: Scene, body: int, balls: list[tuple[int, int]]) -> BallStops | None:
+        """Limits of `balls`, (joint, link) each; None without any."""
+        links = scene.links
+        rows = [(row, joint, k, ball.limits) for row, (joint, k) in enumerate(balls)
+                if isinstance(ball := links[k].joint, Ball) and ball.limits is not None]
+        if not rows:
+            return None
+        return BallStops(
+            self._client, body, [joint for _, joint, _, _ in rows], [row for row, _, _, _ in rows],
+            [limits for _, _, _, limits in rows], np.array([links[k].orientation for _, _, k, _ in rows], dtype=np.float64),
+            np.array([self._frames[k] for _, _, k, _ in rows]),
+        )
 
     def _turned(self, k: int, turn: Array) -> Array:
         """A ball's rotation as Bullet's joint sees it: between principal frames."""
