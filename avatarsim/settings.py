@@ -27,6 +27,8 @@ class PostureSettings(NamedTuple):
     untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
     search_after    frames without coming nearer to a tracker whose own posture is free, or far off, before a way is searched.
     search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
+    leap_search     searches more, each of `search_work`, in a frame in which the tracker leaps farther than the steps of a frame
+                    go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 10 ms.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it. 2: for all.
     trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say.
@@ -54,6 +56,7 @@ class PostureSettings(NamedTuple):
     untie: int = 1
     search_after: int = 1
     search_work: int = 1200
+    leap_search: int = 7
     around: int = 1
     trapped_frames: int = 12
     trapped_jump: int = 0

@@ -5,6 +5,7 @@ from avatarsim.posture.body_place import place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.jointed import has_joints
+from avatarsim.posture.leap import leap_of, steps_of_leap
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
 from avatarsim.posture.workspace import (
@@ -17,6 +18,8 @@ from avatarsim.posture.workspace import (
     CROWDED,
     FRAME,
     HELD_STILL,
+    LEAP,
+    LEAPS,
     LED,
     LISTED,
     MERIT_WINDOW,
@@ -145,6 +148,7 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
     here = memory_out.goal.closeness.here
     for link in range(here.shape[0]):
         put_row(here, link, row(poses.position, skel.first + link))
+        put_row(memory_out.goal.begun, link, row(poses.position, skel.first + link))
     memory_out.pairs.marks[NOW] += 1
     if changed:
         # an empty reach makes the list anew
@@ -237,7 +241,7 @@ def follow(
     speed, moved = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
-    flags[UNTIED], flags[SPEED] = 0.0, speed
+    flags[UNTIED], flags[SPEED], flags[LEAP] = 0.0, speed, 0.0
     if speed > JUMP:
         # whoever jumps wants to go elsewhere
         flags[LED] = 0.0
@@ -260,8 +264,12 @@ def follow(
     if speed >= PUSHING:
         flags[PRESSED] = 0.0
     if flags[LED] != HELD_STILL:
-        # a thrown hand that is let go of a wall has its way back and the tracker's
-        more = 1 if moved > settings.steps * settings.move_cap and not has_joints(skel) else 0
-        flags[STEPPED] = walk(geo, skel, settings, settings.steps + more, posture_out, poses_out, memory_out)
+        flags[LEAP] = leap_of(settings, moved)
+        memory_out.counts[LEAPS] += 1 if flags[LEAP] > 0.0 else 0
+        steps = settings.steps + steps_of_leap(settings, memory_out)
+        flags[STEPPED] = walk(geo, skel, settings, steps, posture_out, poses_out, memory_out)
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)
+    if flags[LEAP] > 0.0:
+        # whoever had steps for all of the way and is not there is held up by something
+        flags[SLOW], flags[PAST : PAST + PAST_FRAMES] = 0.0, merit(memory_out.goal)
     judge_progress(memory_out)

@@ -8,7 +8,7 @@ from avatarsim.posture.limits import LEFT_ALONE, has_cone, inside_cone, surely_i
 from avatarsim.posture.workspace import BEST, BEYOND, LOCATED, Goal
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, step_between
-from avatarsim.spatial.vec3 import norm, row, sub
+from avatarsim.spatial.vec3 import norm, put_row, row, sub
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
@@ -146,14 +146,13 @@ def cap(
 @kernel
 def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> tuple[float, float]:
     """Largest change of the tracker's posture since the last frame [rad or m], which is then remembered; that of a root's place
-    alone, along one axis [m]."""
+    alone [m]."""
     before, fastest, moved = goal_before_out, 0.0, 0.0
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]
         if kind == FREE:
-            for k in range(3):
-                moved = max(moved, abs(goal.tracker.root[link, k] - before.root[link, k]))
-                before.root[link, k] = goal.tracker.root[link, k]
+            moved = max(moved, norm(sub(row(goal.tracker.root, link), row(before.root, link))))
+            put_row(before.root, link, row(goal.tracker.root, link))
         if kind == FREE or kind == BALL:
             now = columns(goal.tracker.turn, link)
             fastest = max(fastest, norm(step_between(columns(before.turn, link), now)))
@@ -163,6 +162,17 @@ def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> tuple
                 fastest = max(fastest, abs(goal.tracker.angle[j] - before.angle[j]))
                 before.angle[j] = goal.tracker.angle[j]
     return max(fastest, moved), moved
+
+
+@kernel
+def root_way(skel: Skeleton, way: Array) -> float:
+    """How far the farthest root goes [m] on a way (nd) in the tangent space; 0 without a root that moves."""
+    most = 0.0
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] == FREE:
+            d = skel.first_dof[link]
+            most = max(most, norm((way[d], way[d + 1], way[d + 2])))
+    return most
 
 
 @kernel

@@ -3,12 +3,12 @@
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, certify_pair, sweep_boxes
 from avatarsim.posture.untie import apart_at_trial
-from avatarsim.posture.workspace import ADDING, Goal, Memory
+from avatarsim.posture.workspace import ADDING, Memory
 from avatarsim.settings import PostureSettings
-from avatarsim.spatial.vec3 import norm
+from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
-from avatarsim.world.skeleton import FREE, Skeleton
+from avatarsim.world.skeleton import Skeleton
 
 FAR_OFF = 0.5
 """[m] a trunk farther than this from one that is not free may be held off by something that can be walked around. Less, and
@@ -23,21 +23,20 @@ NOTHING, INSIDE, BETWEEN = range(3)
 
 
 @kernel
-def trunk_to_go(skel: Skeleton, goal: Goal) -> float:
-    """How far the farthest root is from the tracker's [m], by the way `full`; 0 without a root that moves."""
-    most = 0.0
-    for link in range(skel.kind.shape[0]):
-        if skel.kind[link] == FREE:
-            d = skel.first_dof[link]
-            most = max(most, norm((goal.full[d], goal.full[d + 1], goal.full[d + 2])))
-    return most
+def is_near(boxes: Boxes, a: int, b: int) -> bool:
+    """Whether the boxes around two pieces are no farther apart than FAR_OFF along any axis."""
+    for k in range(3):
+        if boxes[a, k] > boxes[b, 3 + k] + FAR_OFF or boxes[b, k] > boxes[a, 3 + k] + FAR_OFF:
+            return False
+    return True
 
 
 @kernel
 def what_holds_off(geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory: Memory) -> int:
     """What of bodies that are no links keeps a root from going straight from here to the trial.
 
-    BETWEEN: something that the root at the trial is clear of; INSIDE: only what it is inside of there; NOTHING.
+    BETWEEN: something that the root at the trial is clear of; INSIDE: only what it is inside of there, and near to here; NOTHING:
+    also where that is farther away than FAR_OFF, for then limbs are held, or nobody is.
     """
     sweep_boxes(geo, skel, poses, settings.least_gap, memory)
     memory.flags[ADDING], found = 0.0, NOTHING
@@ -53,5 +52,6 @@ def what_holds_off(geo: Geometry, skel: Skeleton, settings: PostureSettings, pos
                     if boxes_meet(memory.swept, a, b) and not certify_pair(geo, skel, poses, a, b, settings, memory):
                         if apart_at_trial(geo, a, b, settings.least_gap, memory):
                             return BETWEEN
-                        found = INSIDE
+                        if is_near(poses.boxes, a, b):
+                            found = INSIDE
     return found

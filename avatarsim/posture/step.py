@@ -11,6 +11,7 @@ from avatarsim.posture.creep import creeps, slow_down
 from avatarsim.posture.foreseen import foresee
 from avatarsim.posture.goal import aim, merit
 from avatarsim.posture.kinematics import forward, place_links, take
+from avatarsim.posture.leap import steps_of_leap
 from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.posture.wanted_step import hindered, keep_limits, loses_merit, scale_step, seek_the_nearest
@@ -70,8 +71,9 @@ def work_done(memory: Memory) -> int:
 
 @kernel
 def budget(settings: PostureSettings, memory: Memory) -> int:
-    """Work that a frame may cost with as many near pairs as the last trial had."""
-    return int(settings.work + WORK_PER_PAIR * max(0, memory.pairs.marks[ASKED] - PAIRS_INCLUDED))
+    """Work that a frame may cost with as many near pairs as the last trial had; each step of a leap may cost as much."""
+    frames, more_pairs = 1 + steps_of_leap(settings, memory), max(0, memory.pairs.marks[ASKED] - PAIRS_INCLUDED)
+    return int(settings.work * frames + WORK_PER_PAIR * more_pairs)
 
 
 @kernel

@@ -9,10 +9,11 @@ frame that they last, the time included in which the avatar is led out.
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, is_no_pose
 from avatarsim.posture.follow import notice_others
-from avatarsim.posture.goal import aim
-from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, trunk_to_go, what_holds_off
+from avatarsim.posture.goal import aim, root_way
+from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, what_holds_off
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.kinematics import forward
+from avatarsim.posture.leap import has_leapt, steps_of_leap
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import apart_at_trial, forget
 from avatarsim.posture.way_lead import REFUSALS, lead
@@ -111,7 +112,7 @@ def look(
         return False
     is_open = tracker_is_free(geo, skel, settings, s)
     s.state[OPEN] = int(is_open)
-    if not is_open and trunk_to_go(skel, memory_out.goal) < FAR_OFF:
+    if not is_open and root_way(skel, memory_out.goal.full) < FAR_OFF:
         return False
     held = what_holds_off(geo, skel, settings, poses, s.memory)
     if not is_open and held == INSIDE:
@@ -181,7 +182,7 @@ def begin_search(
         let_go(RESTING, memory_out, way_out)
         way_out.state[RESTED] = 0
         return
-    begin_tree(posture, poses, trunk_to_go(skel, memory_out.goal), way_out)
+    begin_tree(posture, poses, root_way(skel, memory_out.goal.full), way_out)
     way_out.state[MODE], way_out.state[TRIES] = SEARCHING, 0
     hold_if_at_rest(memory_out, way_out)
 
@@ -197,7 +198,7 @@ def go_on_searching(
     if s.state[NODE] < 0:
         copy_posture(memory_out.goal.tracker, s.goal)
         if flags[LED] == 0.0:
-            begin_tree(posture, poses, trunk_to_go(skel, memory_out.goal), s)
+            begin_tree(posture, poses, root_way(skel, memory_out.goal.full), s)
             hold_if_at_rest(memory_out, s)
     s.state[MODE] = search(geo, skel, settings, s)
     if s.state[MODE] == RESTING:
@@ -231,11 +232,32 @@ def go_on_leading(
 def seek(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
 ) -> None:
-    """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of this file."""
-    s, flags = way_out, memory_out.flags
+    """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of this file.
+
+    After a leap a way is sought and gone as in several frames, until the avatar is as far as its user has leapt.
+    """
+    flags = memory_out.flags
+    if flags[SLOW] <= 1.0:
+        # after a leap something may still be under way to where the tracker was
+        set_free(memory_out, way_out)
     if flags[SLOW] == 0.0:
-        set_free(memory_out, s)
         return
+    seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
+    searches = settings.leap_search
+    for _ in range(searches + steps_of_leap(settings, memory_out)):
+        mode = way_out.state[MODE]
+        if (mode != LEADING and (mode != SEARCHING or searches == 0)) or has_leapt(skel, memory_out):
+            return
+        searches -= 1 if mode == SEARCHING else 0
+        seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
+
+
+@kernel
+def seek_once(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """What is searched, or gone, in a frame."""
+    s, flags = way_out, memory_out.flags
     mode = s.state[MODE]
     due = mode != IDLE and mode != LEADING and jump_is_due(settings, memory_out)
     if due or (mode != LEADING and is_time_to_look(settings, flags)):

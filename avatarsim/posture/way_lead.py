@@ -21,10 +21,14 @@ def straight_to(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, k: int, way: Way, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
 ) -> bool:
-    """Go straight to place k of the path, if that is certified and no longer than a step, unless it was one."""
+    """Go straight to place k of the path, if that is certified and no longer than a step.
+
+    The next place was a step when it was found, astray or not, but the avatar may have moved on since.
+    """
     get_node(way, way.path[k], memory_out.goal.tracker)
     to_turn, to_move = aim(skel, posture_out, settings, memory_out.goal)
-    if k > way.state[AT] + 1 and not (to_turn <= settings.turn_cap and to_move <= settings.move_cap):
+    astray = 1.0 if k == way.state[AT] + 1 else 0.0
+    if to_turn > settings.turn_cap + astray * settings.stray_turn or to_move > settings.move_cap + astray * settings.stray_move:
         return False
     for j in range(memory_out.rows.x.shape[0]):
         memory_out.rows.x[j] = memory_out.goal.full[j]

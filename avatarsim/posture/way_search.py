@@ -12,8 +12,8 @@ from math import inf
 from avatarsim.kernel import kernel
 from avatarsim.posture.chain import draw
 from avatarsim.posture.follow import notice_others, walk
-from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit
-from avatarsim.posture.held_off import CLOSER, trunk_to_go
+from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, root_way
+from avatarsim.posture.held_off import CLOSER
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import work_done
 from avatarsim.posture.untie import forget
@@ -189,7 +189,7 @@ def judge_walk(geo: Geometry, skel: Skeleton, largest: float, way_out: Way) -> b
         return not begin_cut(geo, skel, s)
     elif walked % PATIENCE == 0 or largest < STILL:
         if walked >= HOME_STEPS or largest < STILL or now > NEARER * s.best[0]:
-            if s.state[OPEN] == 0 and trunk_to_go(skel, s.memory.goal) < CLOSER * s.best[1]:
+            if s.state[OPEN] == 0 and root_way(skel, s.memory.goal.full) < CLOSER * s.best[1]:
                 trace(s)
                 return not begin_cut(geo, skel, s)
             add_leaf(now, s)

@@ -36,10 +36,10 @@ MERIT_WINDOW = 8
 
 # counts of one frame, by place in Memory.counts
 QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
-LED_STEPS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS = range(13, 17)
+LED_STEPS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS, LEAPS = range(13, 18)
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "resyncs", "bad_queries", "led", "trapped", "walled", "crossings",
+    "resyncs", "bad_queries", "led", "trapped", "walled", "crossings", "leaps",
 )
 
 
@@ -88,7 +88,8 @@ class Goal(NamedTuple):
 
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
-    (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`)
+    (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
+    begun (nl, 3) [m] link origins at the beginning of the frame
     """
 
     full: Array
@@ -104,6 +105,7 @@ class Goal(NamedTuple):
     wanted: Array
     closeness: Closeness
     aside: Posture
+    begun: Array
 
 
 class Rows(NamedTuple):
@@ -185,8 +187,8 @@ COUNT, BUILT = range(2)
 # places in Memory.flags
 (
     MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, PAST,
-) = range(22)
+    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, LEAP, PAST,
+) = range(23)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
@@ -261,7 +263,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
-        _posture(nl, 0),
+        _posture(nl, 0), np.zeros((nl, 3)),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
@@ -288,6 +290,9 @@ def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, 
     memory = make_memory(geo, skel, poses)
     forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
     memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
+    for before, now in zip(memory.goal.before, posture, strict=True):
+        # a user who begins where the avatar does has not leapt there
+        np.copyto(before, now)
     measure = memory.goal.closeness
     measure.turn_weight[:] *= turn_weight(geo, skel, poses)
     measure.far[0] = FAR * mean_reach(geo, skel, poses)

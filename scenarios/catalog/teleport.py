@@ -60,7 +60,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 SCENARIO = Scenario(
     name="teleport",
     title="The tracker jumps every half second to another place and posture, into walls, furniture and the body itself.",
-    judged="Overlap, the right side of every wall, limits. Not how near the user the avatar is: it may not jump after them.",
+    judged="Overlap, the right side of every wall, limits. The avatar may go as far as its user leaps, but through nothing.",
     build=build,
     motion=motion,
     frames=FRAMES,

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, NOTHING, trunk_to_go, what_holds_off
+from avatarsim.posture.goal import root_way
+from avatarsim.posture.held_off import BETWEEN, FAR_OFF, INSIDE, NOTHING, what_holds_off
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.way_memory import make_way
 from avatarsim.scene.body import Body
+from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from tests.posture.little_worlds import SETTINGS, at, little
@@ -46,16 +48,16 @@ def test_a_jump_that_is_asked_for_is_not_made_to_a_posture_that_is_not_free() ->
     assert total(records, "crossings") == 0 and records[-1].shown.positions[len(scene.bodies), 0] < 0.0
 
 
-def seen(bodies: tuple[Body, ...]) -> tuple[int, float]:
-    """What holds a trunk at the origin off BEYOND, and how far it is from there."""
+def seen(bodies: tuple[Body, ...], beyond: Vector = BEYOND) -> tuple[int, float]:
+    """What holds a trunk at the origin off one that is beyond, and how far it is from there."""
     found = little(Scene("s", bodies, (limbed(),), start=at(rest((limbed(),)), (0.0, 0.0, 0.0))))
     geo, skel, posture, poses = found.parts
     way = make_way(geo, skel, posture, poses, found.memory, 0)
     memory = way.memory
-    way.goal.root[0] = memory.goal.full[:3] = BEYOND
+    way.goal.root[0] = memory.goal.full[:3] = beyond
     forward(geo, skel, way.goal, memory.rows.x, memory.trial, memory.trial_axes)
     held = what_holds_off(geo, skel, SETTINGS, poses, memory)
-    return int(held), float(trunk_to_go(skel, memory.goal))
+    return int(held), float(root_way(skel, memory.goal.full))
 
 
 
@@ -67,3 +69,12 @@ def test_what_stands_between_is_told_from_what_the_tracker_is_inside_of(bodies: 
     held, to_go = seen(bodies)
     assert held == found
     assert to_go == pytest.approx(0.6, abs=1e-15)
+
+
+@pytest.mark.parametrize(("gap", "found"), [(0.9 * FAR_OFF, INSIDE), (1.1 * FAR_OFF, NOTHING)])
+def test_what_the_tracker_is_inside_of_holds_nobody_who_is_far_from_it(gap: float, found: int) -> None:
+    thick = 2.0
+    far = slab("far", (0.05 + gap + 0.5 * thick, 0.0, 0.0), (thick, 4.0, 4.0))
+    beyond = (0.05 + gap + 0.5 * thick, 0.0, 0.0)
+    assert seen((far,), beyond)[0] == found
+    assert seen((far, PLATE), beyond)[0] == BETWEEN
