@@ -14,6 +14,11 @@ Each message names the thing, the value it had and the range it must be in.
 """
 
 from collections.abc import Iterable
+from difflib import get_close_matches
+
+ALL_NAMED, NEAREST = 20, 6
+"""Names that are all listed, and how many of more are: those most like the one that was asked for. With a hundred names in a
+message nobody sees the one that was meant."""
 
 
 class AvatarsimError(Exception):
@@ -48,7 +53,16 @@ class UnknownName(InvalidInput):
     """A name that nobody registered; the message lists those that exist."""
 
     def __init__(self, thing: str, value: str, known: Iterable[str]) -> None:
-        super().__init__(thing, value, "one of " + ", ".join(sorted(known)))
+        super().__init__(thing, value, "one of " + likely(value, known))
+
+
+def likely(value: str, known: Iterable[str]) -> str:
+    """The names in order; of very many those most like `value`, and how many there are besides."""
+    names = sorted(known)
+    if len(names) <= ALL_NAMED:
+        return ", ".join(names)
+    chosen = get_close_matches(value, names, NEAREST) or names[:NEAREST]
+    return f"{', '.join(chosen)} and {len(names) - len(chosen)} others"
 
 
 class StartOverlaps(AvatarsimError):

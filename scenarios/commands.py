@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, likely
 from scenarios import catalog
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
@@ -156,10 +156,11 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
 
 
 def nothing(asked: argparse.Namespace) -> int:
-    """The filter, or one of its patterns, lets no scene through: say which there are."""
+    """The filter, or one of its patterns, lets no scene through: say which are like it."""
     known = catalog.scenarios()
-    wrong = " or ".join(repr(pattern) for pattern in unmatched(known, asked.filter)) or repr(asked.filter)
-    print(f"no scene matches {wrong}; there are: {', '.join(known)}", file=sys.stderr)
+    for pattern in unmatched(known, asked.filter) or [asked.filter]:
+        print(f"no scene matches {pattern!r}; there are {likely(pattern, known)}", file=sys.stderr)
+    print("`python -m scenarios list` names them all", file=sys.stderr)
     say_last(asked, NOTHING, None)
     return NOTHING
 

@@ -27,7 +27,7 @@ MEANINGS = {
     FAILED: "a gated bound failed",
     USAGE: "wrong usage",
     INCOMPLETE: "an engine is missing or crashed, or something was not measured",
-    NOTHING: "the filter matched no scene",
+    NOTHING: "a name or pattern of the filter matched no scene",
     STOPPED: "stopped before the end",
 }
 UNGATED = "nothing was gated"
