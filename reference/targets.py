@@ -29,6 +29,9 @@ from reference.target_kernels import (
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-9
+"""Difference of two quaternions from which on they are two."""
+
 
 @dataclass(frozen=True, eq=False)
 class Goals:
@@ -118,16 +121,37 @@ class Targets:
         )
         return positions, orientations
 
-    def ahead(self, goals: Goals, steps: float) -> tuple[Array, Array]:
+    def ahead(self, goals: Goals, steps: float, stop: bool = False) -> tuple[Array, Array]:
         """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it
         came with.
 
         A critically damped follower that is led by its own lag has none in steady motion. No future sample is
-        used.
+        used. With `stop` nobody is led beyond a limit: links are where they would be if every joint went on, moved as joints
+        that stop at their limits would move them.
         """
         positions, orientations = np.empty_like(goals.positions[1:]), np.empty_like(goals.orientations[1:])
         extrapolate(goals.positions, goals.orientations, steps, positions, orientations)
+        if stop and self._clamp and steps > 0.0 and len(positions):
+            start, end = (TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]) for k in (0, -1))
+            fractions = (np.arange(1, len(goals.roots)) + steps) / (len(goals.roots) - 1)
+            # who is not beyond at last is nowhere beyond, and most never are
+            if self._beyond(self.between(start, end, fractions[-1:])):
+                self._stop(self.between(start, end, fractions), positions, orientations)
         return positions, orientations
+
+    def _beyond(self, goals: Goals) -> bool:
+        """Whether the first posture is beyond a limit."""
+        kept = self.within_limits(TrackerSample(0.0, goals.roots[0], goals.turns[0], goals.angles[0]))
+        return bool((kept.angles != goals.angles[0]).any() or np.abs(kept.rotations - goals.turns[0]).max() > ROUNDING)
+
+    def _stop(self, goals: Goals, positions: Array, orientations: Array) -> None:
+        """Move poses by what limits change in `goals`, which go beyond them."""
+        for k in range(len(positions)):
+            kept = self.within_limits(TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]))
+            there, turned = self.posture(kept)
+            back = rotation.multiply(turned, rotation.conjugate(goals.orientations[k]))
+            positions[k] = there + rotation.rotate(back, positions[k] - goals.positions[k])
+            orientations[k] = rotation.multiply(back, orientations[k])
 
 
 class Followed:

@@ -86,7 +86,8 @@ class MujocoEngine:
         self._cut(dt)
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
         goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
-        positions, orientations = self._targets.ahead(goals, self._stiffness.lead(self._step) / self._step)
+        steps, stop = self._stiffness.lead(self._step) / self._step, bool(self._chosen["lead_stops"].value)
+        positions, orientations = self._targets.ahead(goals, steps, stop)
         # for all steps at once: a choice of rows costs numpy as much as a tenth of a step
         positions, orientations = positions[:, self._aimed], orientations[:, self._aimed]
         self._last = goal

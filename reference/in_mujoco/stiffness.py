@@ -11,6 +11,9 @@ from reference.presets import Chosen
 SOFTEST = 0.02
 """MuJoCo's default time constant [s] of limits."""
 
+STIFFEST = 2.0
+"""Shortest time constant, in steps, that MuJoCo can follow, and that refsafe admits."""
+
 CONTACTS = ("soft", "one_step")
 """Contact laws: MuJoCo's spring and damper, or a damper that acts within one step (Newton's law of
 restitution)."""
@@ -95,7 +98,10 @@ class Stiffness:
         """solreffriction of a pair: friction is not bouncy, and zeros would hand it the contact's own constants."""
         if self._word("contact") == "soft":
             return 0.0, 0.0
-        return self._number("friction_steps_resting" if law.rubs else "friction_steps") * step, 1.0
+        if not law.rubs:
+            return self._number("friction_steps") * step, 1.0
+        longest = self._number("friction_time_resting")
+        return max(STIFFEST * step, min(self._number("friction_steps_resting") * step, longest)), 1.0
 
     def _number(self, name: str) -> float:
         return float(np.asarray(self._chosen[name].value, dtype=np.float64))

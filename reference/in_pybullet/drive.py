@@ -38,8 +38,8 @@ class Drive:
 
     def __init__(self, world: World, scene: Scene, chosen: dict[str, Chosen]) -> None:
         self._world, self._chosen, self._client = world, chosen, world.client
-        names = ("root_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain", "ball_force",
-                 "limit_force")
+        names = ("root_force", "hand_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain",
+                 "ball_force", "limit_force")
         self._numbers = {name: float(np.asarray(chosen[name].value, dtype=np.float64)) for name in names}
         self._frames = {k: world.parts[len(scene.bodies) + k].frame for _, _, k in world.balls}
         self._constraints: list[int] = []
@@ -63,6 +63,8 @@ class Drive:
         holds = self._numbers["limit_force"] > 0.0 and scene.effects.limits
         self._stops = {body: stops for body in balls if (stops := self._ball_stops(scene, body, balls[body]))} if holds else {}
         roots = [world.parts[part] for part, _ in world.roots]
+        others = [len(avatar.links) - 1 for avatar in scene.avatars for _ in avatar.links]
+        self._most = [self._numbers["root_force" if others[link] else "hand_force"] for _, link in world.roots]
         self._rooted = [link for _, link in world.roots]
         self._held = np.array([part.centre for part in roots]).reshape(-1, 3)
         self._root = Followed(self._rooted, [rotation.IDENTITY] * len(roots), [rotation.IDENTITY] * len(roots))
@@ -109,8 +111,7 @@ class Drive:
             centre, turn = self._centres[k - 1][index], self._turns[k - 1][index]
             if self._constraints:
                 pybullet.changeConstraint(
-                    self._constraints[index], centre, turn, maxForce=self._numbers["root_force"],
-                    physicsClientId=self._client,
+                    self._constraints[index], centre, turn, maxForce=self._most[index], physicsClientId=self._client,
                 )
             else:
                 self._chase(self._world.parts[part].body, centre, turn)

@@ -70,7 +70,7 @@ class PybulletEngine:
         self._set_engine()
         self._world: World = build_world(
             scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits,
-            hulls=bool(self._chosen["boxes_as_hulls"].value),
+            hulls=bool(self._chosen["boxes_as_hulls"].value), apart=bool(self._chosen["pieces_as_links"].value),
         )
         self._set_bodies()
         up = -np.array(scene.gravity)
@@ -166,11 +166,12 @@ class PybulletEngine:
             restitution = np.zeros(len(scene.names))
         damping, margin = self._number("damping"), self._number("collision_margin")
         for k, part in enumerate(self._world.parts):
-            pybullet.changeDynamics(
-                part.body, part.link, restitution=float(restitution[k]), lateralFriction=float(friction[k]),
-                rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
-                collisionMargin=margin, physicsClientId=client,
-            )
+            for link in {part.link, *part.shapes}:
+                pybullet.changeDynamics(
+                    part.body, link, restitution=float(restitution[k]), lateralFriction=float(friction[k]),
+                    rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
+                    collisionMargin=margin, physicsClientId=client,
+                )
             if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
                 pybullet.changeDynamics(
                     part.body, part.link, activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING, physicsClientId=client

@@ -20,9 +20,12 @@ Array = NDArray[np.float64]
 SMALLEST = 1e-6
 """Stands for a coefficient of 0, whose logarithm does not exist."""
 
-NEARBY = 0.05
-"""Sideways gap [m] at which a pair counts half as much as one that touches: what falls meets what is below
-it."""
+NEARBY = 0.3
+"""Sideways gap, as a share of the smaller one's half width, at which a pair counts a sixteenth of one that touches: what falls
+meets what is below it."""
+
+POINT = 1e-9
+"""Half width [m] of who has none: links, which may be anywhere."""
 
 UNLIKELY = 0.01
 """Part of what matters most to both bodies of a pair below which the pair is left out of the fit: a hundred pairs that never meet
@@ -103,7 +106,8 @@ def weights(scene: Scene) -> tuple[Array, Array]:
         down /= np.linalg.norm(down)
         centres = centres - np.outer(centres @ down, down)
     gap = np.linalg.norm(centres[:, None] - centres[None], axis=2) - radii[:, None] - radii[None]
-    near = (1.0 / (1.0 + np.maximum(gap, 0.0) / NEARBY)) ** 4
+    smaller = np.maximum(np.minimum(radii[:, None], radii[None]), POINT)
+    near = (1.0 / (1.0 + np.maximum(gap, 0.0) / (NEARBY * smaller))) ** 4
     # who is driven may go anywhere
     near = np.where(driven[:, None] | driven[None], 1.0, near)
     bounce = near * scene.pair_filter * (moving[:, None] | moving[None])

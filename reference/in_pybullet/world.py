@@ -4,8 +4,10 @@ Bullet knows inertias along the axes of a link's frame only, so each link's fram
 axes here (`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from itertools import combinations, product
 
 import numpy as np
 import pybullet
@@ -32,12 +34,13 @@ has one joint per link, and a link without mass divides by zero when axes line u
 @dataclass(frozen=True, eq=False)
 class Part:
     """Where a body or link is in Bullet: multibody, link index (-1: base), its frame against ours, its mass
-    centre (ours)."""
+    centre (ours); `shapes`: the links that carry its pieces."""
 
     body: int
     link: int
     frame: Array
     centre: Array
+    shapes: tuple[int, ...] = (-1,)
 
 
 @dataclass(eq=False)
@@ -56,9 +59,10 @@ class World:
     maximal: set[int] = field(default_factory=set)
 
 
-def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: bool) -> World:
+def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: bool, apart: bool) -> World:
     """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the
-    multibody solver; `limits`: those of hinges; `hulls`: boxes of links as hulls."""
+    multibody solver; `limits`: those of hinges; `hulls`: boxes of links as hulls; `apart`: each of several pieces of a
+    driven link on a link of its own, without mass."""
     world = World(client)
     for k, body in enumerate(scene.bodies):
         # a bounce between two solvers is the multibody solver's: fixed bodies go with the simulated ones
@@ -68,7 +72,7 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: b
             world.maximal.add(k)
     first = 0
     for avatar in scene.avatars:
-        _avatar(world, scene, avatar, first, limits, hulls)
+        _avatar(world, scene, avatar, first, limits, hulls, apart)
         first += len(avatar.links)
     _filter(world, scene)
     return world
@@ -133,10 +137,11 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
 @dataclass(eq=False)
 class _Chain:
     """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint ->
-    limits. `hulls`: boxes as hulls."""
+    limits. `hulls`: boxes as hulls; `apart`: several pieces as links."""
 
     client: int
     hulls: bool
+    apart: bool
     columns: dict[str, list[object]] = field(default_factory=dict)
     moments: dict[int, list[float]] = field(default_factory=dict)
     stops: dict[int, tuple[float, float]] = field(default_factory=dict)
@@ -153,13 +158,37 @@ class _Chain:
         for name, value in row.items():
             self.columns.setdefault(name, []).append(value)
         index = len(self.columns["linkMasses"]) - 1
-        self.moments[index] = moments
+        if mass > 0.0:
+            self.moments[index] = moments
         return index
 
+    def shape(self, link: Link, frame: Array, centre: Array) -> int:
+        """The collision shape of a link itself: none if its pieces are links."""
+        pieces = () if self._splits(link) else link.pieces
+        return collision_shape(pieces, frame, centre, self.client, self.hulls)
 
-def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool, hulls: bool) -> None:
-    client, chain = world.client, _Chain(world.client, hulls)
-    parts: dict[str, tuple[int, Array, Array]] = {}
+    def pieces(self, link: Link, index: int, frame: Array) -> tuple[int, ...]:
+        """Append what carries the pieces of link `index`, unless it does itself; the links that do.
+
+        A compound meets nothing before boxes around its parts overlap. A piece on a link of its own, which is fixed to its link
+        and weighs nothing, is met before it overlaps, as a link of one piece is.
+        """
+        if not self._splits(link):
+            return (index,)
+        back, made = rotation.conjugate(frame), list[int]()
+        for piece in link.pieces:
+            place, turn = rotation.rotate(back, piece.position), rotation.multiply(back, piece.orientation)
+            shape = collision_shape((Piece(piece.shape),), IDENTITY, np.zeros(3), self.client, self.hulls)
+            made.append(self.add(index, place, turn, pybullet.JOINT_FIXED, [0.0, 0.0, 1.0], 0.0, [], shape))
+        return tuple(made)
+
+    def _splits(self, link: Link) -> bool:
+        return self.apart and len(link.pieces) > 1
+
+
+def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool, hulls: bool, apart: bool) -> None:
+    client, chain = world.client, _Chain(world.client, hulls, apart)
+    parts: dict[str, tuple[int, Array, Array, tuple[int, ...]]] = {}
     hinges: dict[int, list[int]] = {}
     balls: list[tuple[int, int]] = []
     root = avatar.links[0]
@@ -168,13 +197,13 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
         link = avatar.links[k]
         moments, frame = principal(link.mass, link.pieces)
         if k == 0 and free:
-            parts[link.name] = (-1, frame, np.array(link.mass.centre))
+            parts[link.name] = (-1, frame, np.array(link.mass.centre), chain.pieces(link, -1, frame))
             continue
         above, above_frame = (-1, IDENTITY) if link.parent is None else parts[link.parent][:2]
         back = rotation.conjugate(above_frame)
         index, hinges[k] = _joint(chain, link, above, rotation.rotate(back, link.anchor),
                                   rotation.multiply(back, link.orientation), frame, moments.tolist(), limits)
-        parts[link.name] = (index, frame, np.array(link.mass.centre))
+        parts[link.name] = (index, frame, np.array(link.mass.centre), chain.pieces(link, index, frame))
         if isinstance(link.joint, Ball):
             balls.append((index, first + k))
     start, base = scene.first_sample, {}
@@ -183,7 +212,7 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
         centre = rotation.rotate(rotation.conjugate(frame), root.mass.centre)
         base = {
             "baseMass": root.mass.mass,
-            "baseCollisionShapeIndex": collision_shape(root.pieces, frame, centre, client, hulls),
+            "baseCollisionShapeIndex": chain.shape(root, frame, centre),
             "basePosition": start.positions[first].tolist(),
             "baseOrientation": xyzw(rotation.multiply(rotation.normalised(start.rotations[first]), frame)),
             "baseInertialFramePosition": centre.tolist(),
@@ -229,7 +258,7 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
     its hinges."""
     back = rotation.conjugate(frame)
     centre = rotation.rotate(back, link.mass.centre)
-    shape = collision_shape(link.pieces, frame, centre, chain.client, chain.hulls)
+    shape = chain.shape(link, frame, centre)
     kind = pybullet.JOINT_SPHERICAL if isinstance(link.joint, Ball) else pybullet.JOINT_FIXED
     if not isinstance(link.joint, Hinges):
         assert isinstance(link.joint, Ball | Rigid)
@@ -256,13 +285,16 @@ def _filter(world: World, scene: Scene) -> None:
     """Exactly the scene's pairs: Bullet tests all but what is switched off here."""
     still = np.array([role is Role.FIXED for role in scene.roles])
     n = len(scene.names)
-    for a in range(n):
+
+    def say(one: Part, two: Part, pairs: Iterable[tuple[int, int]], meet: bool) -> None:
+        for link, other in pairs:
+            pybullet.setCollisionFilterPair(one.body, two.body, link, other, int(meet), physicsClientId=world.client)
+
+    for a, one in enumerate(world.parts):
+        say(one, one, combinations(one.shapes, 2), False)
         for b in range(a + 1, n):
             if still[a] and still[b]:
                 continue
-            one, two = world.parts[a], world.parts[b]
-            same = one.body == two.body
-            if same or not scene.pair_filter[a, b]:
-                pybullet.setCollisionFilterPair(
-                    one.body, two.body, one.link, two.link, int(scene.pair_filter[a, b]), physicsClientId=world.client
-                )
+            two = world.parts[b]
+            if one.body == two.body or not scene.pair_filter[a, b]:
+                say(one, two, product(one.shapes, two.shapes), bool(scene.pair_filter[a, b]))

@@ -112,8 +112,11 @@ PYBULLET = (
     _pybullet("multibody erp=0", (Kind.BOUNCING,), maximal=False, split_impulse=False, contact_erp=0.0),
     _pybullet("processing_threshold=1", (Kind.BOUNCING,), processing_threshold=1.0),
     _pybullet("slop=1e-4", contact_slop=1e-4),
+    _pybullet("margin=0.001", collision_margin=0.001),
+    _pybullet("breaking_threshold=0.02", TRACKED, breaking_threshold=0.02),
+    _pybullet("pieces_as_links=off", TRACKED, pieces_as_links=False),
 )
-"""Step, iterations, how hard contacts push, how the hand is driven, which solver bodies are in."""
+"""Step, iterations, how hard contacts push and how early, margins, how the hand is driven, which solver bodies are in."""
 
 BY_ENGINE = {"avatarsim": OURS, "mujoco": MUJOCO, "pybullet": PYBULLET}
 """Engines of which we know what to turn; of all others their presets are taken."""

@@ -61,6 +61,21 @@ def test_zero_stays_almost_zero_and_many_bodies_share_factors() -> None:
     assert fit(none, coefficients(none)[0], weights(none)[0]).values.max() < 2e-3
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_factors_do_not_depend_on_the_size_of_the_world(scale: float) -> None:
+    """Six balls on six slabs, in millimetres and in kilometres: who meets whom is the same."""
+    def balls(size: float) -> Scene:
+        materials = [(a, b) for k, a in enumerate(("wood", "human", "metal")) for b in ("wood", "human", "metal")[k:]]
+        ball, slab = (Piece(Sphere(0.1 * size)),), (Piece(Box((0.6 * size, 0.6 * size, 0.2 * size))),)
+        bodies = [fixed(f"slab_{k}", slab, b, (k * size, 0.0, 0.0)) for k, (_, b) in enumerate(materials)]
+        return Scene("balls", (*bodies, *(
+            simulated(f"ball_{k}", ball, a, solid(ball, 1.0), (k * size, 0.0, size)) for k, (a, _) in enumerate(materials)
+        )))
+
+    for usual, there in zip(*((coefficients(s), weights(s)) for s in (balls(1.0), balls(scale))), strict=True):
+        np.testing.assert_allclose(usual, there, rtol=1e-9)
+
+
 def test_ellipsoids_are_owned_up_to() -> None:
     egg = (Piece(Ellipsoid((0.1, 0.2, 0.3))),)
     scene = Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),))

@@ -16,7 +16,7 @@ from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, every_joint, posture, skewed, turned
 
 BALL = (Piece(Sphere(0.1)),)
-LIMP = {"root_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0}
+LIMP = {"root_force": 0.0, "hand_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0}
 """Settings of PyBullet with which nothing drives a link."""
 
 

@@ -90,6 +90,26 @@ def test_poses_ahead_go_on_as_the_motion_came() -> None:
     assert np.abs(np.abs(orientations[0, 0] @ wanted) - 1.0) <= 1e-12
 
 
+def test_nobody_is_led_beyond_a_limit() -> None:
+    """The root moves and a hinge turns past its limit: the root goes on, the hinge stops; within limits nothing changes."""
+    targets = Targets(SCENE, clamp=True)
+    start, end, far = (targets.within_limits(posture(SCENE.avatars[0], 0)) for _ in range(3))
+    end.positions[0] += (0.1, 0.0, 0.0)
+    far.positions[0] += (0.3, 0.0, 0.0)
+    start.angles[0], end.angles[0], far.angles[0] = 1.7, 1.9, 2.0
+    goals = targets.between(start, end, np.array([0.0, 0.5, 1.0]))
+    positions, orientations = targets.ahead(goals, 4.0, stop=True)
+    there, turned = link_poses(SCENE.avatars, far)
+    assert np.abs(np.abs(np.sum(orientations[1] * turned, axis=1)) - 1.0).max() <= 1e-12
+    # what hangs on the hinge goes on straight, as it came: only what the limit changes is taken back
+    assert np.abs(positions[1, :3] - there[:3]).max() <= 1e-12
+    free = targets.ahead(goals, 4.0)
+    assert np.abs(free[1][1, 1] - orientations[1, 1]).max() > 0.1
+    near = targets.between(start, end, np.array([0.0, 0.1, 0.2]))
+    for stopped, unstopped in zip(targets.ahead(near, 1.0, stop=True), targets.ahead(near, 1.0), strict=True):
+        assert (stopped == unstopped).all()
+
+
 @given(st.integers(0, 10**6), st.floats(0.0, 9.0))
 def test_turns_go_on_as_the_plain_interpolation_does(seed: int, share: float) -> None:
     rng = np.random.default_rng(seed)

@@ -1,0 +1,75 @@
+"""Bodies on a floor, one step per frame: what the tests of restitution and friction throw, and what they see of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.engine import Engine, Settings
+from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.mass import solid
+from avatarsim.scene.material import Contact
+from avatarsim.scene.scene import EARTH, Scene
+from avatarsim.scene.shape import Box, Piece, Shape, Sphere
+from avatarsim.scene.tracker import rest
+from avatarsim.spatial import rotation
+from scenarios.cases import pair_table
+
+Array = NDArray[np.float64]
+
+GRAVITY = -EARTH[2]
+"""[m/s^2]"""
+BALL, BALL_MASS = Sphere(0.05), 0.2
+"""Ball of 5 cm radius, mass [kg]."""
+RATES = (60, 240, 1000, 4000)
+"""Steps per second."""
+
+
+@dataclass(frozen=True)
+class Thrown:
+    """One body: its shape, mass [kg], place [m], velocity [m/s] and what holds between it and the floor."""
+
+    shape: Shape
+    mass: float
+    at: Vector
+    velocity: Vector
+    law: Contact
+    turn: Quaternion = rotation.IDENTITY
+
+
+@dataclass(frozen=True)
+class Seen:
+    """States (F, n, 3) of n bodies: place of the centre [m], velocity [m/s], angular velocity [rad/s]."""
+
+    places: Array
+    velocities: Array
+    spins: Array
+
+
+def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Scene:
+    """A floor whose top is z = 0, and bodies that do not meet one another. Scenes have the settings of the one of that name."""
+    laws = sorted({(one.law.restitution, one.law.friction) for one in thrown})
+    material = {law: f"m{k}" for k, law in enumerate(laws)}
+    bodies: list[Body] = [fixed("floor", (Piece(Box((60.0, 60.0, 0.4))),), "floor", (0.0, 0.0, -0.2))]
+    for k, one in enumerate(thrown):
+        pieces = (Piece(one.shape),)
+        made_of = material[one.law.restitution, one.law.friction]
+        bodies.append(simulated(
+            f"b{k}", pieces, made_of, solid(pieces, one.mass), one.at, one.turn, velocity=one.velocity
+        ))
+    table = {("floor", made_of): Contact(*law) for law, made_of in material.items()}
+    return Scene(name, tuple(bodies), materials=pair_table(["floor", *material.values()], table), gravity=(0.0, 0.0, -gravity))
+
+
+def seen(engine: Engine, scene: Scene, rate: int, seconds: float, preset: str = "tuned", **options: object) -> Seen:
+    """All bodies but the first at the start and after every step."""
+    step = 1.0 / rate
+    frames = [engine.load(scene, Settings(preset, {"dt": step, **options}), step)]
+    frames += [engine.advance(rest(scene.avatars, (k + 1) * step), step) for k in range(round(seconds * rate))]
+    engine.close()
+    shown = [frame.shown for frame in frames]
+    return Seen(
+        np.array([state.positions[1:] for state in shown]), np.array([state.velocities[1:] for state in shown]),
+        np.array([state.angular_velocities[1:] for state in shown]),
+    )
