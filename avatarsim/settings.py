@@ -23,12 +23,17 @@ class PostureSettings(NamedTuple):
                     rests; 0 lets limbs circle around an obstacle for ever.
     root_weight     how much a root resists against a joint; below 1 the body drifts where a hand would do.
     stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
+    turn_share      what angles weigh beside link origins. 0.7: origins a tenth nearer to the user's where limbs are pressed on,
+                    angles farther, and limbs are caught more often; 1.4: the other way round, and chains lag.
+    turn_alone      the same of avatars without joints. 1: behind a wall a hand's place is a tenth farther from the user's; 0.4:
+                    in a corner it turns by ten degrees more for a place 3 mm nearer.
     stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
     untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
     search_after    frames without coming nearer to a tracker whose own posture is free, or far off, before a way is searched.
     search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
     leap_search     searches more, each of `search_work`, in a frame in which the tracker leaps farther than the steps of a frame
-                    go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 10 ms.
+                    go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 8 to
+                    15 ms.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it. 2: for all.
     trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say.
@@ -52,6 +57,8 @@ class PostureSettings(NamedTuple):
     merit: float = 0.01
     root_weight: float = 3.0
     stiffness_floor: float = 3.0
+    turn_share: float = 1.0
+    turn_alone: float = 0.55
     stuck_frames: int = 12
     untie: int = 1
     search_after: int = 1

@@ -81,8 +81,8 @@ def opened_settings(o: Opening) -> PostureSettings:
     """The next PostureSettings."""
     return PostureSettings(
         real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), real(o),
-        real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o),
-        whole(o), whole(o),
+        real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o), whole(o),
+        whole(o),
     )
 
 

@@ -2,17 +2,12 @@
 
 import numpy as np
 
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Skeleton
 
-TURN_SHARE = 1.0
-"""What angles weigh beside link origins; 1: as their means in metres, a radian being a link's mean reach. 0.7: offsets a tenth
-smaller where limbs are pressed on, angles larger, and limbs get caught more often. 1.4: the other way round, and chains lag."""
-
-TURN_ALONE = 0.55
-"""The same for avatars without joints: the mean square of the distances of a hand's points from its origin is half of that of its
-reach. 1: in a bowl and behind a wall its place is a tenth farther from the user's, for angles smaller than need be; 0.4: in a
-corner it turns by ten degrees more for its place to come 3 mm nearer."""
+LEAST_SHARE = 1e-3
+"""What angles weigh at least: with nothing, a joint that carries no other link's origin would turn for no reason."""
 
 FAR = 4.0
 """Mean reaches of a link beyond which an origin pulls no harder; larger, and limbs stretch to a far tracker."""
@@ -32,9 +27,10 @@ def mean_reach(geo: Geometry, skel: Skeleton, poses: Poses) -> float:
     return float(np.mean(reaches)) if reaches else 1.0
 
 
-def turn_weight(geo: Geometry, skel: Skeleton, poses: Poses) -> float:
-    """Weight [m^2] of the squared angle of a joint in the measure of nearness (`closeness.py`)."""
+def turn_weight(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSettings) -> float:
+    """Weight [m^2] of the squared angle of a joint in the measure of nearness (`closeness.py`): with a share of 1 as much as the
+    means of angles and of origins are in metres, a radian being a link's mean reach."""
     degrees = np.diff(skel.first_dof)
     jointed = bool((degrees[skel.kind != FREE] > 0).any())
-    share = TURN_SHARE if jointed else TURN_ALONE
+    share = max(settings.turn_share if jointed else settings.turn_alone, LEAST_SHARE)
     return float(share * mean_reach(geo, skel, poses) ** 2 * len(skel.kind) / max(int((degrees > 0).sum()), 1))

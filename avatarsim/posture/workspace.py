@@ -294,6 +294,6 @@ def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, 
         # a user who begins where the avatar does has not leapt there
         np.copyto(before, now)
     measure = memory.goal.closeness
-    measure.turn_weight[:] *= turn_weight(geo, skel, poses)
+    measure.turn_weight[:] *= turn_weight(geo, skel, poses, settings)
     measure.far[0] = FAR * mean_reach(geo, skel, poses)
     return memory
