@@ -70,7 +70,7 @@ ALONE, CHANGE = 1.5, 0.25
 """What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
 there that a frame goes, so that a touch turns no limb at once. 1: joints that are within their limits turn a twentieth more."""
 
-NEAR_ENOUGH = 0.1
+NEAR_ENOUGH = 0.05
 """[rad or m] an avatar nearer than this to the tracker's posture in every joint needs no other way."""
 
 NEARER = 0.64

@@ -54,6 +54,7 @@ from avatarsim.posture.workspace import (
     UNDER_WAY,
     WALLED,
     WALLED_FRAMES,
+    Goal,
     Memory,
 )
 from avatarsim.settings import PostureSettings
@@ -71,6 +72,10 @@ CREEPING_TRIES = 2
 LOOK_EVERY = 8
 """Frames after which it is looked again whether the posture of a tracker that rests is free: pressing into a wall is the ordinary
 case. While it moves it is looked each frame, for a limb that is found caught eight frames late is far behind by then."""
+
+AT_ONCE, HARDLY = 12, 0.1
+"""Frames' worth of steps along a way to where a frame could go, and how far [m] a root may be from there: a leg on the wrong side
+of the other, when the user's is found free, is there in that frame and not after three."""
 
 LONGEST_REST = 960
 """Most frames that the search rests: a tracker may stay beyond a wall for good, and a trap may open at any time."""
@@ -229,12 +234,22 @@ def go_on_leading(
 
 
 @kernel
+def is_near(skel: Skeleton, settings: PostureSettings, goal: Goal) -> bool:
+    """Whether the way `full` to the tracker's posture is no longer than a frame's steps turn, and hardly moves a root."""
+    most = 0.0
+    for part in goal.full:
+        most = max(most, abs(part))
+    return bool(most <= settings.steps * settings.turn_cap and root_way(skel, goal.full) <= HARDLY)
+
+
+@kernel
 def seek(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
 ) -> None:
     """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of this file.
 
-    After a leap a way is sought and gone as in several frames, until the avatar is as far as its user has leapt.
+    After a leap a way is sought and gone as in several frames, until the avatar is as far as its user has leapt. A way round
+    something to where a frame could go, were nothing there, is gone in the frame in which it is found.
     """
     flags = memory_out.flags
     if flags[SLOW] <= 1.0:
@@ -242,13 +257,15 @@ def seek(
         set_free(memory_out, way_out)
     if flags[SLOW] == 0.0:
         return
+    near = way_out.state[MODE] != LEADING and is_near(skel, settings, memory_out.goal)
     seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
     searches = settings.leap_search
-    for _ in range(searches + steps_of_leap(settings, memory_out)):
-        mode = way_out.state[MODE]
-        if (mode != LEADING and (mode != SEARCHING or searches == 0)) or has_leapt(skel, memory_out):
+    for _ in range(searches + max(steps_of_leap(settings, memory_out), AT_ONCE)):
+        leapt = has_leapt(skel, memory_out)
+        leads = way_out.state[MODE] == LEADING and (near or not leapt)
+        if not leads and (way_out.state[MODE] != SEARCHING or searches == 0 or leapt):
             return
-        searches -= 1 if mode == SEARCHING else 0
+        searches -= 0 if leads else 1
         seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
 
 
