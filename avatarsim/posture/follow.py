@@ -1,7 +1,7 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.body_place import place_bodies
+from avatarsim.posture.body_place import MOST_TURNED, place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.jointed import has_joints
@@ -50,8 +50,9 @@ from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
-JUMP = 0.2
-"""[rad or m] a tracker that moves more than this within a frame has jumped: whether one comes nearer to it is judged anew."""
+JUMP = MOST_TURNED + 0.01
+"""[rad or m] a tracker that moves more than this within a frame has jumped: whether one comes nearer to it is judged anew. Less,
+and a body that comes back from aside counts as a jump in each frame: a way that is sought meanwhile is begun again and again."""
 
 OUTRUN = 0.7
 """[rad] a tracker that turns a joint more than this within a frame, as no joint can in two steps, or a root by a jump, is
