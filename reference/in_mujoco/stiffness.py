@@ -44,7 +44,7 @@ class Stiffness:
         option, model = self._world.model.opt, self._world.model
         option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{self._word('integrator')}")
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self._word('cone')}")
-        option.iterations = int(self._number("iterations"))
+        option.iterations, option.tolerance = int(self._number("iterations")), self._number("tolerance")
         option.impratio, option.noslip_iterations = self._number("impratio"), int(self._number("noslip_iterations"))
         refsafe = int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
         option.disableflags = option.disableflags & ~refsafe if self._chosen["refsafe"].value else option.disableflags | refsafe
