@@ -11,10 +11,11 @@ from math import inf
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.chain import draw
-from avatarsim.posture.follow import notice_others, walk
+from avatarsim.posture.follow import walk
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, root_way
 from avatarsim.posture.held_off import CLOSER
 from avatarsim.posture.kinematics import forward
+from avatarsim.posture.notice import notice_others
 from avatarsim.posture.step import work_done
 from avatarsim.posture.untie import forget
 from avatarsim.posture.way_memory import (

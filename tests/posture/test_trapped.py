@@ -7,7 +7,7 @@ import pytest
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
-from avatarsim.posture.trapped import LOOK_EVERY
+from avatarsim.posture.look import LOOK_EVERY
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
