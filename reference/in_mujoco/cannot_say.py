@@ -30,6 +30,8 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
             "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is "
             "found"
         )
+    if scene.effects.coupling:
+        found["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its weld has it"
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):

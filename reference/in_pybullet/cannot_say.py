@@ -40,6 +40,10 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         found["shared centres"] = (
             "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
         )
+    if scene.effects.coupling:
+        found["virtual coupling"] = (
+            "no spring of eq. 6: after a collision a link goes back to its user as constraints and motors have it"
+        )
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
     return found | not_left_out(scene)

@@ -58,3 +58,11 @@ def test_what_is_switched_off_changes_mujoco_s_model_and_no_words_are_needed(eff
         assert not without.any()
     elif effect == "friction":
         assert (without == 1).all()
+
+
+@pytest.mark.parametrize(("name", "coupled"), [("hand_over_table", True), ("coupling_sweep", True), ("mocap_punch_wall", False)])
+def test_who_meets_simulated_bodies_is_told_that_nobody_has_the_spring_of_equation_6(name: str, coupled: bool) -> None:
+    scene = catalog.get(name).build()
+    pybullet = pytest.importorskip("reference.in_pybullet.cannot_say", exc_type=ImportError)
+    for said in (mujoco_cannot_say(scene), pybullet.cannot_say(scene)):
+        assert ("eq. 6" in said.get("virtual coupling", "")) == coupled
