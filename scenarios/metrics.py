@@ -65,6 +65,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "trapped": ("frames", "the tracker's posture is free, the shown one is far and came no nearer for a stated time"),
     "walled": ("frames", "trapped, and something that is no link stands between the shown trunk and the tracker's"),
     "crossings": ("", "jumps out of a trap or across a wall, taken only where settings ask for them"),
+    "leaps": ("frames", "the tracker moved farther than the steps of a frame go, and was followed in that frame"),
     "run": ("", "stands in for all metrics of a run that gave none: crashed, not measured, refused"),
 }
 FAMILIES: dict[str, tuple[str, str]] = {

@@ -57,7 +57,7 @@ def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
 
 
 def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:
-    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("trapped", "walled", "crossings"))}
+    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("trapped", "walled", "crossings", "leaps"))}
     found = work(replace(resting(fist_scene(), 4), counts=numbers))
     # the first state is no frame
-    assert found == {"trapped": 2.0, "walled": 3.0, "crossings": 4.0}
+    assert found == {"trapped": 2.0, "walled": 3.0, "crossings": 4.0, "leaps": 5.0}
