@@ -5,9 +5,10 @@ from avatarsim.posture.body_place import MOST_TURNED, place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.jointed import has_joints
-from avatarsim.posture.leap import leap_of, steps_of_leap
+from avatarsim.posture.leap import hold_who_has_leapt, leap_of, steps_of_leap
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
+from avatarsim.posture.way_memory import copy_posture
 from avatarsim.posture.workspace import (
     ASTRAY,
     BEYOND,
@@ -149,7 +150,6 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
     here = memory_out.goal.closeness.here
     for link in range(here.shape[0]):
         put_row(here, link, row(poses.position, skel.first + link))
-        put_row(memory_out.goal.begun, link, row(poses.position, skel.first + link))
     memory_out.pairs.marks[NOW] += 1
     if changed:
         # an empty reach makes the list anew
@@ -185,7 +185,9 @@ def walk(
         now = merit(memory_out.goal)
     memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
-    for _ in range(steps):
+    for k in range(steps):
+        if k >= settings.steps and memory_out.flags[LEAP] > 0.0:
+            hold_who_has_leapt(skel, settings, posture_out, memory_out)
         if memory_out.flags[PRESSED] > 0.0:
             most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
             for j in range(memory_out.goal.trust.shape[0]):
@@ -195,6 +197,7 @@ def walk(
         enough = SETTLED if is_held(memory_out) else ARRIVED
         if there or largest < enough or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
+    memory_out.goal.allowed[:] = 1.0
     return largest
 
 
@@ -239,7 +242,8 @@ def follow(
         changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     place_bodies(skel, memory_out.goal)
-    speed, moved = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
+    copy_posture(posture_out, memory_out.goal.begun)
+    speed, moved = tracker_speed(skel, memory_out.goal)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
     flags[UNTIED], flags[SPEED], flags[LEAP] = 0.0, speed, 0.0

@@ -89,7 +89,8 @@ class Goal(NamedTuple):
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
     (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
-    begun (nl, 3) [m] link origins at the beginning of the frame
+    begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
+    one of their joints turned [rad], in the row of the root; allowed (nd) 1, or 0 for what has gone as far as it may (`leap.py`)
     """
 
     full: Array
@@ -105,7 +106,9 @@ class Goal(NamedTuple):
     wanted: Array
     closeness: Closeness
     aside: Posture
-    begun: Array
+    begun: Posture
+    leapt: Array
+    allowed: Array
 
 
 class Rows(NamedTuple):
@@ -263,7 +266,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
-        _posture(nl, 0), np.zeros((nl, 3)),
+        _posture(nl, 0), _posture(nl, nd), np.zeros((nl, 2)), np.ones(nd),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
