@@ -5,10 +5,11 @@ from avatarsim.posture.body_place import MOST_TURNED, place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
 from avatarsim.posture.jointed import has_joints
-from avatarsim.posture.leap import leap_of, steps_of_leap
+from avatarsim.posture.leap import hold_who_has_leapt, leap_of, steps_of_leap
 from avatarsim.posture.notice import notice_movers, notice_others
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.untie import unstick
+from avatarsim.posture.way_memory import copy_posture
 from avatarsim.posture.workspace import (
     ASTRAY,
     BEYOND,
@@ -123,7 +124,9 @@ def walk(
         now = merit(memory_out.goal)
     memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
-    for _ in range(steps):
+    for k in range(steps):
+        if k >= settings.steps and memory_out.flags[LEAP] > 0.0:
+            hold_who_has_leapt(skel, settings, posture_out, memory_out)
         if memory_out.flags[PRESSED] > 0.0:
             most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
             for j in range(memory_out.goal.trust.shape[0]):
@@ -133,6 +136,7 @@ def walk(
         enough = SETTLED if is_held(memory_out) else ARRIVED
         if there or largest < enough or creeps(memory_out) or work_done(memory_out) > 0.6 * budget(settings, memory_out):
             break
+    memory_out.goal.allowed[:] = 1.0
     return largest
 
 
@@ -177,7 +181,8 @@ def follow(
         changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     place_bodies(skel, memory_out.goal)
-    speed, moved = tracker_speed(skel, memory_out.goal, memory_out.goal.before)
+    copy_posture(posture_out, memory_out.goal.begun)
+    speed, moved = tracker_speed(skel, memory_out.goal)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
     flags[UNTIED], flags[SPEED], flags[LEAP] = 0.0, speed, 0.0

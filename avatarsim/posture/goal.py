@@ -116,13 +116,14 @@ def shorten(skel: Skeleton, posture: Posture, settings: PostureSettings, way: Ar
     for link in range(skel.kind.shape[0]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
-            cap(way, g.trust[d], d, d + 3, settings.move_cap, settings.stray_move, g.step, g.low, g.high)
+            cap(way, g.trust[d] * g.allowed[d], d, d + 3, settings.move_cap, settings.stray_move, g.step, g.low, g.high)
             d += 3
         if kind == FREE or kind == BALL:
-            cap(way, g.trust[d], d, d + 3, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
+            cap(way, g.trust[d] * g.allowed[d], d, d + 3, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
-                cap(way, g.trust[j], j, j + 1, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
+                trust = g.trust[j] * g.allowed[j]
+                cap(way, trust, j, j + 1, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
                 g.low[j] = max(g.low[j], skel.limits[j, 0] - posture.angle[j])
                 g.high[j] = min(g.high[j], skel.limits[j, 1] - posture.angle[j])
 
@@ -144,23 +145,40 @@ def cap(
 
 
 @kernel
-def tracker_speed(skel: Skeleton, goal: Goal, goal_before_out: Posture) -> tuple[float, float]:
+def link_way(skel: Skeleton, link: int, start: Posture, end: Posture) -> tuple[float, float]:
+    """How far a root goes [m], and how far a joint turns [rad], from one posture to another; hinges of one joint together."""
+    kind, moved, turn = skel.kind[link], 0.0, 0.0
+    if kind == FREE:
+        moved = norm(sub(row(end.root, link), row(start.root, link)))
+    if kind == FREE or kind == BALL:
+        turn = norm(step_between(columns(start.turn, link), columns(end.turn, link)))
+    elif kind == HINGES:
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            turn += (end.angle[j] - start.angle[j]) ** 2
+        turn = sqrt(turn)
+    return moved, turn
+
+
+@kernel
+def tracker_speed(skel: Skeleton, goal_out: Goal) -> tuple[float, float]:
     """Largest change of the tracker's posture since the last frame [rad or m], which is then remembered; that of a root's place
-    alone [m]."""
-    before, fastest, moved = goal_before_out, 0.0, 0.0
+    alone [m]. Fills `leapt`."""
+    g, fastest, moved = goal_out, 0.0, 0.0
+    before, leapt = g.before, g.leapt
+    leapt[:] = 0.0
     for link in range(skel.kind.shape[0]):
-        kind = skel.kind[link]
-        if kind == FREE:
-            moved = max(moved, norm(sub(row(goal.tracker.root, link), row(before.root, link))))
-            put_row(before.root, link, row(goal.tracker.root, link))
-        if kind == FREE or kind == BALL:
-            now = columns(goal.tracker.turn, link)
-            fastest = max(fastest, norm(step_between(columns(before.turn, link), now)))
-            put_columns(before.turn, link, now)
-        elif kind == HINGES:
+        way, turn = link_way(skel, link, before, g.tracker)
+        root, kind = g.closeness.root[link], skel.kind[link]
+        leapt[root, 0], leapt[root, 1] = max(leapt[root, 0], way), max(leapt[root, 1], turn)
+        moved = max(moved, way)
+        if kind == HINGES:
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-                fastest = max(fastest, abs(goal.tracker.angle[j] - before.angle[j]))
-                before.angle[j] = goal.tracker.angle[j]
+                fastest = max(fastest, abs(g.tracker.angle[j] - before.angle[j]))
+                before.angle[j] = g.tracker.angle[j]
+        else:
+            fastest = max(fastest, turn)
+            put_row(before.root, link, row(g.tracker.root, link))
+            put_columns(before.turn, link, columns(g.tracker.turn, link))
     return max(fastest, moved), moved
 
 

@@ -62,7 +62,6 @@ def look_again(skel: Skeleton, poses: Poses, changed: bool, memory_out: Memory) 
     here = memory_out.goal.closeness.here
     for link in range(here.shape[0]):
         put_row(here, link, row(poses.position, skel.first + link))
-        put_row(memory_out.goal.begun, link, row(poses.position, skel.first + link))
     memory_out.pairs.marks[NOW] += 1
     if changed:
         # an empty reach makes the list anew

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.posture.kinematics import forward
+from avatarsim.posture.metric import metric
 from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
 from avatarsim.settings import PostureSettings
-from avatarsim.spatial import rotation
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
 
@@ -27,9 +27,6 @@ LISTED_CAP = 64
 
 FAILED_CAP = 64
 """Most failed pairs that are remembered by name; further ones are only counted."""
-
-LEAST_WEIGHT = 1e-6
-"""Weights are divided by: 0 would give steps that are no numbers."""
 
 MERIT_WINDOW = 8
 """Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
@@ -89,7 +86,8 @@ class Goal(NamedTuple):
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
     (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
-    begun (nl, 3) [m] link origins at the beginning of the frame
+    begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
+    one of their joints turned [rad], in the row of the root; allowed (nd) 1, or 0 for what has gone as far as it may (`leap.py`)
     """
 
     full: Array
@@ -105,7 +103,9 @@ class Goal(NamedTuple):
     wanted: Array
     closeness: Closeness
     aside: Posture
-    begun: Array
+    begun: Posture
+    leapt: Array
+    allowed: Array
 
 
 class Rows(NamedTuple):
@@ -201,39 +201,6 @@ def _posture(nl: int, nd: int) -> Posture:
     return Posture(np.zeros((nl, 3)), np.tile(np.eye(3), (nl, 1, 1)), np.zeros(nd))
 
 
-def metric(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array, settings: PostureSettings) -> Array:
-    """Weight (nd) of every degree of freedom: mean squared motion of the vertices it moves, at rest.
-
-    Floored at `stiffness_floor` medians, or nearly free joints (wrists, feet) spin to gain a millimetre.
-    """
-    weight = np.zeros(skel.first_dof[-1])
-    for link in range(len(skel.kind)):
-        b = skel.first + link
-        rows = slice(geo.shapes.start[geo.first_shape[b]], geo.shapes.start[geo.first_shape[b + 1]])
-        points = poses.vertices[rows]
-        if not len(points):
-            continue
-        for m in range(len(skel.kind)):
-            if not skel.related[link, m]:
-                continue
-            first, end = skel.first_dof[m : m + 2]
-            if skel.kind[m] == FREE:
-                weight[first : first + 3] += 1.0
-                first += 3
-            arms = rotation.cross(axes[first:end, None], points - poses.position[skel.first + m])
-            weight[first:end] += (arms**2).sum(axis=-1).mean(axis=-1) + 1e-4
-    roots = np.zeros(len(weight), dtype=bool)
-    for link in np.flatnonzero(skel.kind == FREE).tolist():
-        roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True
-    # degrees that move no vertex weigh nothing: they are left out of the median and get the floor
-    moving = weight > 0.0
-    joints = weight[~roots & moving] if (~roots & moving).any() else weight[moving]
-    typical = float(np.median(joints)) if len(joints) else 1.0
-    floored: Array = np.maximum(weight / typical, max(settings.stiffness_floor, LEAST_WEIGHT))
-    floored[roots] *= max(settings.root_weight, LEAST_WEIGHT)
-    return floored
-
-
 def _closeness(skel: Skeleton) -> Closeness:
     """Arrays of the measure, angles weighing as if every link reached 1 m."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
@@ -263,7 +230,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
-        _posture(nl, 0), np.zeros((nl, 3)),
+        _posture(nl, 0), _posture(nl, nd), np.zeros((nl, 2)), np.ones(nd),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.workspace import Memory, make_memory, metric
+from avatarsim.posture.metric import metric
+from avatarsim.posture.workspace import Memory, make_memory
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector

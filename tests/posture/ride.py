@@ -40,7 +40,7 @@ class Ride:
         return self.record.shown.positions[self.scene.names.index(name)]
 
 
-def ride(scene: Scene, **options: object) -> Ride:
+def ride(scene: Scene, seed: int = 0, **options: object) -> Ride:
     """A loaded engine."""
     engine = AvatarsimEngine()
-    return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(options=options), DT))
+    return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(options=options, seed=seed), DT))
