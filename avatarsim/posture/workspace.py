@@ -89,8 +89,7 @@ class Goal(NamedTuple):
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
     (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
-    begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
-    one of their joints turned [rad], in the row of the root; allowed (nd) 1, or 0 for what has gone as far as it may (`leap.py`)
+    begun the frame's first posture; leapt (nl, 2) how far each root's user went [m] and turned a joint [rad]; allowed (nd) 1 or 0
     """
 
     full: Array
@@ -195,7 +194,6 @@ COUNT, BUILT = range(2)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
-
 PAST_FRAMES = 6
 """Frames over which coming nearer is judged; as many merits stand in the flags from PAST on."""
 
@@ -265,8 +263,8 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
-        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
-        _posture(nl, 0), _posture(nl, nd), np.zeros((nl, 2)), np.ones(nd),
+        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
+        np.zeros((nl, 2)), np.ones(nd),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
