@@ -33,7 +33,7 @@ class PostureSettings(NamedTuple):
     search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
     leap_search     searches more, each of `search_work`, in a frame in which the tracker leaps farther than the steps of a frame
                     go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 8 to
-                    15 ms.
+                    25 ms.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it. 2: for all.
     trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say.

@@ -7,8 +7,8 @@ import numpy as np
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
+from avatarsim.posture.at_once import seek
 from avatarsim.posture.follow import follow
-from avatarsim.posture.trapped import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import (
     BAD_QUERIES,

@@ -229,8 +229,8 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
-        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel),
-        _posture(nl, 0), _posture(nl, nd), np.zeros((nl, 2)), np.ones(nd),
+        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
+        np.zeros((nl, 2)), np.ones(nd),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
