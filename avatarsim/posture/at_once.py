@@ -1,7 +1,7 @@
 """What of a way is gone in the frame in which it is found: all of it after a leap, or to where a frame could go."""
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.goal import root_way
+from avatarsim.posture.goal import largest_part, root_way
 from avatarsim.posture.leap import has_leapt, is_too_far, steps_of_leap
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.trapped import seek_once, set_free
@@ -20,10 +20,8 @@ of the other, when the user's is found free, is there in that frame and not afte
 @kernel
 def is_near(skel: Skeleton, settings: PostureSettings, goal: Goal) -> bool:
     """Whether the way `full` to the tracker's posture is no longer than a frame's steps turn, and hardly moves a root."""
-    most = 0.0
-    for part in goal.full:
-        most = max(most, abs(part))
-    return bool(most <= settings.steps * settings.turn_cap and root_way(skel, goal.full) <= HARDLY)
+    turns = settings.steps * settings.turn_cap
+    return bool(largest_part(goal.full) <= turns and root_way(skel, goal.full) <= HARDLY)
 
 
 @kernel

@@ -203,12 +203,19 @@ def merit(goal: Goal) -> float:
 
 
 @kernel
+def largest_part(way: Array) -> float:
+    """Largest part [rad or m] of a way (nd)."""
+    most = 0.0
+    for part in way:
+        most = max(most, abs(part))
+    return most
+
+
+@kernel
 def farthest(goal: Goal) -> float:
     """Largest part of the way to the tracker's posture inside the limits [rad or m]; nothing where that was found to be no nearer
     to the tracker's own than what is shown."""
-    c, most = goal.closeness, 0.0
+    c = goal.closeness
     if c.mode[BEYOND] > 0.0 and c.mode[BEST] >= 0.0 and merit_of(c, c.here, goal.wanted) <= c.mode[BEST]:
         return 0.0
-    for part in goal.full:
-        most = max(most, abs(part))
-    return most
+    return largest_part(goal.full)

@@ -23,7 +23,7 @@ NOTHING, INSIDE, BETWEEN = range(3)
 
 
 @kernel
-def is_near(boxes: Boxes, a: int, b: int) -> bool:
+def boxes_are_near(boxes: Boxes, a: int, b: int) -> bool:
     """Whether the boxes around two pieces are no farther apart than FAR_OFF along any axis."""
     for k in range(3):
         if boxes[a, k] > boxes[b, 3 + k] + FAR_OFF or boxes[b, k] > boxes[a, 3 + k] + FAR_OFF:
@@ -52,6 +52,6 @@ def what_holds_off(geo: Geometry, skel: Skeleton, settings: PostureSettings, pos
                     if boxes_meet(memory.swept, a, b) and not certify_pair(geo, skel, poses, a, b, settings, memory):
                         if apart_at_trial(geo, a, b, settings.least_gap, memory):
                             return BETWEEN
-                        if is_near(poses.boxes, a, b):
+                        if boxes_are_near(poses.boxes, a, b):
                             found = INSIDE
     return found
