@@ -47,7 +47,7 @@ def test_a_table_that_is_no_product_is_fitted_and_said() -> None:
     )
     scene = Scene("crowd", bodies)
     found = fit(scene, *[pair[0] for pair in (coefficients(scene), weights(scene))])
-    assert max(abs(wanted - said) for _, _, wanted, said in found.misses) < 0.06
+    assert max(abs(wanted - said) for _, _, wanted, said in found.misses) < 0.0505
     assert "instead of" in cannot_say(scene)["restitution"]
 
 

@@ -8,9 +8,6 @@ UNMATCHED = {
         "what is asked for is cut at the limit before MuJoCo sees it; a weld that is not cut pulls with any force: 0.05 degrees",
     "MuJoCo's arms are 0.07 mm in a wall at 1/240 with one setting for all":
         "the preset is for steps of 1/960, where nothing overlaps; at 1/240 it leaves 1.3 mm, and two other settings are needed",
-    "products of three factors miss Table 1 by 0.050 and 0.033 at most":
-        "factors are a least-squares fit of ratios by how likely bodies meet, not of the largest difference: 0.058 and 0.065, "
-        "where all materials meet all; scenes where they do not are exact or nearer",
     "seen at the surface, restitution 1 is 1.035 at 1/60":
         "g dt / v is 0.037 there, and which phases are drawn moves the others by 0.01: compared from 1/240 on",
     "frame times, and what each setting costs":
