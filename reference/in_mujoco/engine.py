@@ -14,9 +14,10 @@ from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.laws import contact_laws
+from reference.in_mujoco.motors import Motors, Servo
 from reference.in_mujoco.presets import presets
 from reference.in_mujoco.reading import Reading
-from reference.in_mujoco.stiffness import Stiffness
+from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
 from reference.presets import Chosen, in_force, kind_of
 from reference.targets import Targets
@@ -29,7 +30,7 @@ def _quiet(message: str) -> None:
 
 
 class MujocoEngine:
-    """MuJoCo, driven through one mocap body per link welded to the link."""
+    """MuJoCo, driven through one mocap body per link welded to the link, or through motors in its joints."""
 
     name = "mujoco"
     presets = ("default", "tuned")
@@ -56,10 +57,12 @@ class MujocoEngine:
         self._settings, self._scene = settings, scene
         self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
+        check_words(chosen)
+        motors = chosen["drive"].value == "motors"
         self._world = build_world(
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
-            armature=float(np.asarray(chosen["armature"].value)),
+            armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
@@ -67,6 +70,9 @@ class MujocoEngine:
         self._targets = Targets(scene, clamp=bool(chosen["clamp_targets"].value))
         links, mocap = self._world.mocap
         self._aimed = links[np.argsort(mocap)]
+        self._motors = Motors(
+            self._model, scene, self._targets, float(np.asarray(chosen["lead"].value)), bool(chosen["lead_stops"].value),
+        ) if motors else None
         self._step, self._count = 0.0, 0
         self._cut(dt)
         self._origin = scene.first_sample.time
@@ -93,9 +99,12 @@ class MujocoEngine:
         self._last = goal
         model, data, iterations = self._model, self._data, np.zeros_like(self._iterations)
         led, stepping, times = len(self._aimed) > 0, 0, list[float]()
+        asked = None if self._motors is None else self._motors.asked(goals, self._step)
         for k in range(self._count):
             if led:
                 self._aim(positions[k], orientations[k])
+            if asked is not None:
+                data.ctrl[:] = asked[k]
             before = perf_counter_ns()
             mujoco.mj_step(model, data)
             stepping += perf_counter_ns() - before
@@ -114,7 +123,7 @@ class MujocoEngine:
 
     def close(self) -> None:
         """Drop the model; MuJoCo frees it."""
-        for name in ("_data", "_model", "_world", "_stiffness", "_reading", "_warnings", "_iterations", "_led"):
+        for name in ("_data", "_model", "_world", "_stiffness", "_reading", "_motors", "_warnings", "_iterations", "_led"):
             self.__dict__.pop(name, None)
 
     def _cut(self, dt: float) -> None:
@@ -164,3 +173,11 @@ class MujocoEngine:
         if not np.isfinite(self._data.qpos).all():
             found["not_finite"] = 1
         return found
+
+
+def _servo(chosen: Mapping[str, Chosen]) -> Servo:
+    """The servos that settings ask for."""
+    stiffness, ratio, most = (
+        float(np.asarray(chosen[f"motor_{name}"].value, dtype=np.float64)) for name in ("stiffness", "damping_ratio", "force")
+    )
+    return Servo(stiffness, ratio, most)

@@ -5,6 +5,7 @@ import numpy as np
 
 from avatarsim.errors import InvalidInput, UnknownName
 from reference.in_mujoco.laws import Law
+from reference.in_mujoco.motors import DRIVES
 from reference.in_mujoco.world import World
 from reference.presets import Chosen
 
@@ -20,23 +21,26 @@ restitution)."""
 
 
 def check_words(chosen: dict[str, Chosen]) -> None:
-    """Raise for a contact law, an integrator or a cone that does not exist, and for a step that is not above
+    """Raise for a contact law, a drive, an integrator or a cone that does not exist, and for a step or servos that are not above
     0."""
-    if chosen["contact"].value not in CONTACTS:
-        raise UnknownName("option contact of mujoco", str(chosen["contact"].value), CONTACTS)
+    for name, ours in (("contact", CONTACTS), ("drive", DRIVES)):
+        if chosen[name].value not in ours:
+            raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
     for name, prefix, words in (("integrator", "mjINT_", mujoco.mjtIntegrator), ("cone", "mjCONE_", mujoco.mjtCone)):
         known = [word.removeprefix(prefix) for word in words.__members__ if word.startswith(prefix)]
         if chosen[name].value not in known:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), known)
-    if not float(chosen["dt"].value or 0.0) > 0.0:  # type: ignore[arg-type]  # presets.py took numbers only
-        raise InvalidInput("option dt of mujoco", chosen["dt"].value, "seconds above 0")
+    for name in ("dt", "motor_stiffness", "motor_damping_ratio"):
+        if not float(np.asarray(chosen[name].value, dtype=np.float64)) > 0.0:
+            raise InvalidInput(f"option {name} of mujoco", chosen[name].value, "above 0")
+    if not float(np.asarray(chosen["motor_force"].value, dtype=np.float64)) >= 0.0:
+        raise InvalidInput("option motor_force of mujoco", chosen["motor_force"].value, "0 or above")
 
 
 class Stiffness:
     """Writes time step, contact law, limits and welds into the model of one world."""
 
     def __init__(self, world: World, chosen: dict[str, Chosen]) -> None:
-        check_words(chosen)
         self._world, self._chosen = world, chosen
 
     def set_options(self) -> None:

@@ -13,6 +13,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.in_mujoco.laws import Law, Laws
+from reference.in_mujoco.motors import Servo, add_motor, damp_swings
 
 Indices = NDArray[np.int64]
 
@@ -29,7 +30,7 @@ class World:
     """The compiled model and where the scene's parts are in it.
 
     body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
-    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (driven links,) -> mocap
+    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (welded links,) -> mocap
     index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven:
     whether an avatar has a part in it.
     """
@@ -47,12 +48,13 @@ class World:
     pair_driven: NDArray[np.bool_]
 
 
-def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool, armature: float) -> World:
+def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool, armature: float,
+                servo: Servo | None = None) -> World:
     """Compile the scene. Time steps and contact stiffness are set afterwards: they depend on the step.
 
     `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
     `gravity_on_links`: whether the avatar weighs; `armature`: inertia added to each joint, as a share of the largest
-    inertia of its link about it.
+    inertia of its link about it; `servo`: what is in each joint, whose links are welded to the tracker if there is none.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -68,15 +70,17 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
             made.add_freejoint(name=f"b{k}")
             _inertia(made, body)
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
-    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature)
+    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
+    if servo is not None:
+        damp_swings(model, servo)
     return _addresses(scene, laws, model, geoms, pairs)
 
 
 def _avatars(
     spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool,
-    armature: float,
+    armature: float, servo: Servo | None,
 ) -> None:
     k, hinge = len(scene.bodies), 0
     for avatar in scene.avatars:
@@ -92,6 +96,8 @@ def _avatars(
             elif isinstance(link.joint, Ball):
                 ball = body.add_joint(name=f"b{k}", type=mujoco.mjtJoint.mjJNT_BALL)
                 ball.armature = armature * _inertia_about_joint(link.mass)
+                if servo is not None:
+                    add_motor(spec, f"b{k}", True, servo)
                 if swing and limits and link.joint.limits is not None:
                     _swing_limit(spec, parent, body, k, link.anchor, link.joint.limits)
             elif isinstance(link.joint, Hinges):
@@ -101,8 +107,10 @@ def _avatars(
                     free = stop.lower <= -MANY_TURNS and stop.upper >= MANY_TURNS
                     joint.limited = limits and not free
                     joint.range = [stop.lower, max(stop.upper, stop.lower + NARROWEST)]
+                    if servo is not None:
+                        add_motor(spec, f"h{hinge}", False, servo)
                     hinge += 1
-            if not isinstance(link.joint, Rigid):
+            if isinstance(link.joint, Free) or (servo is None and not isinstance(link.joint, Rigid)):
                 spec.worldbody.add_body(name=f"m{k}", mocap=True)
                 weld = spec.add_equality(name=f"m{k}", type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
                 weld.name1, weld.name2 = f"m{k}", f"b{k}"
@@ -212,7 +220,8 @@ def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list
     moving = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
     roots = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Free)]
     balls = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Ball)]
-    driven = [k for k, link in enumerate(scene.links) if not isinstance(link.joint, Rigid)]
+    mocap = {model.body(b).name: int(model.body_mocapid[b]) for b in range(model.nbody) if model.body_mocapid[b] >= 0}
+    welded = [k for k in range(len(scene.links)) if f"m{first + k}" in mocap]
     owner = {name: k for k, names in enumerate(geoms) for name in names}
     owners = [owner[model.geom(g).name] for g in range(model.ngeom)]
     # the compiler sorts pairs: their names say which is which
@@ -226,7 +235,7 @@ def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list
         hinge_qpos=ints([qpos(f"h{h}") for h in range(hinges)]),
         balls=(ints(balls), ints([qpos(f"b{first + k}") for k in balls])),
         roots=(ints(roots), ints([qpos(f"b{first + k}") for k in roots])),
-        mocap=(ints(driven), ints([int(model.body(f"m{first + k}").mocapid[0]) for k in driven])),
+        mocap=(ints(welded), ints([mocap[f"m{first + k}"] for k in welded])),
         geom_law=tuple(laws.own[k][1] for k in owners),
         geom_driven=np.array([scene.roles[k] is Role.DRIVEN for k in owners], dtype=bool),
         pair_law=tuple(law for law, _ in order),

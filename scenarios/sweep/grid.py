@@ -87,10 +87,13 @@ MUJOCO = (
     _mujoco("contact_time=0.004", contact="soft", contact_time=0.004, solimp=(0.95, 0.99, 0.001)),
     _mujoco("DISCRETE dt=1/240", TRACKED, dt=1.0 / 240.0, **DISCRETE),
     _mujoco("DISCRETE", TRACKED, **DISCRETE),
+    _mujoco("motors DISCRETE", (Kind.DRIVEN,), drive="motors", motor_force=100.0, **DISCRETE),
+    _mujoco("motors DISCRETE dt=1/240", (Kind.DRIVEN,), dt=1.0 / 240.0, drive="motors", armature=4.0, lead=0.0, weld_time=0.04,
+            **DISCRETE),
     _mujoco("weld_time=0.01", TRACKED, weld_time=0.01),
     _mujoco("margin=0", TRACKED, margin=0.0),
 )
-"""Step, iterations, cone, stiffness of contacts and welds, integrator."""
+"""Step, iterations, cone, stiffness of contacts and welds, integrator, motors in place of welds."""
 
 
 def _pybullet(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) -> Setting:

@@ -25,7 +25,7 @@ HERE, NEWTON = "agreement/reached/", "agreement/reached/test_newton.py::test_"
 ELSEWHERE, COULOMB = "agreement/reached/test_newton_elsewhere.py::test_", "agreement/reached/test_coulomb.py::test_"
 ROLLING, LIMIT = "agreement/reached/test_rolling.py::test_", "agreement/reached/test_limits_of_joints.py::test_"
 TRAP, FACTOR = "agreement/test_traps.py::test_", "agreement/test_factors.py::test_"
-PRODUCT = "agreement/reached/test_products.py::test_"
+PRODUCT, MOTOR = "agreement/reached/test_products.py::test_", "agreement/reached/test_motors.py::test_"
 
 RESTITUTION = (
     Claim("MuJoCo's one-step damper gives v+/v- to four decimals at every step and phase", (
@@ -91,6 +91,10 @@ DRIVEN = (
         HERE + "test_arms_in_wall.py::test_arms_are_no_deeper_than_known",
         HERE + "test_arms_in_wall.py::test_the_mannequin_has_sixteen_links_and_twenty_two_hinges",
     ), ("two_arms", "avatar_into_wall"), ("pybullet/tuned force=30",)),
+    Claim("MuJoCo's by motors, with one setting for contacts, limits and drive", (
+        MOTOR + "arms_in_a_wall_are_no_deeper_than_known", "agreement/test_motors.py::test_balls_arrive_without_swinging_on",
+        "agreement/test_motors.py::test_no_ball_is_led_beyond_its_limits",
+    ), sweep=("mujoco/tuned motors DISCRETE", "mujoco/tuned motors DISCRETE dt=1/240")),
     Claim("PyBullet's contacts act before bodies meet", (
         "agreement/test_contact_before_overlap.py::test_one_piece_is_met_before_it_overlaps",
         "agreement/test_contact_before_overlap.py"
@@ -134,6 +138,10 @@ LIMITS = (
         LIMIT + "joints_are_no_further_beyond_than_known", LIMIT + "pybullet_s_preset_holds_them_as_well_once_they_are_there",
         TRAP + "8_hinge_limits_hold_when_tuned",
     ), ("limit_torture_hinges",)),
+    Claim("MuJoCo's, led by motors, that ask for 30 degrees more: 0.010 at 1/240, held at 0.001; 0.33, 0.001 and 0.000 while a "
+          "wall pushes", (
+        MOTOR + "a_servo_asked_too_much_is_held_as_well_as_known", MOTOR + "a_wall_that_pushes_bends_no_joint_further_than_known",
+    ), ("two_arms",), ("mujoco/tuned motors DISCRETE dt=1/240",)),
     Claim("PyBullet's, while a wall pushes", (LIMIT + "pybullet_holds_them_against_a_wall",), ("two_arms",)),
     Claim("PyBullet's ball joints have no limits; here they are held all the same", (
         "agreement/test_ball_stops.py::test_a_chest_pushed_by_a_wall_stays_within_a_degree",

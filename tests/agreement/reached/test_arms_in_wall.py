@@ -20,7 +20,7 @@ COARSE: dict[str, dict[str, object]] = {
                "weld_time": 0.04},
     "pybullet": {},
 }
-"""What it takes at 1/240: MuJoCo's preset is for 1/960, and leaves 1.3 mm there."""
+"""What it takes at 1/240 with welds: MuJoCo's preset is for 1/960, and leaves 1.3 mm there. By motors: `test_motors.py`."""
 
 
 def test_the_mannequin_has_sixteen_links_and_twenty_two_hinges() -> None:

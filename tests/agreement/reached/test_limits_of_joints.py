@@ -1,6 +1,7 @@
 """Elbows and wrists are asked to go 30 degrees past their limits: as far beyond as each engine is known to let them go at best.
 
 What MuJoCo is asked for is cut at the limit, as in its preset: asked past it, welds pull a limb 0.01 degrees beyond at 1/960.
+Servos that are asked for all of it are in `test_motors.py`.
 """
 
 import pytest

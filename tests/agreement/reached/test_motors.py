@@ -1,0 +1,46 @@
+"""MuJoCo led by motors in hinges: in a wall and at their limits as exact as they are known to be, with one setting for all."""
+
+import pytest
+
+from reference.in_mujoco.engine import MujocoEngine
+from tests.agreement.reached.driven import MM, led
+from tests.agreement.reached.mannequin import PAST, before_wall, stretching
+from tests.agreement.reached.test_limits_of_joints import bending
+
+HELD = slice(-15, None)
+MOTORS: dict[str, object] = {
+    "integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1, "limit_steps": 0.1, "weld_time": 0.04,
+    "drive": "motors", "motor_stiffness": 400.0, "motor_damping_ratio": 1.0, "motor_force": 30.0, "armature": 4.0, "lead": 0.0,
+}
+"""Servos of 400 N m/rad and 30 N m, critically damped, with rotors of four times the inertia of the limb that they turn."""
+DEPTHS = {240: (0.07, 0.0), 960: (0.05, 0.02)}
+"""Known depth of arms in a wall, at most and while held [mm], by steps per second; the finer one is known of 1/1020."""
+LAST_DIGIT = 5e-3
+"""Of a depth of 0 [mm]."""
+IN_WALL = {60: 0.33, 240: 0.001, 960: 0.0005}
+"""Known excess over limits while a wall pushes [deg]."""
+UNCUT = {240: (0.010, 0.001), 960: (0.0005, 0.0005)}
+"""Known excess at most and while held [deg] of who is asked 30 degrees past the limits. Known of 1/60 is 1.4 and 0.02: see
+`test_limits_of_joints.py`; by motors there 26 and 0.006."""
+
+
+@pytest.mark.parametrize("rate", DEPTHS)
+def test_arms_in_a_wall_are_no_deeper_than_known(rate: int) -> None:
+    found = led(MujocoEngine(), before_wall(), stretching, 75, {"dt": 1.0 / rate, **MOTORS})
+    most, held = DEPTHS[rate]
+    assert found.depths.max() <= most * MM
+    assert found.depths[HELD].max() <= max(held, LAST_DIGIT) * MM
+
+
+@pytest.mark.parametrize("rate", IN_WALL)
+def test_a_wall_that_pushes_bends_no_joint_further_than_known(rate: int) -> None:
+    found = led(MujocoEngine(), before_wall(), lambda frame: stretching(frame, PAST), 75, {"dt": 1.0 / rate, **MOTORS})
+    assert found.excess[HELD].max() <= IN_WALL[rate]
+
+
+@pytest.mark.parametrize("rate", UNCUT)
+def test_a_servo_asked_too_much_is_held_as_well_as_known(rate: int) -> None:
+    found = led(MujocoEngine(), before_wall(False), bending, 60, {"dt": 1.0 / rate, "clamp_targets": False, **MOTORS})
+    most, held = UNCUT[rate]
+    assert found.excess.max() <= most
+    assert found.excess[HELD].max() <= held
