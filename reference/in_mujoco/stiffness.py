@@ -21,13 +21,13 @@ restitution)."""
 
 
 def check_words(chosen: dict[str, Chosen]) -> None:
-    """Raise for a contact law, a drive, an integrator or a cone that does not exist, and for a step or servos that are not above
-    0."""
+    """Raise for words that MuJoCo or the adapter does not know, and for a step or servos that are not above 0."""
     for name, ours in (("contact", CONTACTS), ("drive", DRIVES)):
         if chosen[name].value not in ours:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
-    for name, prefix, words in (("integrator", "mjINT_", mujoco.mjtIntegrator), ("cone", "mjCONE_", mujoco.mjtCone)):
-        known = [word.removeprefix(prefix) for word in words.__members__ if word.startswith(prefix)]
+    words_of = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
+    for name, prefix in (("integrator", "mjINT_"), ("cone", "mjCONE_"), ("solver", "mjSOL_")):
+        known = [word.removeprefix(prefix) for word in words_of[name].__members__ if word.startswith(prefix)]
         if chosen[name].value not in known:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), known)
     for name in ("dt", "motor_stiffness", "motor_damping_ratio"):
@@ -50,8 +50,10 @@ class Stiffness:
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self._word('cone')}")
         option.iterations, option.tolerance = int(self._number("iterations")), self._number("tolerance")
         option.impratio, option.noslip_iterations = self._number("impratio"), int(self._number("noslip_iterations"))
-        refsafe = int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
-        option.disableflags = option.disableflags & ~refsafe if self._chosen["refsafe"].value else option.disableflags | refsafe
+        option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self._word('solver')}")
+        for name, flag in (("refsafe", "REFSAFE"), ("islands", "ISLAND"), ("warm_starts", "WARMSTART")):
+            bit = int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
+            option.disableflags = option.disableflags & ~bit if self._chosen[name].value else option.disableflags | bit
         if self._chosen["sleep"].value:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value

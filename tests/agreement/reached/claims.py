@@ -12,13 +12,16 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Claim:
     """What is known, and what shows it: tests ("file::function", from `tests/`), scenes of the catalogue, settings of the sweep
-    (as its tables name them), contenders of the narrow phase."""
+    (as its tables name them), contenders of the narrow phase, times of each scene in bench.csv (as its column `metric` has them).
+
+    Times are a machine's: a row shows today's, and no test holds them."""
 
     says: str
     tests: tuple[str, ...] = ()
     scenes: tuple[str, ...] = ()
     sweep: tuple[str, ...] = ()
     contenders: tuple[str, ...] = ()
+    times: tuple[str, ...] = ()
 
 
 HERE, NEWTON = "agreement/reached/", "agreement/reached/test_newton.py::test_"
@@ -33,6 +36,9 @@ RESTITUTION = (
         NEWTON + "the_preset_adds_no_more_than_its_position_correction",
     ), ("bounce_ladder", "ball_drop"), ("mujoco/tuned kappa=0.02",)),
     Claim("seen at the surface, it is off by what is left of a step", (NEWTON + "at_the_surface_errors_are_those_of_the_step",)),
+    Claim("at 1/60 means over phases are off by 0.005 of 0.5 and 0.035 of 1", (
+        HERE + "test_newton_coarse.py::test_means_over_phases_are_as_near_as_known",
+    )),
     Claim("two free spheres, boxes on four corners and on two", (
         ELSEWHERE + "two_free_spheres_part_at_half_their_speed",
         ELSEWHERE + "a_box_that_lands_on_four_corners_or_on_two_leaves_with_half_its_speed",
@@ -132,14 +138,18 @@ KNOBS = (
         "pybullet/tuned dt=1/60", "pybullet/tuned contact_erp=0.1", "pybullet/tuned slop=1e-4", "pybullet/tuned margin=0.001",
         "pybullet/tuned solver_iterations=10", "pybullet/tuned solver_iterations=200", "pybullet/tuned breaking_threshold=0.02",
     )),
+    Claim("solver variants, islands, warm starts and PyBullet's cone switch change no depth", (
+        HERE + "test_solvers.py::test_mujoco_ends_as_deep_with_any_solver",
+        HERE + "test_solvers.py::test_pybullet_ends_as_deep_however_it_begins",
+    )),
 )
 LIMITS = (
     Claim("hinges asked 30 degrees past their limit: 0.010 and 0.002 degrees at 1/240, 0.000 at 1/1020", (
         LIMIT + "joints_are_no_further_beyond_than_known", LIMIT + "pybullet_s_preset_holds_them_as_well_once_they_are_there",
         TRAP + "8_hinge_limits_hold_when_tuned",
     ), ("limit_torture_hinges",)),
-    Claim("MuJoCo's, led by motors, that ask for 30 degrees more: 0.010 at 1/240, held at 0.001; 0.33, 0.001 and 0.000 while a "
-          "wall pushes", (
+    Claim("MuJoCo's, by motors that ask for 30 degrees more: 1.4, 0.010, 0.000, held at 0.02, 0.001, 0.000; while a wall pushes "
+          "0.33, 0.001, 0.000", (
         MOTOR + "a_servo_asked_too_much_is_held_as_well_as_known", MOTOR + "a_wall_that_pushes_bends_no_joint_further_than_known",
     ), ("two_arms",), ("mujoco/tuned motors DISCRETE dt=1/240",)),
     Claim("PyBullet's, while a wall pushes", (LIMIT + "pybullet_holds_them_against_a_wall",), ("two_arms",)),
@@ -154,5 +164,27 @@ BITS = (
         "agreement/test_parity.py::test_two_runs_give_the_same_bits",
         TRAP + "12_pybullet_replays_from_the_start", TRAP + "1_breaking_threshold_left_behind_by_others_does_not_matter",
     )),
+    Claim("MuJoCo goes on from a kept state bit for bit, and so does its rollout; PyBullet does not", (
+        HERE + "test_going_on.py::test_mujoco_goes_on_from_a_kept_state_bit_for_bit",
+        HERE + "test_going_on.py::test_mujoco_s_rollout_is_its_loop_bit_for_bit",
+        HERE + "test_going_on.py::test_pybullet_does_not_go_on_from_a_kept_state_as_it_did",
+    )),
 )
-KNOWN = (*RESTITUTION, *FRICTION, *DRIVEN, *DEPTHS, *KNOBS, *LIMITS, *BITS)
+TIMES = (
+    Claim("frame times, and what each setting costs", scenes=("hand_over_table", "two_arms"), sweep=(
+        "mujoco/tuned dt=1/60", "mujoco/tuned dt=1/240", "mujoco/tuned DISCRETE dt=1/240", "pybullet/tuned dt=1/60",
+        "pybullet/tuned dt=1/240", "pybullet/tuned solver_iterations=10",
+    ), times=("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max")),
+    Claim("queries of single pairs take 3 to 50 us", contenders=("coal exact", "fcl", "mj geomDist", "pb closest")),
+    Claim("Python costs MuJoCo's loop 3 %: what is outside its step, all of the adapter included", scenes=("two_arms",),
+          times=("frame_time_python_p50", "stage_share_step")),
+)
+PACKAGES = (
+    Claim("MuJoCo's defaults, its integrators, packages beside NumPy 2", (
+        HERE + "test_packages.py::test_mujoco_s_defaults_are_what_the_preset_of_that_name_says",
+        HERE + "test_packages.py::test_mujoco_has_every_integrator_that_figures_are_known_of",
+        HERE + "test_packages.py::test_pybullet_speaks_numpy",
+        HERE + "test_packages.py::test_packages_are_imported_without_a_warning_beside_numpy_2",
+    )),
+)
+KNOWN = (*RESTITUTION, *FRICTION, *DRIVEN, *DEPTHS, *KNOBS, *LIMITS, *BITS, *TIMES, *PACKAGES)

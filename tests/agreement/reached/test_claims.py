@@ -6,6 +6,8 @@ import pytest
 
 from reference.narrow_phase.field import ROOMS, contenders
 from scenarios import catalog
+from scenarios.metrics import unit
+from scenarios.results import is_time
 from scenarios.sweep.grid import BY_ENGINE
 from tests.agreement.reached.claims import HERE, KNOWN, Claim
 from tests.agreement.reached.unmatched import UNMATCHED
@@ -16,11 +18,12 @@ THERE, ABSENT = contenders(ROOMS)
 
 
 @pytest.mark.parametrize("claim", KNOWN, ids=[claim.says for claim in KNOWN])
-def test_every_test_scene_setting_and_contender_that_is_named_exists(claim: Claim) -> None:
-    assert claim.tests or claim.sweep
+def test_every_test_scene_setting_contender_and_time_that_is_named_exists(claim: Claim) -> None:
+    assert claim.tests or claim.sweep or claim.contenders or claim.times
     assert [entry for entry in claim.tests if not exists(entry)] == []
     assert set(claim.scenes) <= set(catalog.scenarios())
     assert set(claim.sweep) <= SETTINGS
+    assert all(is_time(metric) and unit(metric) for metric in claim.times)
     assert ABSENT or set(claim.contenders) <= {contender.identity.name for contender in THERE}
 
 

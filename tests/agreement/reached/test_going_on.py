@@ -1,0 +1,97 @@
+"""A run that goes on from a state that was kept: MuJoCo's is the same bit for bit, PyBullet's is not.
+
+No adapter does this: runs are repeated from their start. Models are those of our scenes.
+"""
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from avatarsim.engine import Settings
+from reference.in_mujoco.engine import MujocoEngine
+from scenarios import catalog
+from tests.agreement.reached.driven import FRAME, Array
+from tests.agreement.reached.test_solvers import scene
+from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
+
+BEFORE, AFTER = 100, 100
+"""Steps until the state is kept, and from there on."""
+KEPT = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+
+
+def falling() -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Balls knocked off balance, BEFORE steps in."""
+    engine = MujocoEngine()
+    engine.load(scene(), Settings("tuned"), FRAME)
+    model, data = engine._model, engine._data
+    data.qvel[:6] = 1.0, 0.3, 0.5, 2.0, 1.0, 0.0
+    for _ in range(BEFORE):
+        mujoco.mj_step(model, data)
+    return model, data
+
+
+def kept(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    state = np.empty(mujoco.mj_stateSize(model, KEPT))
+    mujoco.mj_getState(model, data, state, KEPT)
+    return state
+
+
+def gone_on(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Positions (AFTER, nq) of the steps from here on."""
+    rows = []
+    for _ in range(AFTER):
+        mujoco.mj_step(model, data)
+        rows.append(data.qpos.copy())
+    return np.array(rows)
+
+
+def test_mujoco_goes_on_from_a_kept_state_bit_for_bit() -> None:
+    model, data = falling()
+    state = kept(model, data)
+    first = gone_on(model, data)
+    other = mujoco.MjData(model)
+    for again in (data, other):
+        mujoco.mj_setState(model, again, state, KEPT)
+        assert np.array_equal(gone_on(model, again), first)
+
+
+def test_mujoco_s_rollout_is_its_loop_bit_for_bit() -> None:
+    model, data = falling()
+    full = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    start = np.empty(mujoco.mj_stateSize(model, full))
+    mujoco.mj_getState(model, data, start, full)
+    warm, led = data.qacc_warmstart.copy(), mujoco.MjData(model)
+    led.mocap_pos[:], led.mocap_quat[:] = data.mocap_pos, data.mocap_quat
+    spec = int(mujoco.mjtState.mjSTATE_MOCAP_POS) | int(mujoco.mjtState.mjSTATE_MOCAP_QUAT)
+    control = np.empty(mujoco.mj_stateSize(model, spec))
+    mujoco.mj_getState(model, data, control, spec)
+    states, _ = rollout.rollout(
+        model, led, start, np.tile(control, (AFTER, 1)), control_spec=spec, nstep=AFTER, initial_warmstart=warm,
+    )
+    # time comes first
+    assert np.array_equal(states[0][:, 1 : 1 + model.nq], gone_on(model, data))
+
+
+@needs_pybullet
+def test_pybullet_does_not_go_on_from_a_kept_state_as_it_did() -> None:
+    """Boxes that slide over seams; where little touches it does."""
+    scenario = catalog.get("seams")
+    world, engine = scenario.build(), PybulletEngine()
+    motion = scenario.motion(world, 0)
+    engine.load(world, Settings("tuned"), scenario.dt)
+    for frame in range(5):
+        engine.advance(motion(frame), scenario.dt)
+    client, bodies = engine._client, [part.body for part in engine._world.parts]
+
+    def on() -> Array:
+        for _ in range(AFTER):
+            pybullet.stepSimulation(physicsClientId=client)
+        return np.array([pybullet.getBasePositionAndOrientation(body, physicsClientId=client)[0] for body in bodies])
+
+    state = pybullet.saveState(physicsClientId=client)
+    first = on()
+    pybullet.restoreState(state, physicsClientId=client)
+    again = on()
+    engine.close()
+    assert not np.array_equal(again, first)
+    np.testing.assert_allclose(again, first, atol=0.01)

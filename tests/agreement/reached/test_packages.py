@@ -1,0 +1,53 @@
+"""What is known of the packages themselves, in the versions that are pinned: their defaults, and whom they get along with."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from reference.in_mujoco.presets import DEFAULT
+from tests.agreement.rivals import needs_pybullet, pybullet
+
+ROOT = Path(__file__).resolve().parents[3]
+WARNINGS = ("-W", "error::RuntimeWarning", "-W", "error::UserWarning")
+"""Those by which a package says that it was built for another NumPy."""
+ONE_BALL = "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+
+
+def test_mujoco_s_defaults_are_what_the_preset_of_that_name_says() -> None:
+    model = mujoco.MjModel.from_xml_string(ONE_BALL)
+    option = model.opt
+    assert mujoco.mjtIntegrator(option.integrator).name == f"mjINT_{DEFAULT['integrator'].value}" == "mjINT_EULER"
+    assert mujoco.mjtCone(option.cone).name == f"mjCONE_{DEFAULT['cone'].value}" == "mjCONE_PYRAMIDAL"
+    assert mujoco.mjtSolver(option.solver).name == f"mjSOL_{DEFAULT['solver'].value}"
+    for name, value in (
+        ("timestep", "dt"), ("iterations", "iterations"), ("tolerance", "tolerance"), ("impratio", "impratio"),
+        ("noslip_iterations", "noslip_iterations"),
+    ):
+        assert getattr(option, name) == DEFAULT[value].value
+    assert model.geom_solref[0].tolist() == [DEFAULT["contact_time"].value, 1.0] == [0.02, 1.0]
+    assert tuple(model.geom_solimp[0, :3]) == DEFAULT["solimp"].value
+    assert model.geom_margin[0] == DEFAULT["margin"].value
+    # several contacts per pair, its own collision of hulls, islands, warm starts and safe stiffness are all switched on
+    assert option.disableflags == 0 and option.enableflags == 0
+
+
+def test_mujoco_has_every_integrator_that_figures_are_known_of() -> None:
+    known = {"EULER", "RK4", "IMPLICIT", "IMPLICITFAST", "DISCRETE"}
+    assert known <= {name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__}
+
+
+@needs_pybullet
+def test_pybullet_speaks_numpy() -> None:
+    assert pybullet.isNumpyEnabled() == 1
+
+
+@pytest.mark.parametrize("package", ["mujoco", "pybullet", "coal", "fcl", "trimesh"])
+def test_packages_are_imported_without_a_warning_beside_numpy_2(package: str) -> None:
+    assert int(np.__version__.split(".")[0]) >= 2
+    code = f"import importlib.util as u, numpy\nif u.find_spec({package!r}): import {package}"
+    done = subprocess.run([sys.executable, *WARNINGS, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

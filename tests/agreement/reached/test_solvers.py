@@ -1,0 +1,69 @@
+"""Which solver an engine takes, where it begins and whom it solves together: its results are the same to noise.
+
+A hand of fifteen ellipsoids is pressed on a table and moved along it, against a ball: friction, many contacts, two islands.
+"""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import Settings
+from avatarsim.scene.body import simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece, Sphere
+from reference.in_mujoco.engine import MujocoEngine
+from reference.judge import Judge
+from tests.agreement.reached.driven import FRAME, MM, Array
+from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.scenes import hand_over_table, pressed
+
+RATE, FRAMES = 240, 75
+NOISE = 1e-3
+"""Of the largest depth, between two solvers [mm]."""
+
+
+def scene() -> Scene:
+    """The ball lies in the hand's way, and a second one where nobody comes."""
+    ball = (Piece(Sphere(0.04)),)
+    places = {"ball": (0.25, 0.0, 0.04), "other": (0.5, 0.3, 0.04)}
+    balls = [simulated(name, ball, "wood", solid(ball, 0.2), place) for name, place in places.items()]
+    table = hand_over_table()
+    return replace(table, bodies=(*table.bodies, *balls))
+
+
+def depths(engine: MujocoEngine | PybulletEngine, options: dict[str, object], **engine_s_own: float) -> Array:
+    """Largest depth (F,) [m] of any two bodies, frame by frame."""
+    world = scene()
+    engine.load(world, Settings("tuned", {"dt": 1.0 / RATE, **options}), FRAME)
+    if engine_s_own:
+        pybullet.setPhysicsEngineParameter(physicsClientId=engine._client, **engine_s_own)
+    shown = [engine.advance(pressed(frame), FRAME).shown for frame in range(1, FRAMES + 1)]
+    engine.close()
+    places, turns = np.array([state.positions for state in shown]), np.array([state.orientations for state in shown])
+    assert places[-1, 1, 0] > 0.26, "the hand pushes the ball"
+    return np.array([max((depth for *_, depth in verdict.pairs), default=0.0) for verdict in Judge(world).each(places, turns)])
+
+
+@cache
+def usual(name: str) -> Array:
+    return depths(MujocoEngine() if name == "mujoco" else PybulletEngine(), {})
+
+
+@pytest.mark.parametrize("options", [
+    {"solver": "CG"}, {"solver": "PGS"}, {"islands": False}, {"warm_starts": False}, {"iterations": 30}, {"tolerance": 1e-12},
+    {"noslip_iterations": 3},
+], ids=str)
+def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None:
+    assert abs(depths(MujocoEngine(), options).max() - usual("mujoco").max()) < NOISE * MM
+
+
+@needs_pybullet
+@pytest.mark.parametrize("parameters", [
+    {"enableConeFriction": 0}, {"enableConeFriction": 1}, {"warmStartingFactor": 0.0}, {"numSolverIterations": 10},
+    {"useSplitImpulse": 1},
+], ids=str)
+def test_pybullet_ends_as_deep_however_it_begins(parameters: dict[str, float]) -> None:
+    assert abs(depths(PybulletEngine(), {}, **parameters).max() - usual("pybullet").max()) < NOISE * MM
