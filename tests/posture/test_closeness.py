@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
-from avatarsim.posture.follow import ALONE, stiffen
+from avatarsim.posture.follow import ALONE, UNREACHED, stiffen
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness
@@ -201,14 +201,15 @@ def test_a_far_origin_counts_by_its_distance_and_not_by_the_square() -> None:
     assert merit_of(c, c.here, np.zeros(len(c.pull))) == pytest.approx(0.2 * (5.0 - 0.1))
 
 
-def test_angles_weigh_more_where_only_limits_are_in_the_way_and_change_their_weight_step_by_step() -> None:
+def test_angles_weigh_more_where_only_limits_are_in_the_way_and_less_of_who_is_beyond_them_in_contact_step_by_step() -> None:
     memory = little(SCENE).memory
     mode, seen = memory.goal.closeness.mode, []
-    for beyond, pressed in [(0.0, False)] * 2 + [(1.0, False)] * 30 + [(1.0, True)] * 30 + [(0.0, False)] * 2:
+    turns = (0.0, False, 2), (1.0, False, 30), (1.0, True, 30), (0.0, True, 30), (0.0, False, 2)
+    for beyond, pressed in [(beyond, pressed) for beyond, pressed, frames in turns for _ in range(frames)]:
         mode[BEYOND], memory.pairs.marks[LISTED] = beyond, pressed
         stiffen(memory)
         seen.append(float(mode[STIFF]))
-    assert seen[:2] == [1.0, 1.0] and seen[31] == pytest.approx(ALONE, abs=1e-3) and seen[61] == pytest.approx(1.0, abs=1e-3)
-    assert np.abs(np.diff(seen)).max() <= 0.3 * (ALONE - 1.0)
+    assert seen[:2] == [1.0, 1.0] and [seen[31], seen[61], seen[91]] == pytest.approx([ALONE, UNREACHED, 1.0], abs=1e-3)
+    assert np.abs(np.diff(seen)).max() <= 0.3 * (ALONE - UNREACHED)
     # within limits and free nothing is weighed, and nothing forgotten
-    assert seen[61:] == [seen[61]] * 3
+    assert seen[91:] == [seen[91]] * 3
