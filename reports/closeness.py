@@ -57,7 +57,8 @@ class Near:
 
 @dataclass(frozen=True)
 class Pair:
-    """One scene beside another engine, over the `counted` of `frames` frames that count: offset [m], angle [deg]."""
+    """One scene beside another engine, over the `counted` of `frames` frames that count: offset [m], angle [deg]; who is nearer
+    over these, and over those of them in which the other engine keeps the joints' limits."""
 
     other: str
     scenario: str
@@ -69,6 +70,8 @@ class Pair:
     their_angle: float
     nearer_offset: str
     nearer_angle: str
+    kept_nearer_offset: str
+    kept_nearer_angle: str
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ def _pair(row: Mapping[str, str]) -> Pair:
     return Pair(
         row["other"].replace(".", "/"), row["scenario"], int(row["frames"]), int(row["counted"]),
         number(row["offset"]), number(row["their_offset"]), number(row["angle"]), number(row["their_angle"]),
-        row["nearer_offset"], row["nearer_angle"],
+        row["nearer_offset"], row["nearer_angle"], row["kept_nearer_offset"], row["kept_nearer_angle"],
     )
 
 
@@ -124,10 +127,12 @@ def pair_sentence(pairs: tuple[Pair, ...]) -> str:
     said = []
     for what in ("offset", "angle"):
         nearer = [getattr(pair, f"nearer_{what}") for pair in pairs]
-        names = tuple(pair.scenario for pair in pairs if getattr(pair, f"nearer_{what}") == "theirs")
-        lost = f": {listed(names, 99)}" if names else ""
-        scenes, ours = count(len(names), "scene"), nearer.count("ours")
-        said.append(f"In {what}, {pairs[0].other} is nearer in {scenes}{lost}; ours in {ours}.")
+        lost = [pair for pair in pairs if getattr(pair, f"nearer_{what}") == "theirs"]
+        names = f": {listed(tuple(pair.scenario for pair in lost), 99)}" if lost else ""
+        bent = tuple(pair.scenario for pair in lost if getattr(pair, f"kept_nearer_{what}") != "theirs")
+        only = f" (only by leaving the joints' limits in {listed(bent, 99)})" if bent else ""
+        scenes, ours = count(len(lost), "scene"), nearer.count("ours")
+        said.append(f"In {what}, {pairs[0].other} is nearer in {scenes}{names}{only}; ours in {ours}.")
     return " ".join(said)
 
 

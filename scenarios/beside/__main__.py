@@ -69,6 +69,9 @@ def table(found: Sequence[Beside], theirs: str) -> str:
             each = [winner[k] for winner in winners]
             said = ((side, each.count(side)) for side in ("ours", "theirs", "same", "-"))
             lines.append(f"{what}, scenes by who is nearer{among}: {', '.join(f'{side} {count}' for side, count in said)}")
+    for k, what in enumerate(("offset", "angle")):
+        if names := [r.scenario for r in found if r.winner[k] == "theirs" and r.kept_winner[k] != "theirs"]:
+            lines.append(f"{what}, {theirs} nearer only where it leaves the joints' limits: {', '.join(names)}")
     return "\n".join(lines)
 
 

@@ -31,9 +31,10 @@ NEAR = (
     "squeeze,12,0,0.03,0.03,0.5,0.2,0.05,0.04,0.05,1,0\n"
 )
 BESIDE = (
-    "other,scenario,frames,counted,offset,their_offset,angle,their_angle,nearer_offset,nearer_angle\n"
-    "mujoco.tuned,two_arms,600,599,0.03,0.01,1.5,2.5,theirs,ours\n"
-    "mujoco.tuned,squeeze,150,0,,,,,-,-\n"
+    "other,scenario,frames,counted,offset,their_offset,angle,their_angle,nearer_offset,nearer_angle,kept_nearer_offset,kept_nearer_angle\n"
+    "mujoco.tuned,two_arms,600,599,0.03,0.01,1.5,2.5,theirs,ours,theirs,ours\n"
+    "mujoco.tuned,mocap_roll,151,151,0.02,0.015,3.5,2.5,theirs,theirs,ours,theirs\n"
+    "mujoco.tuned,squeeze,150,0,,,,,-,-,-,-\n"
 )
 GROWTH = "grows,mode,size,links,run,p50,p99,note\n" + "".join(
     f"avatars,apart,{size},{15 * size},{run},{p50},{2 * p50},3 repeats\n"
@@ -116,8 +117,8 @@ def test_closeness_names_what_is_beyond_and_who_is_nearer(tmp_path: Path) -> Non
         "squeeze (offset ×1.00, angle ×2.50)."
     )
     assert closeness.pair_sentence(found.pairs) == (
-        "In offset, mujoco/tuned is nearer in 1 scene: two_arms; ours in 0. "
-        "In angle, mujoco/tuned is nearer in 0 scenes; ours in 1."
+        "In offset, mujoco/tuned is nearer in 2 scenes: two_arms, mocap_roll (only by leaving the joints' limits in mocap_roll); "
+        "ours in 0. In angle, mujoco/tuned is nearer in 1 scene: mocap_roll; ours in 1."
     )
 
 
