@@ -25,8 +25,8 @@ class PostureSettings(NamedTuple):
     stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
     turn_share      what angles weigh beside link origins. 0.7: origins a tenth nearer to the user's where limbs are pressed on,
                     angles farther, and limbs are caught more often; 1.4: the other way round, and chains lag.
-    turn_alone      the same of avatars without joints. 1: behind a wall a hand's place is a tenth farther from the user's; 0.4:
-                    in a corner it turns by ten degrees more for a place 3 mm nearer.
+    turn_alone      the same of avatars without joints (`turned_aside.py`). 1: behind a wall a hand's place is a tenth farther
+                    from the user's; 0.36: in a corner, where it stays as it is held, it turns by 29 degrees for 13 mm.
     stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
     untie           1 allows a stated jump to the tracker's posture when limbs are tied and nothing fixed is crossed.
     search_after    frames without coming nearer to a tracker whose own posture is free, or far off, before a way is searched.

@@ -1,7 +1,7 @@
 """How near a posture is to the tracker's, in the two figures a user sees: link origins [m], and joint angles weighed as metres.
 
 merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints, times
-mode[STIFF] (`follow.py`).
+mode[STIFF] (`follow.py`); of avatars without joints that square is weighed by `turned_aside.py`.
 The tracker's posture is taken as it is, limits or not: limits are conditions of the step, as contacts are.
 
 To first order its rates are those of a tree of unit masses at the link origins whose joints have a rotor each, so its second
@@ -11,7 +11,8 @@ derivatives are that tree's mass matrix: composite masses (Walker and Orin), and
 from math import sqrt
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.workspace import STIFF, WORN, Closeness
+from avatarsim.posture.turned_aside import bent, cost, rise
+from avatarsim.posture.workspace import RIGID, STIFF, WORN, Closeness
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Index
@@ -20,6 +21,9 @@ from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 WORN_OUT = 0.1
 """[rad or m] way of avatar and tracker after which the second derivatives are taken anew. 0: every step, 10 us more per frame
 of a human in contact; 1: limbs overshoot."""
+
+FREE_DEGREES = 6
+"""Degrees of freedom of a free root: three of its place, then three of its turn."""
 
 NEAR = 1.0 - 1e-12
 """Share of the square of `far` below which an origin is nearer than that whatever the rounding, and no root is taken."""
@@ -99,26 +103,34 @@ def couple(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) ->
     gather(skel, worn, c)
     slope(skel, axes, full, c)
     if worn:
-        bend(skel, axes, c)
+        bend(skel, axes, full, c)
         decompose(c.path, c.depth, c.factor)
         c.mode[WORN] = 0.0
     solve(c, c.pull)
 
 
 @kernel
+def turned_square(full: Array, first: int) -> float:
+    """Square of the angle [rad^2] that a free root whose degrees begin at `first` has to turn."""
+    turn = (full[first + 3], full[first + 4], full[first + 5])
+    return dot(turn, turn)
+
+
+@kernel
 def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """How fast the merit falls with each degree of freedom, into pull (nd)."""
     c, kind, first_dof = closeness_out, skel.kind, skel.first_dof
-    b, ways, pull, turn_weight, stiff = c.moment, c.way, c.pull, c.turn_weight, c.mode[STIFF]
+    b, ways, pull, turn_weight, stiff, rigid = c.moment, c.way, c.pull, c.turn_weight, c.mode[STIFF], c.mode[RIGID] > 0.0
     for m in range(kind.shape[0]):
         first, way = first_dof[m], row(ways, m)
         moves = first + 3 if kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
+        weight = stiff * rise(turned_square(full, first)) if rigid else stiff
         for j in range(first, first_dof[m + 1]):
             if j < moves:
                 pull[j] = dot(row(axes, j), way)
             else:
-                pull[j] = dot(row(axes, j), twist) + stiff * turn_weight[j] * full[j]
+                pull[j] = dot(row(axes, j), twist) + weight * turn_weight[j] * full[j]
 
 
 @kernel
@@ -138,7 +150,7 @@ def note_motions(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
 
 
 @kernel
-def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
+def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """Second derivatives of the merit, a row per degree of freedom, from what its motion asks of the masses that it carries.
 
     What bends the merit further up than to first order joins the diagonal: without it a limb that is pressed together
@@ -147,13 +159,14 @@ def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
     c = closeness_out
     t, b, here, root, firsts, number = c.second, c.moment, c.here, c.root, c.first, c.number
     path, depth, factor, motion, turn_weight, stiff = c.path, c.depth, c.factor, c.motion, c.turn_weight, c.mode[STIFF]
-    kind, first_dof = skel.kind, skel.first_dof
+    kind, first_dof, rigid = skel.kind, skel.first_dof, c.mode[RIGID] > 0.0
     note_motions(skel, axes, c)
     for m in range(kind.shape[0]):
         first, moved, n = first_dof[m], row(firsts, m), number[m]
         moves = first + 3 if kind[m] == FREE else first
         trace, spread = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2], b[m, 0, 0] + b[m, 1, 1] + b[m, 2, 2]
         out = sub(row(here, m), row(here, root[m]))
+        weight = stiff * bent(turned_square(full, first)) if rigid else stiff
         for j in range(first, first_dof[m + 1]):
             axis, extra = row(axes, j), 0.0
             if j < moves:
@@ -168,7 +181,7 @@ def bend(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
                 along_axis = 0.0
                 for i in range(3):
                     along_axis += axis[i] * (b[m, i, 0] * axis[0] + b[m, i, 1] * axis[1] + b[m, i, 2] * axis[2])
-                extra = stiff * turn_weight[j] + max(0.0, spread - along_axis)
+                extra = weight * turn_weight[j] + max(0.0, spread - along_axis)
             torque = add(torque, cross(out, force))
             for d in range(depth[j] + 1):
                 i = path[j, d]
@@ -254,6 +267,10 @@ def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
         way = sub(row(there, link), row(here, link))
         square = dot(way, way)
         total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
+    if c.mode[RIGID] > 0.0:
+        for first in range(0, full.shape[0], FREE_DEGREES):
+            total += 0.5 * stiff * turn_weight[first + 3] * cost(turned_square(full, first))
+        return total
     for j in range(full.shape[0]):
         total += 0.5 * stiff * turn_weight[j] * full[j] * full[j]
     return total

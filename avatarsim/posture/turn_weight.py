@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from avatarsim.posture.jointed import has_joints
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import FREE, Skeleton
+from avatarsim.world.skeleton import Skeleton
 
 LEAST_SHARE = 1e-3
 """What angles weigh at least: with nothing, a joint that carries no other link's origin would turn for no reason."""
@@ -31,6 +32,5 @@ def turn_weight(geo: Geometry, skel: Skeleton, poses: Poses, settings: PostureSe
     """Weight [m^2] of the squared angle of a joint in the measure of nearness (`closeness.py`): with a share of 1 as much as the
     means of angles and of origins are in metres, a radian being a link's mean reach."""
     degrees = np.diff(skel.first_dof)
-    jointed = bool((degrees[skel.kind != FREE] > 0).any())
-    share = max(settings.turn_share if jointed else settings.turn_alone, LEAST_SHARE)
+    share = max(settings.turn_share if has_joints(skel) else settings.turn_alone, LEAST_SHARE)
     return float(share * mean_reach(geo, skel, poses) ** 2 * len(skel.kind) / max(int((degrees > 0).sum()), 1))

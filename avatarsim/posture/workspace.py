@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.metric import metric
 from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
@@ -74,8 +75,8 @@ class Closeness(NamedTuple):
 # joints over their limits; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody
 # has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of
 # turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`); the frame in which `around` was
-# last in use
-COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY, SEEN = range(8)
+# last in use; 1 if no avatar has joints
+COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY, SEEN, RIGID = range(9)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -216,10 +217,11 @@ def _closeness(skel: Skeleton) -> Closeness:
     turning = np.ones(nd)
     for link in np.flatnonzero(skel.kind == FREE).tolist():
         turning[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
+    rigid = 0.0 if has_joints(skel) else 1.0
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0, -1.0]), np.zeros((nl, 3)),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0, -1.0, rigid]), np.zeros((nl, 3)),
     )
 
 
