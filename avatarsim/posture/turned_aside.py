@@ -11,7 +11,7 @@ a hand does not turn for nothing, turns where that brings it much nearer, and no
 from avatarsim.kernel import kernel
 
 ASIDE = 2.0
-"""Angle [rad] at which a radian more weighs twice what it does before. 1.35: behind a thin wall a hand's place is a tenth
+"""Angle [rad] at which a radian more weighs twice what it does before. 1.35: behind a thin wall a hand's place is 7 %
 farther from the user's; infinite: there it folds so far that in two of eight seeds it is late where the way is free again."""
 
 STRAIGHT, SLIGHT = 10.0, 0.02
