@@ -57,8 +57,8 @@ class Near:
 
 @dataclass(frozen=True)
 class Pair:
-    """One scene beside another engine, over the `counted` of `frames` frames that count: offset [m], angle [deg]; who is nearer
-    over these, and over those of them in which the other engine keeps the joints' limits."""
+    """One scene beside another engine, over the `counted` of `frames` frames that count: offset [m], angle [deg], distance of all
+    of the body [m]; who is nearer in each; what is known of an offset and an angle in which the other engine is."""
 
     other: str
     scenario: str
@@ -68,10 +68,13 @@ class Pair:
     their_offset: float
     angle: float
     their_angle: float
+    body: float
+    their_body: float
     nearer_offset: str
     nearer_angle: str
-    kept_nearer_offset: str
-    kept_nearer_angle: str
+    nearer_body: str
+    known_offset: str
+    known_angle: str
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,8 @@ def _pair(row: Mapping[str, str]) -> Pair:
     return Pair(
         row["other"].replace(".", "/"), row["scenario"], int(row["frames"]), int(row["counted"]),
         number(row["offset"]), number(row["their_offset"]), number(row["angle"]), number(row["their_angle"]),
-        row["nearer_offset"], row["nearer_angle"], row["kept_nearer_offset"], row["kept_nearer_angle"],
+        number(row["body"]), number(row["their_body"]), row["nearer_offset"], row["nearer_angle"], row["nearer_body"],
+        row["known_offset"], row["known_angle"],
     )
 
 
@@ -125,15 +129,18 @@ def near_sentence(near: tuple[Near, ...]) -> str:
 def pair_sentence(pairs: tuple[Pair, ...]) -> str:
     """What to conclude, losses first."""
     said = []
-    for what in ("offset", "angle"):
+    for what, meant in (("offset", "offset"), ("angle", "angle"), ("body", "the distance of all of the body")):
         nearer = [getattr(pair, f"nearer_{what}") for pair in pairs]
-        lost = [pair for pair in pairs if getattr(pair, f"nearer_{what}") == "theirs"]
-        names = f": {listed(tuple(pair.scenario for pair in lost), 99)}" if lost else ""
-        bent = tuple(pair.scenario for pair in lost if getattr(pair, f"kept_nearer_{what}") != "theirs")
-        only = f" (only by leaving the joints' limits in {listed(bent, 99)})" if bent else ""
-        scenes, ours = count(len(lost), "scene"), nearer.count("ours")
-        said.append(f"In {what}, {pairs[0].other} is nearer in {scenes}{names}{only}; ours in {ours}.")
+        lost = tuple(pair.scenario for pair, side in zip(pairs, nearer, strict=True) if side == "theirs")
+        names, ours = f": {listed(lost, 99)}" if lost else "", nearer.count("ours")
+        said.append(f"In {meant}, {pairs[0].other} is nearer in {count(len(lost), 'scene')}{names}; ours in {ours}.")
     return " ".join(said)
+
+
+def pair_notes(pairs: tuple[Pair, ...]) -> tuple[str, ...]:
+    """What is known of each figure in which the other engine is nearer."""
+    each = ((pair.scenario, what, getattr(pair, f"known_{what}")) for what in ("offset", "angle") for pair in pairs)
+    return tuple(f"{scenario}, {what}: {known}." for scenario, what, known in each if known)
 
 
 def section(closeness: Closeness) -> dict[str, object]:
@@ -141,6 +148,6 @@ def section(closeness: Closeness) -> dict[str, object]:
     near, pairs = closeness.near, closeness.pairs
     return {
         "close": closeness, "close_near": near_sentence(near) if near else "",
-        "close_pairs": pair_sentence(pairs) if pairs else "",
+        "close_pairs": pair_sentence(pairs) if pairs else "", "close_notes": pair_notes(pairs),
         "multiple": multiple, "told": told,
     }

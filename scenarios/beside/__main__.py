@@ -13,6 +13,7 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, UnknownName
 from reference.judge import Judge
 from scenarios.beside.pair import Beside, compared
+from scenarios.beside.table import known, table
 from scenarios.csv_rows import csv_lines
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
@@ -42,37 +43,11 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
 
 
 def csv_text(found: Sequence[Beside], theirs: str) -> str:
-    """All rows as CSV, with who is nearer."""
-    winners = "nearer_offset", "nearer_angle", "kept_nearer_offset", "kept_nearer_angle"
-    head = ["other", *(entry.name for entry in fields(Beside)), *winners]
-    return csv_lines(head, ((theirs, *astuple(row), *row.winner, *row.kept_winner) for row in found), DIGITS)
-
-
-def table(found: Sequence[Beside], theirs: str) -> str:
-    """A line per scene, and how often each is nearer."""
-    lines = [
-        f"Distance from the user, rms over the frames in which {theirs} leaves at most 1 mm of overlap on the legal side.",
-        f"{'scene':24s} {'frames':>10s} {'offset mm: ours':>16s} {'theirs':>9s} {'nearer':>7s} {'angle deg: ours':>16s} "
-        f"{'theirs':>9s} {'nearer':>7s}",
-    ]
-    for r in found:
-        offset, angle = r.winner
-        lines.append(
-            f"{r.scenario:24s} {r.counted:5d}/{r.frames:<4d} {1e3 * r.offset:16.3f} {1e3 * r.their_offset:9.3f} {offset:>7s} "
-            f"{r.angle:16.3f} {r.their_angle:9.3f} {angle:>7s}"
-        )
-    for among, winners in (
-        ("", [r.winner for r in found]),
-        (f", only frames in which {theirs} keeps the joints' limits too", [r.kept_winner for r in found]),
-    ):
-        for k, what in enumerate(("offset", "angle")):
-            each = [winner[k] for winner in winners]
-            said = ((side, each.count(side)) for side in ("ours", "theirs", "same", "-"))
-            lines.append(f"{what}, scenes by who is nearer{among}: {', '.join(f'{side} {count}' for side, count in said)}")
-    for k, what in enumerate(("offset", "angle")):
-        if names := [r.scenario for r in found if r.winner[k] == "theirs" and r.kept_winner[k] != "theirs"]:
-            lines.append(f"{what}, {theirs} nearer only where it leaves the joints' limits: {', '.join(names)}")
-    return "\n".join(lines)
+    """All rows as CSV, with who is nearer and what is known of figures in which theirs is."""
+    nearer = "nearer_offset", "nearer_angle", "nearer_body", "kept_nearer_offset", "kept_nearer_angle"
+    head = ["other", *(entry.name for entry in fields(Beside)), *nearer, "known_offset", "known_angle"]
+    lines = ((theirs, *astuple(row), *row.winner, row.body_winner, *row.kept_winner, *known(row)) for row in found)
+    return csv_lines(head, lines, DIGITS)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

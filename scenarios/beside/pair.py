@@ -8,9 +8,11 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from reference.judge import Judge
+from scenarios.measure.body_offset import body_offsets
+from scenarios.measure.least_angle import least_angles
 from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
 from scenarios.measure.side import outside
-from scenarios.measure.tracker_offset import angle_offsets, offsets
+from scenarios.measure.tracker_offset import angle_offsets, offsets, rms
 from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
@@ -27,9 +29,11 @@ SAME = 1e-6
 @dataclass(frozen=True)
 class Beside:
     """One scene: frames run, those of the other engine with at most LEFT of overlap on the legal side, and over these the root
-    mean square offset [m] of link origins and angle [deg] of joints from the user, ours and theirs. nan where no frame counts.
+    mean square distance from the user, ours and theirs: `offset` [m] of link origins, `angle` [deg] of joints, `body` [m] of the
+    points of all links. nan where no frame counts. `least_angle` [deg]: no posture within the joints' limits has less there.
 
-    The same over those of these frames, `kept` many, in which the other engine's joints are within their limits too."""
+    The first two again over those of these frames, `kept` many, in which the other engine's joints are within their limits too.
+    `unsaid`: what of the scene the other engine has no words for."""
 
     scenario: str
     frames: int
@@ -38,11 +42,15 @@ class Beside:
     their_offset: float
     angle: float
     their_angle: float
+    least_angle: float
+    body: float
+    their_body: float
     kept: int
     kept_offset: float
     kept_their_offset: float
     kept_angle: float
     kept_their_angle: float
+    unsaid: str
 
     @property
     def winner(self) -> tuple[str, str]:
@@ -50,8 +58,13 @@ class Beside:
         return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
 
     @property
+    def body_winner(self) -> str:
+        """Who is nearer with all of the body."""
+        return _nearer(self.body, self.their_body)
+
+    @property
     def kept_winner(self) -> tuple[str, str]:
-        """The same over the frames in which the other engine keeps the limits."""
+        """`winner` over the frames in which the other engine keeps the limits."""
         return _nearer(self.kept_offset, self.kept_their_offset), _nearer(self.kept_angle, self.kept_their_angle)
 
 
@@ -77,10 +90,14 @@ def compared(ours: Recording, theirs: Recording, scenario: Scenario, scene: Scen
     frames = min(ours.frames, theirs.frames)
     good = good_frames(theirs, scenario, scene, judge)[:frames]
     kept = good & within_limits(theirs, scene)[:frames]
-    figures = [_rms(recording, scene, chosen, frames) for chosen in (good, kept) for recording in (ours, theirs)]
-    (offset, angle), (their_offset, their_angle), (o, a), (their_o, their_a) = figures
+    each = [_distances(recording, scene, frames) for recording in (ours, theirs)]
+    (offset, angle, body), (their_offset, their_angle, their_body) = [[_rms(v[good]) for v in one] for one in each]
+    (o, a), (their_o, their_a) = [[_rms(v[kept]) for v in one[:2]] for one in each]
+    least = _rms(np.degrees(least_angles(ours, scene))[:frames][good])
+    unsaid = theirs.meta.get("cannot_say")
     return Beside(
-        scenario.name, frames, int(good.sum()), offset, their_offset, angle, their_angle, int(kept.sum()), o, their_o, a, their_a,
+        scenario.name, frames, int(good.sum()), offset, their_offset, angle, their_angle, least, body, their_body,
+        int(kept.sum()), o, their_o, a, their_a, "; ".join(sorted(unsaid)) if isinstance(unsaid, dict) else "",
     )
 
 
@@ -91,7 +108,12 @@ def within_limits(recording: Recording, scene: Scene) -> NDArray[np.bool_]:
     return np.asarray(excess <= BENT)
 
 
-def _rms(recording: Recording, scene: Scene, chosen: NDArray[np.bool_], frames: int) -> tuple[float, float]:
-    """Root mean square offset [m] and angle [deg] over the chosen of the first `frames` frames."""
-    values = offsets(recording)[:frames][chosen], np.degrees(angle_offsets(recording, scene))[:frames][chosen]
-    return tuple(float(np.sqrt(np.mean(v**2))) if v.size else math.nan for v in values)  # type: ignore[return-value]
+def _distances(recording: Recording, scene: Scene, frames: int) -> tuple[Array, Array, Array]:
+    """Offsets [m], angles [deg] and body offsets [m] of the first frames."""
+    found = offsets(recording), np.degrees(angle_offsets(recording, scene)), body_offsets(recording, scene)
+    return found[0][:frames], found[1][:frames], found[2][:frames]
+
+
+def _rms(values: Array) -> float:
+    """Root mean square; of nothing nan."""
+    return rms(values) if values.size else math.nan

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.joint import Ball, Hinges, SwingTwist
+from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from scenarios.measure.cone import beyond_cone_each
@@ -60,16 +61,21 @@ def joint_limit_excess(scene: Scene, orientations: Array, angles: Array) -> Arra
     return worst
 
 
+def limb_axis(joint: Ball, cone: ReachCone, place: Place) -> Array:
+    """(3,) unit axis of the limb in its own frame: that of the swing limits; without them the direction that is the cone's
+    visible point when the joint is at zero."""
+    if joint.limits is not None:
+        return np.array(joint.limits.axis)
+    return rotation.rotate(rotation.conjugate(place.orientation), np.array(cone.visible_point))
+
+
 def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
     """(F,) largest angle [rad] by which a limb points outside its reach cone."""
     worst = np.zeros(len(orientations))
     for place in places(scene):
         if isinstance(place.joint, Ball) and place.joint.cone is not None:
-            cone, turn = place.joint.cone, relative(place, orientations)
-            # without swing limits the limb's axis is the direction that is the cone's visible point when the joint is at zero
-            rest = rotation.rotate(rotation.conjugate(place.orientation), np.array(cone.visible_point))
-            axis = rest if place.joint.limits is None else np.array(place.joint.limits.axis)
-            worst = np.maximum(worst, beyond_cone_each(cone, rotation.rotate(turn, axis)))
+            limbs = rotation.rotate(relative(place, orientations), limb_axis(place.joint, place.joint.cone, place))
+            worst = np.maximum(worst, beyond_cone_each(place.joint.cone, limbs))
     return worst
 
 

@@ -31,10 +31,11 @@ NEAR = (
     "squeeze,12,0,0.03,0.03,0.5,0.2,0.05,0.04,0.05,1,0\n"
 )
 BESIDE = (
-    "other,scenario,frames,counted,offset,their_offset,angle,their_angle,nearer_offset,nearer_angle,kept_nearer_offset,kept_nearer_angle\n"
-    "mujoco.tuned,two_arms,600,599,0.03,0.01,1.5,2.5,theirs,ours,theirs,ours\n"
-    "mujoco.tuned,mocap_roll,151,151,0.02,0.015,3.5,2.5,theirs,theirs,ours,theirs\n"
-    "mujoco.tuned,squeeze,150,0,,,,,-,-,-,-\n"
+    "other,scenario,frames,counted,offset,their_offset,angle,their_angle,body,their_body,nearer_offset,nearer_angle,nearer_body,"
+    "known_offset,known_angle\n"
+    "mujoco.tuned,two_arms,600,599,0.03,0.01,1.5,2.5,0.02,0.03,theirs,ours,ours,,\n"
+    "mujoco.tuned,mocap_roll,151,151,0.02,0.015,3.5,2.5,0.03,0.02,theirs,theirs,theirs,its spring; its luck,\n"
+    "mujoco.tuned,squeeze,150,0,,,,,,,-,-,-,,\n"
 )
 GROWTH = "grows,mode,size,links,run,p50,p99,note\n" + "".join(
     f"avatars,apart,{size},{15 * size},{run},{p50},{2 * p50},3 repeats\n"
@@ -117,9 +118,11 @@ def test_closeness_names_what_is_beyond_and_who_is_nearer(tmp_path: Path) -> Non
         "squeeze (offset ×1.00, angle ×2.50)."
     )
     assert closeness.pair_sentence(found.pairs) == (
-        "In offset, mujoco/tuned is nearer in 2 scenes: two_arms, mocap_roll (only by leaving the joints' limits in mocap_roll); "
-        "ours in 0. In angle, mujoco/tuned is nearer in 1 scene: mocap_roll; ours in 1."
+        "In offset, mujoco/tuned is nearer in 2 scenes: two_arms, mocap_roll; ours in 0. In angle, mujoco/tuned is nearer in "
+        "1 scene: mocap_roll; ours in 1. In the distance of all of the body, mujoco/tuned is nearer in 1 scene: mocap_roll; "
+        "ours in 1."
     )
+    assert closeness.pair_notes(found.pairs) == ("mocap_roll, offset: its spring; its luck.",)
 
 
 def test_page_and_summary_have_the_sections_and_stay_whole(run_dir: Write, results: Json) -> None:
@@ -137,7 +140,7 @@ def test_page_and_summary_have_the_sections_and_stay_whole(run_dir: Write, resul
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids)) and set(names) <= set(tree.ids)
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
-    assert "11 of 12" in text and "printed in the paper" in text
+    assert "mocap_roll, offset: its spring; its luck." in text and "11 of 12" in text and "printed in the paper" in text
     assert "nan" not in text.split('id="closeness"')[1].split('id="settings"')[0].lower().replace("provenance", "")
     told = (folder / "summary.md").read_text()
     assert "| two_arms | printed in the paper | 1496 | 14.63 | 16.0 |" in told

@@ -12,8 +12,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from reference.judge import Judge
-from scenarios.beside.__main__ import table
-from scenarios.beside.pair import Beside, compared
+from scenarios.beside.pair import compared
 from scenarios.record import Recording
 from tests.scenarios.examples import WALL_FACE, fist, fist_motion, fist_scene, recorded
 
@@ -81,12 +80,3 @@ def test_frames_in_which_theirs_leaves_the_limits_are_left_out_of_the_kept_ones(
     assert (found.counted, found.kept, found.winner, found.kept_winner) == (10, 5, ("same", "theirs"), ("same", "theirs"))
     assert found.kept_angle == pytest.approx(np.degrees(0.05 / np.sqrt(10.0)), abs=1e-9)
     assert found.kept_their_angle == pytest.approx(0.0, abs=1e-6) and found.kept_offset < found.offset + 1e-12
-
-
-def test_the_table_names_where_theirs_is_nearer_only_by_leaving_limits() -> None:
-    fair = Beside("fair", 10, 10, 0.02, 0.01, 1.0, 1.0, 10, 0.02, 0.01, 1.0, 1.0)
-    bent = replace(fair, scenario="bent", kept=4, kept_offset=0.01, kept_their_offset=0.02)
-    lines = table([fair, bent], "other.tuned").splitlines()
-    assert lines[2].split()[:1] == ["fair"] and lines[3].split()[:1] == ["bent"]
-    assert "offset, other.tuned nearer only where it leaves the joints' limits: bent" in lines
-    assert not any(line.startswith("angle, other.tuned nearer only") for line in lines)
