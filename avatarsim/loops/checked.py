@@ -73,7 +73,7 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
         memory.counts[:] = 0
     elif memory.rows.size[COUNT] == 0:
         return
-    follow(geometry, skeleton, tracker, settings, moving, posture, poses, memory)
+    follow(geometry, skeleton, tracker, settings, answering, moving, posture, poses, memory)
 
 @kernel
 def seek_opened(world: Index, kept: Index, way: Index) -> None:

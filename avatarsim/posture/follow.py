@@ -1,6 +1,7 @@
 """One frame of method `default`: from the last checked posture towards the tracker's, every state certified."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.again import leave_the_rest
 from avatarsim.posture.body_place import MOST_TURNED, place_bodies
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import clip_to_limits, farthest, measure_way, merit, tracker_speed
@@ -136,8 +137,11 @@ def walk(
     memory_out.goal.window[frame % MERIT_WINDOW] = now
     memory_out.flags[FRAME] = frame + 1
     for k in range(steps):
-        if k >= settings.steps and memory_out.flags[LEAP] > 0.0:
-            hold_who_has_leapt(skel, settings, posture_out, memory_out)
+        if k >= settings.steps:
+            if memory_out.flags[LEAP] > 0.0:
+                hold_who_has_leapt(skel, settings, posture_out, memory_out)
+            else:
+                leave_the_rest(skel, settings, steps - k, posture_out, memory_out.goal)
         if memory_out.flags[PRESSED] > 0.0:
             most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
             for j in range(memory_out.goal.trust.shape[0]):
@@ -179,12 +183,13 @@ def judge_progress(memory_out: Memory) -> None:
 
 @kernel
 def follow(
-    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, moving: Index, posture_out: Posture,
-    poses_out: Poses, memory_out: Memory,
+    geo: Geometry, skel: Skeleton, tracker: Posture, settings: PostureSettings, again: bool, moving: Index,
+    posture_out: Posture, poses_out: Poses, memory_out: Memory,
 ) -> None:
     """Bring the posture towards the tracker's by `settings.steps` certified steps at most, more after one that leaps or hurries;
     the work adds to the counts.
 
+    again: whether it is the second time in this frame, which then goes on from where it began (`again.py`).
     moving (nb): 1 for bodies that may have moved since the last call; empty if nobody knows.
     """
     if moving.shape[0] > 0:
@@ -193,8 +198,11 @@ def follow(
         changed = notice_others(geo, skel, poses_out, memory_out)
     clip_to_limits(skel, tracker, memory_out.goal)
     place_bodies(skel, memory_out.goal)
-    copy_posture(posture_out, memory_out.goal.begun)
+    if not again:
+        copy_posture(posture_out, memory_out.goal.begun)
     speed, moved = tracker_speed(skel, memory_out.goal)
+    if again:
+        leave_the_rest(skel, settings, settings.steps, posture_out, memory_out.goal)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
     flags[UNTIED], flags[SPEED], flags[LEAP] = 0.0, speed, 0.0

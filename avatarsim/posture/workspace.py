@@ -88,7 +88,8 @@ class Goal(NamedTuple):
     tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
     (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
     begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
-    one of their joints turned [rad], in the row of the root; allowed (nd) 1, or 0 for what has gone as far as it may (`leap.py`)
+    one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
+    (`leap.py`, `again.py`)
     """
 
     full: Array

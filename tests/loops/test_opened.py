@@ -47,14 +47,14 @@ class Plain:
         if self.coupled:
             pull(self.geo, self.skel, self.dyn, self.poses, self.lower, dt, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
-        follow(self.geo, self.skel, target, CHOSEN.posture, NOBODY, self.posture, self.poses, self.lower)
+        follow(self.geo, self.skel, target, CHOSEN.posture, False, NOBODY, self.posture, self.poses, self.lower)
         if self.way.state[MODE] != IDLE or self.lower.flags[SLOW] >= CHOSEN.posture.search_after:
             seek(self.geo, self.skel, CHOSEN.posture, self.posture, self.poses, self.lower, self.way)
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
         if self.coupled:
             give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.pressed, self.springs.rate)
             if self.upper.moving.any() and self.lower.rows.size[COUNT] > 0:
-                follow(self.geo, self.skel, target, CHOSEN.posture, NOBODY, self.posture, self.poses, self.lower)
+                follow(self.geo, self.skel, target, CHOSEN.posture, True, NOBODY, self.posture, self.poses, self.lower)
 
 
 def plain(tree: tuple) -> tuple:
