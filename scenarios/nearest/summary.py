@@ -10,6 +10,8 @@ from scenarios.nearest.frames import Sample
 
 TIMES = 2.0
 """How many times as far as the nearest free posture the one shown may be."""
+SURELY = 0.99
+"""How many times as far as the nearest posture one is that is surely nearer: the search ends some micrometres short."""
 NOTHING = 1e-12
 """Distance [m, rad] up to which a posture is where the user's is, to rounding: a root at rest is 1e-17 m from its user's."""
 
@@ -43,6 +45,12 @@ class Summary:
     def within(self) -> bool:
         """Whether offset and angle of the scene are both within TIMES."""
         return max(self.times[:2]) <= TIMES
+
+    @property
+    def too_near(self) -> bool:
+        """Whether it is nearer than any posture that is free and within limits, as far as the search goes: so it is not such a
+        one, and no such posture has both its offset and its angle, or its distance would be no larger either."""
+        return self.times[2] < SURELY
 
 
 def _times(ours: float, best: float) -> float:
@@ -78,7 +86,6 @@ def summarised(samples: Sequence[Sample]) -> Summary:
     )
 
 
-
 def table(summaries: Sequence[Summary], without: Sequence[str]) -> str:
     """A line per scene, worst first; `without` names scenes that have no frame in contact."""
     lines = [
@@ -96,6 +103,8 @@ def table(summaries: Sequence[Summary], without: Sequence[str]) -> str:
         )
     kept = sum(s.within for s in summaries)
     lines.append(f"offset and angle within {TIMES:g} times in {kept} of {len(summaries)} scenes")
+    if near := [f"{s.scenario} ({s.times[2]:.2f})" for s in summaries if s.too_near]:
+        lines.append(f"nearer than any posture that is free and within limits, offset and angle together: {', '.join(near)}")
     if without:
         lines.append(f"no frame in contact, or no posture to compare: {', '.join(without)}")
     return "\n".join(lines)

@@ -36,6 +36,17 @@ def test_something_over_nothing_is_not_within() -> None:
     assert summarised([replace(ONE, angle=0.0, nearest_angle=0.0)]).within
 
 
+def test_who_is_nearer_than_any_free_posture_is_named() -> None:
+    beyond = replace(ONE, scenario="beyond", offset=0.01, angle=0.05)
+    found = summarised([beyond])
+    assert found.too_near and not summarised([ONE]).too_near and not summarised([replace(ONE, nearest_offset=math.nan)]).too_near
+    said = "nearer than any posture that is free and within limits, offset and angle together: beyond (0.78)"
+    assert said in table([found], [])
+    # an offset that is less alone, at the price of the angle, is a posture like others
+    assert not summarised([replace(ONE, offset=0.01, angle=0.2)]).too_near
+    assert "nearer than any" not in table([summarised([ONE])], [])
+
+
 def test_the_table_names_the_worst_first_and_the_file_has_all_samples() -> None:
     far = replace(ONE, scenario="far", offset=0.5)
     text = table([summarised([ONE]), summarised([far])], ["empty"])
