@@ -19,7 +19,7 @@ from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from reference.judge import Judge
-from tests.posture.little_worlds import X, Y, at, hand, hand_scene, panel, piece
+from tests.posture.little_worlds import X, Y, at, hand, hand_scene, mixed_avatar, panel, piece, random_sample
 from tests.posture.ride import ride
 from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
 
@@ -240,6 +240,15 @@ def test_the_humanoid_obeys_swing_and_twist_under_wild_rotations() -> None:
     for _ in range(60):
         go.frame(case.home)
     assert go.error(case.home) < 0.01
+
+
+def test_a_ball_whose_link_is_turned_at_rest_obeys_limits_in_its_parents_frame() -> None:
+    scene = Scene("s", (), (mixed_avatar(),))
+    assert scene.links[1].orientation != scene.links[0].orientation
+    go = ride(scene)
+    for seed in range(20):
+        for _ in range(8):
+            go.frame(random_sample(scene.avatars, seed))
 
 
 def far(x: float) -> Callable[[TrackerSample], TrackerSample]:

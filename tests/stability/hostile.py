@@ -250,20 +250,19 @@ def hinge_excess(scene: Scene, record: FrameRecord) -> float:
 def ball_excess(scene: Scene, record: FrameRecord) -> float:
     """Largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
     turns = Rotation.from_quat(record.shown.orientations[len(scene.bodies) :], scalar_first=True)
-    balls, rests, parents, children, start = [], [], [], [], 0
+    balls, parents, children, start = [], [], [], 0
     for avatar in scene.avatars:
         index = {link.name: start + k for k, link in enumerate(avatar.links)}
         start += len(avatar.links)
         for link in avatar.links:
             if isinstance(link.joint, Ball) and link.joint.limits is not None and link.parent is not None:
                 balls.append(link.joint)
-                rests.append(link.orientation)
                 parents.append(index[link.parent])
                 children.append(index[link.name])
     if not balls:
         return -np.inf
-    rest_turns = Rotation.from_quat(rests, scalar_first=True)
-    return float(swing_twist_excess(balls, (turns[parents] * rest_turns).inv() * turns[children]).max())
+    # limits are stated in the parent's frame, however the link is turned against it at rest
+    return float(swing_twist_excess(balls, turns[parents].inv() * turns[children]).max())
 
 
 def swing_twist_excess(balls: Sequence[Ball], turns: Rotation) -> Array:
