@@ -16,6 +16,7 @@ from avatarsim.posture.workspace import (
     COUNT_NAMES,
     CROSSINGS,
     DROPPED,
+    LEAP,
     RESYNCS,
     SLOW,
     TRAPPED_FRAMES,
@@ -71,7 +72,8 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
         if coupled:
             pull(geometry, skeleton, dynamics, poses, memory, dt, tracker, velocities, springs)
         memory.counts[:] = 0
-    elif memory.rows.size[COUNT] == 0:
+    elif memory.rows.size[COUNT] == 0 or memory.flags[LEAP] > 0.0:
+        # nothing held it, or it went as far as its user leapt, and what is in the way is met in the next frame
         return
     follow(geometry, skeleton, tracker, settings, answering, moving, posture, poses, memory)
 

@@ -201,8 +201,6 @@ def follow(
     if not again:
         copy_posture(posture_out, memory_out.goal.begun)
     speed, moved = tracker_speed(skel, memory_out.goal)
-    if again:
-        leave_the_rest(skel, settings, settings.steps, posture_out, memory_out.goal)
     memory_out.flags[TRACKER_SPEED] = max(speed, SPEED_MEMORY * memory_out.flags[TRACKER_SPEED])
     flags = memory_out.flags
     flags[UNTIED], flags[SPEED], flags[LEAP] = 0.0, speed, 0.0
@@ -233,6 +231,8 @@ def follow(
         steps = settings.steps + steps_of_leap(settings, memory_out)
         if moved > HURRIED * settings.move_cap and not has_joints(skel):
             steps = max(steps, settings.steps + 1)
+        if again:
+            leave_the_rest(skel, settings, settings.steps, posture_out, memory_out.goal)
         flags[STEPPED] = walk(geo, skel, settings, steps, posture_out, poses_out, memory_out)
     unstick(geo, skel, settings, posture_out, poses_out, memory_out)
     if flags[LEAP] > 0.0:

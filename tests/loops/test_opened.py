@@ -13,7 +13,7 @@ from avatarsim.loops.upper_memory import make_memory as make_upper_memory
 from avatarsim.posture.at_once import seek
 from avatarsim.posture.follow import follow
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
-from avatarsim.posture.workspace import COUNT, SLOW, ready_memory
+from avatarsim.posture.workspace import COUNT, LEAP, SLOW, ready_memory
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
@@ -53,7 +53,7 @@ class Plain:
         advance(self.geo, self.dyn, self.poses, self.velocities, dt, self.upper, self.events, self.switches)
         if self.coupled:
             give(self.skel, self.upper.received, self.dyn.inverse_mass, self.springs.pressed, self.springs.rate)
-            if self.upper.moving.any() and self.lower.rows.size[COUNT] > 0:
+            if self.upper.moving.any() and self.lower.rows.size[COUNT] > 0 and self.lower.flags[LEAP] == 0.0:
                 follow(self.geo, self.skel, target, CHOSEN.posture, True, NOBODY, self.posture, self.poses, self.lower)
 
 
