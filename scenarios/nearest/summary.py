@@ -104,7 +104,8 @@ def table(summaries: Sequence[Summary], without: Sequence[str]) -> str:
     kept = sum(s.within for s in summaries)
     lines.append(f"offset and angle within {TIMES:g} times in {kept} of {len(summaries)} scenes")
     if near := [f"{s.scenario} ({s.times[2]:.2f})" for s in summaries if s.too_near]:
-        lines.append(f"nearer than any posture that is free and within limits, offset and angle together: {', '.join(near)}")
+        found = "nearer than any posture found that is free and within limits, offset and angle together"
+        lines.append(f"{found}: {', '.join(near)}")
     if without:
         lines.append(f"no frame in contact, or no posture to compare: {', '.join(without)}")
     return "\n".join(lines)

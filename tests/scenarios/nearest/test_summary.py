@@ -40,7 +40,7 @@ def test_who_is_nearer_than_any_free_posture_is_named() -> None:
     beyond = replace(ONE, scenario="beyond", offset=0.01, angle=0.05)
     found = summarised([beyond])
     assert found.too_near and not summarised([ONE]).too_near and not summarised([replace(ONE, nearest_offset=math.nan)]).too_near
-    said = "nearer than any posture that is free and within limits, offset and angle together: beyond (0.78)"
+    said = "any posture found that is free and within limits, offset and angle together: beyond (0.78)"
     assert said in table([found], [])
     # an offset that is less alone, at the price of the angle, is a posture like others
     assert not summarised([replace(ONE, offset=0.01, angle=0.2)]).too_near
