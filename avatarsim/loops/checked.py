@@ -77,6 +77,7 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
         return
     follow(geometry, skeleton, tracker, settings, answering, moving, posture, poses, memory)
 
+
 @kernel
 def seek_opened(world: Index, kept: Index, way: Index) -> None:
     """`seek` on the arenas of a world, of what the loop keeps, and of the search."""

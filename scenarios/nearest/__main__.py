@@ -1,21 +1,27 @@
-"""`python -m scenarios.nearest [--run FOLDER] [--filter GLOB] [--frames N] [--engine NAME] [--preset NAME]`.
+"""`python -m scenarios.nearest [--run FOLDER] [--filter GLOB] [--frames N] [--engine NAME] [--preset NAME] [--jobs N]`.
 
 Reads the recordings of a run, searches the nearest free posture of sampled frames in contact, prints a table, and writes
-nearest_free.csv (every sample) and nearest_free_scenes.csv into the run's folder.
+nearest_free.csv (every sample) and nearest_free_scenes.csv into the run's folder, again after every scene.
 """
 
 import argparse
+import os
 import sys
-import time
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text
+from scenarios.gate import STOPPED
 from scenarios.kept import as_recorded, recordings, scenes_of
 from scenarios.nearest.frames import Frames, Sample
 from scenarios.nearest.summary import Summary, summarised, table
+from scenarios.processes import Died
+from scenarios.progress import Progress
+from scenarios.resume import stoppable
+from scenarios.side_by_side import side_by_side
 
 DIGITS = 8
 """Significant digits of a figure: the closest of these are told apart by them."""
@@ -25,49 +31,72 @@ NAME, SCENES = "nearest_free.csv", "nearest_free_scenes.csv"
 """The file of samples, and that of scenes, which the report reads."""
 
 
-def searched(run: Path, names: Sequence[str], first: str, count: int) -> tuple[list[Sample], list[Summary], list[str]]:
-    """All samples, their summaries, and the scenes without a frame to search."""
-    samples: list[Sample] = []
-    summaries: list[Summary] = []
-    without: list[str] = []
-    begun = time.monotonic()
-    for name in names:
-        found = recordings(run, name, first)
-        scenario = as_recorded(name, found[0])
-        scene = scenario.build()
-        if not scene.links:
-            continue
-        here = list(Frames(scenario, scene, found[0], [one for one in found[1:] if one.frames == found[0].frames]).samples(count))
-        samples += here
-        summaries += [summarised(here)] if here else []
-        without += [] if here else [name]
-        print(f"{time.monotonic() - begun:7.1f} s  {name}", file=sys.stderr, flush=True)
-    return samples, summaries, without
+def searched(name: str, run: Path, first: str, count: int) -> list[Sample] | None:
+    """The samples of one scene; None where there is no avatar."""
+    found = recordings(run, name, first)
+    scenario = as_recorded(name, found[0])
+    scene = scenario.build()
+    if not scene.links:
+        return None
+    others = [one for one in found[1:] if one.frames == found[0].frames]
+    return list(Frames(scenario, scene, found[0], others).samples(count))
+
+
+def summaries(found: dict[str, list[Sample]]) -> list[Summary]:
+    """Of every scene that had a frame to search."""
+    return [summarised(samples) for samples in found.values() if samples]
+
+
+def kept(run: Path, names: Sequence[str], first: str, count: int, jobs: int) -> tuple[dict[str, list[Sample]], dict[str, Died]]:
+    """The samples of every scene with an avatar, in the order of `names`, and the scenes whose search ended without an answer.
+    What is found is written at once: a command that is stopped leaves what it had."""
+    found: dict[str, list[Sample]] = {}
+    died: dict[str, Died] = {}
+    with Progress("nearest", len(names), sys.stderr) as progress:
+        for name, answer in side_by_side(partial(searched, run=run, first=first, count=count), names, jobs):
+            if isinstance(answer, Died):
+                died[name] = answer
+            elif answer is not None:
+                found[name] = answer
+                found = {name: found[name] for name in names if name in found}
+                write_text(run / NAME, csv_text([sample for samples in found.values() for sample in samples], Sample, DIGITS))
+                write_text(run / SCENES, csv_text(summaries(found), Summary, DIGITS))
+            progress.step(name)
+    return found, died
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Search, print, write. 0: within the promise in every scene; 1: not; 2: usage."""
+    """Search, print, write. 0: within the promise in every scene; 1: not; 2: usage, or no answer for a scene; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.nearest", description=str(__doc__).splitlines()[2])
     parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help=f"frames per scene (default: {FRAMES})")
     parser.add_argument("--engine", default="avatarsim", metavar="NAME", help="whose postures (default: avatarsim)")
     parser.add_argument("--preset", default="default", metavar="NAME", help="with which preset (default: default)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="scenes side by side; 0: here")
     asked = parser.parse_args(argv)
     first = f"{asked.engine}.{asked.preset}"
     try:
+        if asked.frames < 1 or asked.jobs < 0:
+            raise InvalidInput("--frames, --jobs", (asked.frames, asked.jobs), "1 and up; 0 and up")
         names = scenes_of(asked.run, first, asked.filter)
         if not names:
             raise UnknownName(f"recordings of {first} in {asked.run}", asked.filter, ())
-        samples, summaries, without = searched(asked.run, names, first, max(asked.frames, 1))
-        write_text(asked.run / NAME, csv_text(samples, Sample, DIGITS))
-        write_text(asked.run / SCENES, csv_text(summaries, Summary, DIGITS))
+        with stoppable():
+            found, died = kept(asked.run, names, first, asked.frames, asked.jobs)
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
-    print(table(summaries, without))
+    except KeyboardInterrupt:
+        print(f"stopped; what was found is in {asked.run / NAME}", file=sys.stderr)
+        return STOPPED
+    print(table(summaries(found), [name for name, samples in found.items() if not samples]))
     print(f"\n{asked.run / NAME}")
-    return 0 if all(summary.within for summary in summaries) else 1
+    for name, how in died.items():
+        print(f"{name} was not searched: {how}", file=sys.stderr)
+    if died:
+        return 2
+    return 0 if all(summary.within for summary in summaries(found)) else 1
 
 
 if __name__ == "__main__":

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 
 import numpy as np
 from joblib import Parallel, delayed
-from tqdm import tqdm
 
 from avatarsim.collide.status import NAMES
 from avatarsim.world.shapes import ELLIPSOID
 from tests.collide.judged import RELATIVE, SCRATCH, judge, signed_distance
 from tests.collide.many_pairs import Tally, tally
 from tests.collide.strata import BATCH, STRATA, draw
+from tests.progress_bar import bar
 
 BATCHES_AT_ONCE = 5
 """Batches handed to a process at a time: larger makes the progress bar coarse, smaller spends more on handing over."""
@@ -103,10 +103,10 @@ def main() -> int:
     tally("smooth-deep", chosen.seed, range(1), BATCH)
     tally("shallow", chosen.seed, range(1), BATCH)
     done = Parallel(n_jobs=chosen.jobs, return_as="generator_unordered")(delayed(named)(chunk) for chunk in work)
-    with tqdm(total=chosen.pairs + chosen.large, unit="pair", smoothing=0.05) as bar:
+    with bar(chosen.pairs + chosen.large, "pair") as shown:
         for name, part in done:
             found.setdefault(name, Tally()).join(part)
-            bar.update(part.pairs)
+            shown.update(part.pairs)
     found = {name: found[name] for name in STRATA if name in found}
     print(table(found) + MEANING)
     failures = sorted(failure for t in found.values() for failure in t.failures)

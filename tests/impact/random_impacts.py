@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from avatarsim.impact.contacts import Contacts, add_contact, make_contacts, weigh
 from avatarsim.impact.impact_queue import fastest_approach, resolve_impact
 from avatarsim.impact.masses import Masses
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, cross, row, unit
+from tests.progress_bar import bar
 
 Array = NDArray[np.float64]
 
@@ -169,11 +169,11 @@ def run(impacts: int, seed: int) -> tuple[list[int], Array]:
     rng, worst = np.random.default_rng(seed), np.zeros(3)
     contacts, masses, meeting = make_contacts(POINTS), Masses(np.zeros(2), np.zeros((2, 3, 3))), a_meeting()
     total = [0, 0, 0]
-    with tqdm(total=impacts, unit="impacts", disable=None) as bar:
+    with bar(impacts, "impact") as shown:
         while total[0] < impacts:
             found = meet(rng.random((AT_A_TIME, DRAWN)), contacts, masses, meeting, worst)
             total = [a + b for a, b in zip(total, found, strict=True)]
-            bar.update(found[0])
+            shown.update(found[0])
     return total, worst
 
 

@@ -1,6 +1,7 @@
 """The two questions that are answered from the recordings of a run, through their commands."""
 
 import csv
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scenarios import catalog, record
 from scenarios.beside.__main__ import main as beside
 from scenarios.kept import recordings, scenes_of
 from scenarios.nearest.__main__ import main as nearest
+from scenarios.processes import Died
 from tests.scenarios.beside.test_pair import shown
 from tests.scenarios.examples import fist
 
@@ -40,13 +42,29 @@ def test_beside_writes_a_row_and_says_that_theirs_is_nearer(run: Path, capsys: p
 
 
 def test_nearest_writes_samples_and_says_that_ours_is_too_far(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert nearest(["--run", str(run), "--frames", "3"]) == 1
+    assert nearest(["--run", str(run), "--frames", "3", "--jobs", "0"]) == 1
     assert "OVER" in capsys.readouterr().out
     rows = list(csv.DictReader((run / "nearest_free.csv").read_text().splitlines()))
     assert [row["frame"] for row in rows] == ["23", "25", "28"]
     [scene] = csv.DictReader((run / "nearest_free_scenes.csv").read_text().splitlines())
     assert (scene["scenario"], scene["frames"], scene["lost"]) == ("fist", "3", "0") and float(scene["offset"]) > 0.2
-    assert nearest(["--run", str(run), "--frames", "3", "--engine", "mujoco", "--preset", "tuned"]) == 0
+    assert nearest(["--run", str(run), "--frames", "3", "--engine", "mujoco", "--preset", "tuned", "--jobs", "0"]) == 0
+    assert nearest(["--run", str(run), "--frames", "0"]) == 2
+    assert "--frames" in capsys.readouterr().err
+
+
+def test_a_scene_whose_search_dies_is_named_and_what_the_others_found_is_kept(
+    run: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def answers(function: Callable[[str], object], names: Sequence[str], jobs: int) -> Iterator[tuple[str, object]]:
+        assert names == ["fist"] and jobs == 0
+        yield "fist", function("fist")
+        yield "gone", Died("its process was killed by signal 9")
+
+    monkeypatch.setattr("scenarios.nearest.__main__.side_by_side", answers)
+    assert nearest(["--run", str(run), "--frames", "2", "--jobs", "0"]) == 2
+    assert "gone was not searched: its process was killed by signal 9" in capsys.readouterr().err
+    assert len((run / "nearest_free.csv").read_text().splitlines()) == 3
 
 
 @pytest.mark.parametrize("main", [beside, nearest])

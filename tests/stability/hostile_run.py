@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
@@ -12,6 +12,7 @@ from avatarsim.engine import Settings
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from reference.judge import Judge
+from tests.progress_bar import told
 from tests.stability.hostile import (
     DT,
     TRIALS,
@@ -117,18 +118,23 @@ def drive(
         before = kind
 
 
-def run(name: str, seed: int, frames: int, away: int = 60, home: int = 90, judge_every: int = 1, **options: object) -> Report:
-    """Drive avatar `name` through hostile motion of every kind in turn for `frames` frames."""
+def run(
+    name: str, seed: int, frames: int, away: int = 60, home: int = 90, judge_every: int = 1, aloud: bool = False,
+    **options: object,
+) -> Report:
+    """Drive avatar `name` through hostile motion of every kind in turn for `frames` frames; `aloud` shows a bar."""
     at, report = TRIALS[name](), Report()
-    motion = islice(hostile_motion(at, seed, away, home), frames)
+    motion: Iterable[tuple[str, TrackerSample]] = islice(hostile_motion(at, seed, away, home), frames)
+    if aloud:
+        motion = told(motion, frames, "frame")
     drive(at, motion, Judge(at.scene), Settings(options=options, seed=seed), judge_every, report)
     return report
 
 
-def run_returns(name: str, seeds: Iterable[int], judge_every: int = 1, **options: object) -> Report:
-    """One hostile return of avatar `name` for each seed, each from the beginning."""
+def run_returns(name: str, seeds: Sequence[int], judge_every: int = 1, aloud: bool = False, **options: object) -> Report:
+    """One hostile return of avatar `name` for each seed, each from the beginning; `aloud` shows a bar."""
     at, report = TRIALS[name](), Report()
     judge = Judge(at.scene)
-    for seed in seeds:
+    for seed in told(seeds, len(seeds), "return") if aloud else seeds:
         drive(at, one_return(at, seed, 60, PATIENCE), judge, Settings(options=options, seed=seed), judge_every, report, seed)
     return report

@@ -76,11 +76,11 @@ def main() -> int:
     parser.add_argument("--returns", action="store_true", help="the stated list of 500 returns in place of seeds and frames")
     chosen, failed = parser.parse_args(), False
     if chosen.returns:
-        report = run_returns(chosen.avatar, RETURN_SEEDS, chosen.judge_every)
+        report = run_returns(chosen.avatar, RETURN_SEEDS, chosen.judge_every, aloud=True)
         show(f"{chosen.avatar}, {len(RETURN_SEEDS)} seeds", report)
         return int(report.broken() > 0 or not report.home_within(PROMPT) >= 0.95)
     for seed in chosen.seeds:
-        report = run(chosen.avatar, seed, chosen.frames, judge_every=chosen.judge_every)
+        report = run(chosen.avatar, seed, chosen.frames, judge_every=chosen.judge_every, aloud=True)
         show(f"{chosen.avatar} seed {seed}", report)
         failed = failed or report.broken() > 0 or not report.home_within(PROMPT) >= 0.95
     return int(failed)
