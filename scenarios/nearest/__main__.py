@@ -15,8 +15,9 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text
 from scenarios.gate import STOPPED
-from scenarios.kept import as_recorded, recordings, scenes_of
-from scenarios.nearest.frames import Frames, Sample
+from scenarios.kept import scenes_of
+from scenarios.nearest.frames import Sample
+from scenarios.nearest.searched import searched
 from scenarios.nearest.summary import Summary, summarised, table
 from scenarios.processes import Died
 from scenarios.progress import Progress
@@ -29,17 +30,6 @@ FRAMES = 12
 """Frames sampled per scene; a search takes a second or two."""
 NAME, SCENES = "nearest_free.csv", "nearest_free_scenes.csv"
 """The file of samples, and that of scenes, which the report reads."""
-
-
-def searched(name: str, run: Path, first: str, count: int) -> list[Sample] | None:
-    """The samples of one scene; None where there is no avatar."""
-    found = recordings(run, name, first)
-    scenario = as_recorded(name, found[0])
-    scene = scenario.build()
-    if not scene.links:
-        return None
-    others = [one for one in found[1:] if one.frames == found[0].frames]
-    return list(Frames(scenario, scene, found[0], others).samples(count))
 
 
 def summaries(found: dict[str, list[Sample]]) -> list[Summary]:

@@ -1,6 +1,8 @@
 """The two questions that are answered from the recordings of a run, through their commands."""
 
 import csv
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,9 +12,11 @@ import pytest
 from avatarsim.errors import UnknownName
 from scenarios import catalog, record
 from scenarios.beside.__main__ import main as beside
+from scenarios.job import Job
 from scenarios.kept import recordings, scenes_of
 from scenarios.nearest.__main__ import main as nearest
 from scenarios.processes import Died
+from scenarios.run import accuracy
 from tests.scenarios.beside.test_pair import shown
 from tests.scenarios.examples import fist
 
@@ -51,6 +55,14 @@ def test_nearest_writes_samples_and_says_that_ours_is_too_far(run: Path, capsys:
     assert nearest(["--run", str(run), "--frames", "3", "--engine", "mujoco", "--preset", "tuned", "--jobs", "0"]) == 0
     assert nearest(["--run", str(run), "--frames", "0"]) == 2
     assert "--frames" in capsys.readouterr().err
+
+
+def test_scenes_are_searched_side_by_side_by_the_command_itself(tmp_path: Path) -> None:
+    assert accuracy(Job("shallow_overlap", "avatarsim", "default"), tmp_path).state == "measured"
+    command = [sys.executable, "-m", "scenarios.nearest", "--run", str(tmp_path), "--frames", "1", "--jobs", "2"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert "within 2 times in 1 of 1 scenes" in done.stdout
 
 
 def test_a_scene_whose_search_dies_is_named_and_what_the_others_found_is_kept(
