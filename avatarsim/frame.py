@@ -38,7 +38,8 @@ class Frames:
             self.target = Target(world)
             self.lower = lower_loop(world, method, chosen, seed)
         if self.effects.dynamics:
-            self.upper = SimulatedLoop(world, paper=method == "paper", record=record)
+            kept = (chosen.paper if method == "paper" else chosen.posture).stand_off
+            self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
             moving = self.upper.memory.moving
         if self.driven:
             self.lower.watch(moving)

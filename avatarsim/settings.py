@@ -36,7 +36,8 @@ class PostureSettings(NamedTuple):
                     25 ms.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it. 2: for all.
-    trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say.
+    trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say; not before
+                    `search_after`, since until then nobody has looked.
     trapped_jump    frames of this kind after which a trapped avatar is shown at the tracker's posture, whatever lies between:
                     a stated jump, counted as a crossing. 0: never, it stays until a way is found.
     walled_jump     the same where something that is no link stands between the trunk and the tracker's. 0: it waits there.

@@ -28,6 +28,13 @@ NOWHERE = np.zeros((0, 3))
 CHOICES = {"untie": 1, "around": 2}
 """Largest value of the options that are a choice between 0 and this."""
 
+LEAST = {
+    "steps": 1, "corrections": 1, "attempts": 1, "sweeps": 1, "work": 1, "turn_cap": 1e-3, "move_cap": 1e-3, "stand_off": 1e-7,
+    "turn_share": 1e-3, "turn_alone": 1e-3, "stuck_frames": 1, "search_after": 1, "trapped_frames": 1, "rounds": 1,
+    "spring": 1e-3,
+}
+"""Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
+
 METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
 """The groups of settings that each method reads."""
 
@@ -44,6 +51,7 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
         chosen = chosen._replace(**{group: defaults._replace(**replaced)})
     for name in left:
         raise UnknownName(f"option of avatarsim, preset {method}", name, known)
+    require_order(chosen, method)
     return chosen
 
 
@@ -61,13 +69,23 @@ def frame_time(dt: float) -> None:
 
 
 def number(name: str, value: object, kind: type[float] | type[int]) -> float:
-    """`value` as a number of `kind`, 0 or more."""
-    found, most = as_number(value), CHOICES.get(name, MOST)
-    if not 0.0 <= found <= most:
-        raise InvalidInput(f"option {name}", value, f"a number from 0 to {most:g}")
+    """`value` as a number of `kind`, within the range of option `name`."""
+    found, least, most = as_number(value), LEAST.get(name, 0.0), CHOICES.get(name, MOST)
+    if not least <= found <= most:
+        raise InvalidInput(f"option {name}", value, f"a number from {least:g} to {most:g}")
     if kind is int and found != int(found):
-        raise InvalidInput(f"option {name}", value, f"a whole number from 0 to {most:g}")
+        raise InvalidInput(f"option {name}", value, f"a whole number from {least:g} to {most:g}")
     return kind(found)
+
+
+def require_order(chosen: Chosen, method: str) -> None:
+    """Refuse gaps that contradict each other: steps would aim at what is then not accepted."""
+    if method == "paper":
+        if chosen.paper.tolerance >= chosen.paper.stand_off:
+            raise InvalidInput("option tolerance", chosen.paper.tolerance, f"below stand_off, {chosen.paper.stand_off:g} m")
+    elif not chosen.posture.wedged_gap <= chosen.posture.least_gap < chosen.posture.stand_off:
+        gaps = chosen.posture.wedged_gap, chosen.posture.least_gap, chosen.posture.stand_off
+        raise InvalidInput("options wedged_gap, least_gap, stand_off", gaps, "wedged_gap up to least_gap, below stand_off [m]")
 
 
 class AvatarsimEngine:

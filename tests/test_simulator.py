@@ -50,11 +50,24 @@ def test_an_unknown_option_is_named_and_the_known_ones_listed() -> None:
         loaded(stand_of=1e-4)
 
 
-@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, "fast", None, True])
+@pytest.mark.parametrize("value", [-1.0, 0.0, math.nan, math.inf, "fast", None, True])
 @pytest.mark.parametrize("name", ["stand_off", "steps", "spring"])
 def test_options_are_finite_numbers(name: str, value: object) -> None:
-    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a (whole )?number from 0 to"):
+    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a (whole )?number from [0-9e.-]+ to"):
         loaded(**{name: value})
+
+
+@pytest.mark.parametrize("gaps", [
+    {"least_gap": 1e-3}, {"stand_off": 2e-5}, {"least_gap": 1e-6}, {"least_gap": 2e-4},
+])
+def test_gaps_that_contradict_each_other_are_refused(gaps: dict[str, float]) -> None:
+    with pytest.raises(InvalidInput, match="wedged_gap up to least_gap, below stand_off"):
+        loaded(**gaps)
+
+
+def test_a_tolerance_above_the_stand_off_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="option tolerance is 0.001; valid: below stand_off, 0.0001 m"):
+        AvatarsimEngine().load(SCENE, Settings("paper", {"tolerance": 1e-3}), DT)
 
 
 def test_options_are_in_force_and_reported() -> None:
@@ -258,3 +271,16 @@ def test_a_link_without_pieces_is_a_point_that_meets_nobody() -> None:
         record = engine.advance(replace(start, time=(k + 1) * DT), DT)
         assert not any("not finite" in status for status in record.statuses)
     assert 0.1 <= record.shown.positions[1, 2] < 0.15
+
+
+@pytest.mark.parametrize("stand_off", [2e-5, 2e-4, 1e-3, 5e-3])
+def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> None:
+    """The upper loop has to know how near a driven body comes, or a ball that floats stops the user like a wall."""
+    feather = (Piece(Sphere(0.05)),)
+    ball = simulated("ball", feather, "wood", solid(feather, 0.2), (0.2, 0.0, 0.0))
+    scene = replace(hand_scene((0.0, 0.0, 0.0), ball), gravity=(0.0, 0.0, 0.0))
+    for speed in (0.003, 0.005, 0.0071):
+        engine = loaded(scene, stand_off=stand_off, least_gap=min(5e-5, 0.5 * stand_off))
+        for k in range(int(0.5 / speed)):
+            record = engine.advance(at(scene.first_sample, (speed * k, 0.0, 0.0)), DT)
+        assert record.shown.positions[0, 0] > 0.5 + 0.1 - 2.0 * speed

@@ -14,7 +14,7 @@ from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
 from avatarsim.loops.pressing import press
 from avatarsim.loops.recoil import recoil
-from avatarsim.posture.kinematics import carry, take
+from avatarsim.posture.kinematics import carry, displace
 from avatarsim.posture.workspace import Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
@@ -172,7 +172,8 @@ def pull(
         put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
     place_displaced(geo, skel, s.offset, now)
     if recoil(skel, target_out, now, s.axes, s.offset, memory.goal.inverse_weight, s.way):
-        take(skel, target_out, s.way)
+        # a user beyond limits is taken as he is
+        displace(skel, target_out, s.way)
     tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
 
 

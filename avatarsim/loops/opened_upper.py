@@ -92,7 +92,7 @@ def opened_memory(o: Opening) -> Memory:
         index_grid(o)[0], grid(o)[0], grid(o)[0], opened_last(o), index_line(o)[0], vectors(o)[0], vectors(o)[0],
         index_line(o)[0], opened_poses(o), opened_islands(o), index_line(o)[0], line(o)[0], line(o)[0], index_line(o)[0],
         index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], index_line(o)[0],
-        index_grid(o)[0], line(o)[0], Soonest(index_line(o)[0], index_line(o)[0], index_grid(o)[0]),
+        index_grid(o)[0], line(o)[0], line(o)[0], Soonest(index_line(o)[0], index_line(o)[0], index_grid(o)[0]),
     )
 
 

@@ -28,13 +28,13 @@ def advance_opened(world: Index, kept: Index, dt: float) -> int:
 
 
 class SimulatedLoop:
-    """The simulated bodies of a world."""
+    """The simulated bodies of a world, and driven ones that keep `stand_off` [m] from them."""
 
-    def __init__(self, world: World, *, paper: bool, record: bool) -> None:
+    def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
         self.world, self.record, self.status = world, record, DONE
         on = world.scene.effects
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
-        memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic)
+        memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self._kept, (self.memory, self.events, _) = packed((memory, events, switches))
 

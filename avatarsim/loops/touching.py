@@ -16,7 +16,6 @@ from avatarsim.loops.upper_memory import WORK, Memory
 from avatarsim.motion.edge_plane import lone_edge
 from avatarsim.motion.manifold import manifold
 from avatarsim.motion.time_of_impact import TOUCH
-from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import neg, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
@@ -26,9 +25,6 @@ Index = NDArray[np.int64]
 
 FOUND, NO_ROOM, BROKEN = 0, 1, 2
 """Outcome: all contacts found; more than fit; a pose is not finite."""
-
-DRIVEN_TOUCH = 2.0 * PostureSettings().stand_off
-"""Gap [m] below which a driven body touches: twice the stand-off that it keeps. Below the stand-off it could push nothing."""
 
 QUERY_WORK = 8
 """Work of one contact query, see `upper_memory.WORK`."""
@@ -106,7 +102,7 @@ def find_contacts(
 ) -> tuple[int, float]:
     """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs (count, 2) that somebody moves in.
 
-    A driven body keeps a stand-off from everything, so it touches from DRIVEN_TOUCH on: what it cannot come nearer to, it hits.
+    A driven body keeps a stand-off from everything, so it touches from `memory.touch` on: what it cannot come nearer to, it hits.
 
     Returns (outcome, smallest gap [m], inf without contacts).
     """
@@ -120,7 +116,7 @@ def find_contacts(
         driven = DRIVEN_A if dynamics.role[a] == DRIVEN else (DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN)
         for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
             for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
-                reach = TOUCH if driven == NOT_DRIVEN else DRIVEN_TOUCH
+                reach = TOUCH if driven == NOT_DRIVEN else memory.touch[0]
                 if boxes_apart(poses.boxes, sa, sb, reach):
                     continue
                 before = memory.contacts.used[0]

@@ -25,6 +25,13 @@ from avatarsim.world.pair_filter import OPEN, PairFilter
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+DRIVEN_TOUCH = 4e-4
+"""Gap [m] below which a driven body touches, or twice the stand-off that it keeps if that is more: below the stand-off it could
+push nothing."""
+
+ROOM_TO_TOUCH = 1.25
+"""Share of that gap that near pairs are looked for in: 1, and rounding decides who is near."""
+
 BLOCKED_ROOM = 64
 """Blocked pairs remembered at once."""
 
@@ -77,7 +84,8 @@ class Memory(NamedTuple):
     blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
     newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
-    margin (1) [m] see `motion.near`; soonest: near pairs while some stop, see `loops.plastic`.
+    margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body touches; soonest: near pairs while some stop,
+    see `loops.plastic`.
     """
 
     received: Array
@@ -127,11 +135,14 @@ class Memory(NamedTuple):
     newest: Index
     older: Index
     margin: Array
+    touch: Array
     soonest: Soonest
 
 
-def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True) -> Memory:
-    """Allocate for a world whose bodies stand at ``poses``."""
+def make_memory(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True, stand_off: float = 0.0
+) -> Memory:
+    """Allocate for a world whose bodies stand at ``poses``; driven ones keep ``stand_off`` [m] from everything."""
     n = len(dynamics.role)
     simulated = dynamics.role == Role.SIMULATED.value
     moments = np.linalg.eigvalsh(dynamics.inertia)
@@ -155,6 +166,7 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
     # without the gyroscopic effect a tumbling body just keeps its angular velocity
     most = int(np.diff(shapes.start).max()) if len(geometry.body) else 1
     room = min(PAIRS_ROOM, max(1, n * (n - 1) // 2))
+    touch, driven = max(DRIVEN_TOUCH, 2.0 * stand_off), bool((dynamics.role == Role.DRIVEN.value).any())
     touching = max(ROOM, ROOM_PER_BODY * int(simulated.sum()))
     return Memory(
         received=np.zeros((n, 3)), moving=np.zeros(n, np.int64), asleep=np.zeros(n, np.int64), ball=ball, round=round_,
@@ -175,6 +187,7 @@ def make_memory(geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic
         blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
-        margin=np.full(1, margin_for(span, simulated, bool((dynamics.role == Role.DRIVEN.value).any()))),
+        margin=np.full(1, max(margin_for(span, simulated, driven), ROOM_TO_TOUCH * touch if driven else 0.0)),
+        touch=np.full(1, touch),
         soonest=make_soonest(n, room),
     )

@@ -57,6 +57,14 @@ def place_bodies(skel: Skeleton, goal_out: Goal) -> None:
 
 
 @kernel
+def stay_aside(skel: Skeleton, goal_out: Goal) -> None:
+    """Put the roots of goal.tracker aside as far as `place_bodies` did in this frame."""
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] == FREE and is_aside(link, goal_out):
+            put_aside(link, goal_out)
+
+
+@kernel
 def is_aside(root: int, goal: Goal) -> bool:
     """Whether a body is to be elsewhere than the tracker's."""
     gone, turn = row(goal.aside.root, root), columns(goal.aside.turn, root)

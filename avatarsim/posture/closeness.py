@@ -125,7 +125,7 @@ def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> 
         first, way = first_dof[m], row(ways, m)
         moves = first + 3 if kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
-        weight = stiff * rise(turned_square(full, first)) if rigid else stiff
+        weight = stiff * rise(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
         for j in range(first, first_dof[m + 1]):
             if j < moves:
                 pull[j] = dot(row(axes, j), way)
@@ -166,7 +166,7 @@ def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> N
         moves = first + 3 if kind[m] == FREE else first
         trace, spread = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2], b[m, 0, 0] + b[m, 1, 1] + b[m, 2, 2]
         out = sub(row(here, m), row(here, root[m]))
-        weight = stiff * bent(turned_square(full, first)) if rigid else stiff
+        weight = stiff * bent(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
         for j in range(first, first_dof[m + 1]):
             axis, extra = row(axes, j), 0.0
             if j < moves:

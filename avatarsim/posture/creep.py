@@ -17,7 +17,7 @@ CREEP_AFTER = 100
 contacts asks for takes visibly long."""
 
 CREEP = 9e-4
-"""Way [m] that nothing of the avatar exceeds in a frame then."""
+"""Way [m] that no link's origin and no side of the box around a link exceeds in a frame then."""
 
 ROUNDS = 3
 """Times a step is shortened: a large turn goes less far than its arc, so a share of it goes farther than its share."""

@@ -60,8 +60,8 @@ def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_o
 
 
 @kernel
-def take(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
-    """Make posture + step the posture; rotations are straightened, or they would drift apart over the frames."""
+def displace(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
+    """Make posture + step the posture, limits or not; rotations are straightened, or they would drift apart over the frames."""
     for link in range(skel.kind.shape[0]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
@@ -73,4 +73,14 @@ def take(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
             put_columns(posture_out.turn, link, straightened(frame))
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
-                posture_out.angle[j] = min(max(posture_out.angle[j] + step[j], skel.limits[j, 0]), skel.limits[j, 1])
+                posture_out.angle[j] += step[j]
+
+
+@kernel
+def take(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
+    """The same with hinges that end within their limits, to the bit."""
+    displace(skel, posture_out, step)
+    for link in range(skel.kind.shape[0]):
+        if skel.kind[link] == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                posture_out.angle[j] = min(max(posture_out.angle[j], skel.limits[j, 0]), skel.limits[j, 1])

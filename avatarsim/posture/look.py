@@ -8,7 +8,7 @@ from avatarsim.posture.kinematics import forward
 from avatarsim.posture.notice import notice_others
 from avatarsim.posture.untie import apart_at_trial
 from avatarsim.posture.way_memory import BLOCKED, BLOCKING, OPEN, Way, copy_posture
-from avatarsim.posture.workspace import SLOW, SPEED, WALLED, Memory
+from avatarsim.posture.workspace import NOW, SLOW, SPEED, WALLED, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
@@ -65,6 +65,8 @@ def look(
     if not is_open and root_way(skel, memory_out.goal.full) < FAR_OFF:
         return False
     held = what_holds_off(geo, skel, settings, poses, s.memory)
+    # the gaps that it noted are those of the shown avatar, and the unseen one goes on from elsewhere
+    s.memory.pairs.marks[NOW] += 1
     if not is_open and held == INSIDE:
         return False
     memory_out.flags[WALLED] = 1.0 if held == BETWEEN else 0.0

@@ -99,8 +99,15 @@ def wish_aside(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) 
 
 @kernel
 def round_edges(geo: Geometry, skel: Skeleton, poses: Poses, memory_out: Memory) -> None:
-    """Put the origins that links are drawn to, closeness.there, aside as far as they are to be in this frame; once a frame."""
+    """Put the origins that links are drawn to, closeness.there, aside as far as they are to be in this frame.
+
+    Who is asked a second time in it goes no farther aside."""
     c, frame = memory_out.goal.closeness, memory_out.flags[FRAME]
+    if frame == c.mode[SEEN]:
+        for link in range(c.way.shape[0]):
+            for k in range(3):
+                c.there[link, k] += c.around[link, k]
+        return
     wish_aside(geo, skel, poses, memory_out)
     begins = frame != c.mode[SEEN] + 1.0
     c.mode[SEEN] = frame

@@ -7,7 +7,7 @@ frame that they last, the time included in which the avatar is led out.
 """
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.goal import aim, root_way
+from avatarsim.posture.goal import aim, measure_way, root_way
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.look import is_time_to_look, look
 from avatarsim.posture.step import adopt, try_step
@@ -33,6 +33,7 @@ from avatarsim.posture.way_memory import (
 )
 from avatarsim.posture.way_search import begin_tree, search
 from avatarsim.posture.workspace import (
+    CLOSE,
     CROSSINGS,
     HELD_STILL,
     LED,
@@ -142,7 +143,8 @@ def go_on_searching(
         s.state[RESTED] = 0
         let_go(RESTING, memory_out, s)
     elif s.state[MODE] == LEADING:
-        flags[LED] = UNDER_WAY
+        # along the way each joint goes its own
+        flags[LED], flags[CLOSE] = UNDER_WAY, 0.0
         forget(memory_out)
 
 
@@ -151,18 +153,22 @@ def go_on_leading(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
 ) -> None:
     """The steps of one frame along the way; at its end the tracker is followed, and a way that is blocked is searched anew."""
-    s = way_out
+    s, user = way_out, way_out.memory.goal.tracker
+    # steps go to nodes of the way, and whoever asks afterwards means the user's posture; nobody walks unseen meanwhile
+    copy_posture(memory_out.goal.tracker, user)
     for _ in range(settings.steps):
         lead(geo, skel, settings, s, posture, poses, memory_out)
         memory_out.counts[LED_STEPS] += 1
-        if s.state[AT] == s.state[LAST]:
-            set_free(memory_out, s)
-            memory_out.flags[SLOW] = 0.0
-            return
-        if s.state[REFUSED] > REFUSALS:
-            let_go(SEARCHING, memory_out, s)
-            begin_search(skel, settings, posture, poses, memory_out, s)
-            return
+        if s.state[AT] == s.state[LAST] or s.state[REFUSED] > REFUSALS:
+            break
+    copy_posture(user, memory_out.goal.tracker)
+    measure_way(skel, posture, memory_out.goal)
+    if s.state[AT] == s.state[LAST]:
+        set_free(memory_out, s)
+        memory_out.flags[SLOW] = 0.0
+    elif s.state[REFUSED] > REFUSALS:
+        let_go(SEARCHING, memory_out, s)
+        begin_search(skel, settings, posture, poses, memory_out, s)
 
 
 @kernel

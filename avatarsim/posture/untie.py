@@ -6,7 +6,19 @@ from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
 from avatarsim.posture.goal import farthest, measure_way
 from avatarsim.posture.step import adopt, try_step
-from avatarsim.posture.workspace import ADDING, CALM, LISTED, PRESSED, RESYNCS, STUCK, STUCK_ERROR, UNTIED, Memory
+from avatarsim.posture.workspace import (
+    ADDING,
+    CALM,
+    LISTED,
+    PAST,
+    PAST_FRAMES,
+    PRESSED,
+    RESYNCS,
+    SLOW,
+    STUCK,
+    STUCK_ERROR,
+    Memory,
+)
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import row, sub
 from avatarsim.world.geometry import Geometry, Poses
@@ -40,12 +52,15 @@ def unstick(
         flags[STUCK] = 0.0
         flags[STUCK_ERROR] = error
     waited = int(flags[STUCK])
-    if waited >= settings.stuck_frames and waited % FORGET_AT == 0 and settings.untie != 0:
+    late = waited - settings.stuck_frames
+    if waited > 0 and late >= 0 and late % FORGET_AT == 0 and settings.untie != 0:
         if tracker_is_reachable(geo, skel, posture_out, poses_out, settings, memory_out):
             adopt(geo, skel, posture_out, poses_out, memory_out)
             forget(memory_out)
             memory_out.counts[RESYNCS] += 1
-            flags[UNTIED], flags[STUCK] = 1.0, 0.0
+            # it is there, and nothing is left to seek
+            measure_way(skel, posture_out, memory_out.goal)
+            flags[STUCK], flags[SLOW], flags[PAST : PAST + PAST_FRAMES] = 0.0, 0.0, UNLIMITED
     elif waited % (FORGET_AT + 1) == FORGET_AT and flags[PRESSED] > 0.0 and flags[CALM] < CALM_FRAMES:
         # with little trust, so that nothing whips; where the tracker's posture is free, `trapped` searches instead
         forget(memory_out)

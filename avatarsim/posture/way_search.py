@@ -11,13 +11,13 @@ from math import inf
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.chain import draw
-from avatarsim.posture.follow import walk
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, root_way
 from avatarsim.posture.held_off import CLOSER
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.notice import notice_others
 from avatarsim.posture.step import work_done
 from avatarsim.posture.untie import forget
+from avatarsim.posture.walk import begin_frame, walk
 from avatarsim.posture.way_memory import (
     CUT_FROM,
     CUT_TO,
@@ -48,11 +48,13 @@ MOVES, TURNS, SMALL = 0.7, 1.2, 0.4
 """[m], [rad] how far at most a waypoint is from the posture it is made from, per degree of freedom, and the share of it in
 every fourth try. Larger ones end in walls, smaller ones stay in the trap."""
 
-AWAY_STEPS, HOME_STEPS = 14, 90
-"""Most steps to a waypoint, and from there to the tracker's posture. More wander, fewer do not get clear of what holds."""
 
 PATIENCE, NEARER = 8, 0.8
 """Steps within which the merit of a walk to the tracker has to fall to this share of its least so far, or the walk ends."""
+
+AWAY_STEPS, HOME_STEPS = 14, 12 * PATIENCE
+"""Most steps to a waypoint, and from there to the tracker's posture, which end after each PATIENCE: so many nodes have to be left
+when a walk begins. More wander, fewer do not get clear of what holds."""
 
 STALLED, STILL = 0.02, 0.004
 """[rad or m] a shorter step on the way to the waypoint, or to the tracker, is the last one of that walk."""
@@ -209,6 +211,7 @@ def search(geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Wa
                 return RESTING
             begin_walk(geo, skel, s)
         s.memory.counts[:] = 0
+        begin_frame(skel, s.posture, s.memory)
         largest = walk(geo, skel, settings, min(1, settings.steps), s.posture, s.poses, s.memory)
         s.state[WALKED] += 1
         add_node(s.posture, s.state[NODE], s)

@@ -72,10 +72,10 @@ class Closeness(NamedTuple):
 
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
-# joints over their limits; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits, -1 if nobody
-# has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in units of
-# turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`); the frame in which `around` was
-# last in use; 1 if no avatar has joints
+# links over the limits of their joints; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits,
+# -1 if nobody has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in
+# units of turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`); the frame in which
+# `around` was last in use; 1 if no avatar has joints
 COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY, SEEN, RIGID = range(9)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
@@ -188,9 +188,9 @@ COUNT, BUILT = range(2)
 
 # places in Memory.flags
 (
-    MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, UNTIED, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
+    MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
     PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, LEAP, PAST,
-) = range(23)
+) = range(22)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0

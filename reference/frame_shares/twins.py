@@ -4,7 +4,7 @@ from typing import Any, Final
 
 from avatarsim.collide.support import support
 from avatarsim.loops import checked, paper, paper_rounds, paper_walk
-from avatarsim.posture import follow, foreseen, step
+from avatarsim.posture import follow, foreseen, step, walk
 from avatarsim.posture.contact_row import add_row, rows_of_listed
 from avatarsim.posture.free_link import free_link, link_contacts
 from avatarsim.posture.goal import aim, measure_way
@@ -28,9 +28,9 @@ def paper_twin() -> Any:
         "link_contacts": clocked(link_contacts, COLLISION), "free_link": clocked(free_link, IK),
     })
     push = twin(paper_rounds.push_bodies, {"push_apart": clocked(push_apart, PUSHING), "forward": pose})
-    walk = twin(paper_walk.walk_back, {"find_overlaps": find, "forward": pose})
+    back = twin(paper_walk.walk_back, {"find_overlaps": find, "forward": pose})
     whole = twin(paper_rounds.follow_as_printed, {
-        "find_overlaps": find, "forward": pose, "treat_chain": treat, "push_bodies": push, "walk_back": walk,
+        "find_overlaps": find, "forward": pose, "treat_chain": treat, "push_bodies": push, "walk_back": back,
     })
     return clocked(twin(paper.follow_printed, {"follow_as_printed": whole}), WHOLE)
 
@@ -53,8 +53,8 @@ def checked_twin() -> Any:
         "attempt": attempt, "back_off": back_off, "go_less_far": less_far, "aim": clocked(aim, IK),
         "adopt": clocked(step.adopt, POSING),
     })
-    walk = twin(follow.walk, {"step": one, "measure_way": clocked(measure_way, IK)})
-    frame = twin(follow.follow, {"walk": walk})
+    begin = twin(walk.begin_frame, {"measure_way": clocked(measure_way, IK)})
+    frame = twin(follow.follow, {"walk": twin(walk.walk, {"step": one}), "begin_frame": begin})
     return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
 
 

@@ -7,8 +7,9 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.impact.coupling import coupled
-from avatarsim.loops.coupling import give, give_to_roots, make_springs, place_displaced, relax
+from avatarsim.loops.coupling import give, give_to_roots, make_springs, place_displaced, pull, relax
 from avatarsim.posture.kinematics import carry, forward
+from avatarsim.posture.workspace import ready_memory
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -16,7 +17,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.settings import CouplingSettings
+from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import World, build
 
@@ -154,3 +155,15 @@ def test_who_is_held_presses_with_the_spring_and_a_wall_feels_nothing_of_it() ->
     assert 15.0 < force < 75.0
     bystander = replace(block(2.0, 5.0), name="bystander")
     assert not pressed_against(block(2.0, 0.1, role="fixed"), bystander).any()
+
+
+@pytest.mark.nojit
+def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -> None:
+    """A tracker's posture is taken as it is, or its body would be placed elsewhere for as long as the hit lasts."""
+    w, springs = world(), make_springs(world().skeleton, world().dynamics, world().poses, CouplingSettings())
+    memory = ready_memory(w.geometry, w.skeleton, w.posture, w.poses, PostureSettings())
+    d = int(w.skeleton.first_dof[1])
+    w.posture.angle[d] = 2.0
+    springs.offset[1] = 0.0, 1e-3, 1e-3
+    pull(w.geometry, w.skeleton, w.dynamics, w.poses, memory, DT, w.posture, w.velocities, springs)
+    assert w.posture.angle[d] > 1.9

@@ -5,11 +5,22 @@ import pytest
 from avatarsim.loops.checked import NOBODY
 from avatarsim.posture.again import leave_the_rest
 from avatarsim.posture.follow import follow
-from avatarsim.posture.workspace import ready_memory
+from avatarsim.posture.workspace import (
+    CALM,
+    FRAME,
+    LEAP,
+    RESTED,
+    SLOW,
+    SPEED,
+    STIFF,
+    STUCK,
+    TRACKER_SPEED,
+    ready_memory,
+)
 from avatarsim.scene.scene import Scene
 from avatarsim.settings import PostureSettings
 from avatarsim.world.world import build, posture_of
-from tests.posture.little_worlds import at, hand, little, mixed_avatar
+from tests.posture.little_worlds import at, hand, little, mixed_avatar, panel
 
 SETTINGS = PostureSettings()
 ANY_FRAME = SETTINGS.steps * SETTINGS.move_cap
@@ -50,3 +61,23 @@ def test_the_second_time_in_a_frame_goes_on_from_where_it_began() -> None:
     # who was held has all of the frame left
     memory.goal.begun.root[:] = posture.root
     assert shown(True) == pytest.approx(3.0 * ANY_FRAME)
+
+
+def test_the_second_time_counts_no_frame() -> None:
+    """What counts frames, remembers speeds or moves so far a frame would otherwise do so twice where loose objects move."""
+    scene = Scene("s", (panel(x=0.8),), (mixed_avatar(),))
+    world = build(scene)
+    geo, skel, posture, poses = world.geometry, world.skeleton, world.posture, world.poses
+    memory = ready_memory(geo, skel, posture, poses, SETTINGS)
+    user = posture_of(skel, world.hinges, at(scene.first_sample, (0.7, 0.0, 0.0)))
+    for _ in range(20):
+        follow(geo, skel, user, SETTINGS, False, NOBODY, posture, poses, memory)
+    flags, goal = memory.flags, memory.goal
+    before = flags.copy(), goal.window.copy(), goal.aside.root.copy(), goal.closeness.mode.copy()
+    assert flags[FRAME] == 20 and flags[CALM] >= 19
+    follow(geo, skel, user, SETTINGS, True, NOBODY, posture, poses, memory)
+    counted = [FRAME, CALM, RESTED, SLOW, STUCK, TRACKER_SPEED, SPEED, LEAP]
+    assert flags[counted].tolist() == before[0][counted].tolist()
+    assert goal.closeness.mode[STIFF] == before[3][STIFF] and goal.aside.root.tolist() == before[2].tolist()
+    follow(geo, skel, user, SETTINGS, False, NOBODY, posture, poses, memory)
+    assert flags[FRAME] == 21 and flags[CALM] == before[0][CALM] + 1

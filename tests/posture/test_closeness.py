@@ -5,16 +5,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from avatarsim.engine import Settings
 from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
-from avatarsim.posture.follow import ALONE, UNREACHED, stiffen
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
+from avatarsim.posture.walk import ALONE, UNREACHED, stiffen
 from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.joint import Free, Rigid
+from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import rest
+from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.skeleton import FREE, HINGES, Posture
 from avatarsim.world.world import posture_of
-from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, random_sample
+from tests.posture.little_worlds import SETTINGS, Little, at, little, mixed_avatar, panel, random_sample
+from tests.stability.hostile import DT
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 SCENE = Scene("s", (), (mixed_avatar(), replace(mixed_avatar(), name="n")))
@@ -213,3 +220,18 @@ def test_angles_weigh_more_where_only_limits_are_in_the_way_and_less_of_who_is_b
     assert np.abs(np.diff(seen)).max() <= 0.3 * (ALONE - UNREACHED)
     # within limits and free nothing is weighed, and nothing forgotten
     assert seen[91:] == [seen[91]] * 3
+
+
+@pytest.mark.boundscheck
+@pytest.mark.nojit
+def test_a_rigid_link_at_the_end_asks_for_no_angle_of_a_root() -> None:
+    """Nobody has joints, so roots turn less readily; a link that has no degrees at all has no turn to ask for."""
+    ball = (Piece(Sphere(0.05)),)
+    end = Link("end", "root", Rigid(), ball, solid(ball, 1.0), anchor=(0.2, 0.0, 0.0))
+    hand = Avatar("hand", (Link("root", None, Free(), ball, solid(ball, 1.0)), end))
+    scene = Scene("s", (panel(x=1.0),), (hand,), start=at(rest((hand,)), (0.0, 0.0, 0.0)))
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    for k in range(30):
+        record = engine.advance(at(scene.first_sample, (0.05 * k, 0.0, 0.0)), DT)
+    assert record.shown.positions[2, 0] == pytest.approx(1.0 - 0.05, abs=2e-3)

@@ -9,7 +9,7 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.posture.look import LOOK_EVERY
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.mass import solid
@@ -233,3 +233,14 @@ def test_values_beyond_the_choices_are_refused(name: str, value: int) -> None:
     with pytest.raises(InvalidInput, match=name):
         AvatarsimEngine().load(scene, Settings(options={name: value}), DT)
 
+
+
+def test_what_moves_elsewhere_does_not_make_frames_count_twice() -> None:
+    """A ball that falls far away has the second half of each frame run; patience is in frames all the same."""
+    ball = (Piece(Sphere(0.05)),)
+    far = simulated("far", ball, "wood", solid(ball, 0.2), (50.0, 0.0, 0.0))
+    crossed = []
+    for more in ((), (far,)):
+        records, _ = play((panel(0.01), *more), limbed(), BEFORE, [BEHIND] * 60, search_work=0, walled_jump=30)
+        crossed.append([k for k, record in enumerate(records) if record.counts["crossings"]])
+    assert len(crossed[0]) == 1 and crossed[0] == crossed[1]

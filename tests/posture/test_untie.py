@@ -92,3 +92,13 @@ def test_forgetting_leaves_no_memory_of_pairs() -> None:
     pairs.marks[LISTED], pairs.active[0, 1], pairs.axis[0, 1], found.memory.goal.trust[3] = 1, True, 1.0, 0.1
     forget(found.memory)
     assert pairs.marks[LISTED] == 0 and not pairs.active.any() and not pairs.axis.any() and (found.memory.goal.trust == 1.0).all()
+
+
+def test_in_the_frame_of_the_jump_nobody_is_called_trapped() -> None:
+    """The hands are where their users are: what was measured before the jump is of no account."""
+    scene, engine = Scene("s", tube(), PAIR, start=APART), AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    records = [engine.advance(SWAPPED, DT) for _ in range(SETTINGS.stuck_frames + 30)]
+    [jump] = [k for k, record in enumerate(records) if record.counts["resyncs"]]
+    assert link_error(scene, records[jump], SWAPPED) < 1e-9 and records[jump].counts["trapped"] == 0
+    assert all(record.counts["trapped"] == 0 and record.counts["led"] == 0 for record in records[jump:])

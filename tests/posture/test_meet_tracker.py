@@ -1,9 +1,9 @@
-"""Who counts as a crowd, and who as held back: what decides how the frame goes on."""
+"""Who counts as a crowd, and what is remembered of how fast the tracker was: what decides how the frame goes on."""
 
 import pytest
 
-from avatarsim.posture.follow import CROWD, SPARSE, TOUCHING, is_crowded, is_held
-from avatarsim.posture.workspace import COUPLED, LISTED, NEAR_BODIES, SLOW
+from avatarsim.posture.meet_tracker import CROWD, FASTEST, SPARSE, SPEED_MEMORY, TOUCHING, is_crowded, meet_the_tracker
+from avatarsim.posture.workspace import LISTED, NEAR_BODIES, SPEED, TRACKER_SPEED
 from avatarsim.scene.scene import Scene
 from tests.posture.little_worlds import hand, little
 
@@ -20,16 +20,6 @@ def test_a_crowd_lasts_until_few_were_near_in_some_frames() -> None:
 
 
 @pytest.mark.nojit
-def test_held_is_who_touches_and_came_no_nearer() -> None:
-    memory = little(Scene("s", (), (hand(),))).memory
-    seen = []
-    for coupled, slow in ((0.0, 0.0), (1.0, 0.0), (0.0, 3.0), (1.0, 3.0)):
-        memory.goal.closeness.mode[COUPLED], memory.flags[SLOW] = coupled, slow
-        seen.append(is_held(memory))
-    assert seen == [False, False, False, True]
-
-
-@pytest.mark.nojit
 def test_fewer_make_a_crowd_when_as_many_are_in_touch() -> None:
     memory = little(Scene("s", (), (hand(),))).memory
     seen = []
@@ -37,3 +27,19 @@ def test_fewer_make_a_crowd_when_as_many_are_in_touch() -> None:
         memory.pairs.marks[NEAR_BODIES], memory.pairs.marks[LISTED] = near, touching
         seen.append(is_crowded(memory))
     assert seen == [False, False, True]
+
+
+@pytest.mark.parametrize("far", [1e3, 1e9, 1e200])
+def test_one_sample_from_the_end_of_the_world_is_soon_forgotten(far: float) -> None:
+    """1e200 m has no square: a speed without an end would be remembered for good."""
+    found = little(Scene("s", (), (hand(),)))
+    (_, skel, _, _), memory = found.parts, found.memory
+    for x in (far, 0.0):
+        memory.goal.tracker.root[0, 0] = x
+        meet_the_tracker(skel, False, memory)
+        assert memory.flags[TRACKER_SPEED] == FASTEST
+    for k in range(60):
+        meet_the_tracker(skel, False, memory)
+        assert memory.flags[SPEED] == 0.0
+        assert memory.flags[TRACKER_SPEED] == pytest.approx(FASTEST * SPEED_MEMORY ** (k + 1))
+    assert memory.flags[TRACKER_SPEED] < 1e-3

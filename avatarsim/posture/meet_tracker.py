@@ -1,0 +1,102 @@
+"""What the way of the tracker since the last frame says of how to follow it in this one."""
+
+from avatarsim.kernel import kernel
+from avatarsim.posture.body_place import MOST_TURNED
+from avatarsim.posture.goal import tracker_speed
+from avatarsim.posture.jointed import has_joints
+from avatarsim.posture.workspace import (
+    ASTRAY,
+    CALM,
+    CLOSE,
+    CROWDED,
+    LEAP,
+    LED,
+    LISTED,
+    NEAR_BODIES,
+    PAST,
+    PAST_FRAMES,
+    PRESSED,
+    RESTED,
+    SLOW,
+    SOUGHT,
+    SPEED,
+    TRACKER_SPEED,
+    TRAVELS,
+    UNDER_WAY,
+    WORN,
+    Memory,
+)
+from avatarsim.world.skeleton import UNLIMITED, Skeleton
+
+JUMP = MOST_TURNED + 0.01
+"""[rad or m] a tracker that moves more than this within a frame has jumped: whether one comes nearer to it is judged anew. Less,
+and a body that comes back from aside counts as a jump in each frame: a way that is sought meanwhile is begun again and again."""
+
+OUTRUN = 0.7
+"""[rad] a tracker that turns a joint more than this within a frame, as no joint can in two steps, or a root by a jump, is
+elsewhere: it is followed joint by joint until the avatar is there or the tracker's posture is found to be not free, since on a
+long way the nearest posture is no guide: limbs that stretch get caught. Who has no joints has none, and is nearest all the way.
+0.2: a kick is followed so, and its limbs end twice as far from the user's."""
+
+CROWD, TOUCHING, SPARSE, SPARSE_FRAMES = 9, 5, 4, 3.0
+"""Near pairs of bodies in the last trial beyond which each joint goes its own way too, or more than TOUCHING of them and of pairs
+in touch: fingers that press on many things spend the budget on rows, are wedged for some frames, and then jump. Six near pairs
+alone are arms that fold before a chest, or a human who gets up: going their own way they end a twentieth farther from the user's,
+and jump twice as far; 24, and a hand in a corner jumps by 15 mm. It is over once no more than SPARSE were near in so many frames:
+with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home late."""
+
+CALM_SPEED, PUSHING = 1e-3, 1e-2
+"""[rad or m] a tracker that moves less than the first per frame rests; one that moves more than the second is followed as fast
+as one can, whatever limbs are pressed into."""
+
+SPEED_MEMORY = 0.8
+"""Share of the tracker's speed that is remembered from frame to frame: it may rest for one frame and go on."""
+
+FASTEST = 100.0
+"""[rad or m] speed of a tracker per frame beyond which more is not remembered: one sample from the end of the world would count
+for all that come after."""
+
+
+@kernel
+def is_crowded(memory_out: Memory) -> bool:
+    """Whether many pairs of bodies are near or in touch, or were and there have not yet been frames enough with few."""
+    pairs, flags = memory_out.pairs, memory_out.flags
+    near, touching = pairs.marks[NEAR_BODIES], pairs.marks[LISTED]
+    if near > CROWD or min(near, touching) > TOUCHING:
+        flags[CROWDED] = SPARSE_FRAMES
+    elif near <= SPARSE:
+        flags[CROWDED] = max(0.0, flags[CROWDED] - 1.0)
+    return bool(flags[CROWDED] > 0.0)
+
+
+@kernel
+def meet_the_tracker(skel: Skeleton, changed: bool, memory_out: Memory) -> float:
+    """What the way of the tracker since the last frame says of how to follow it; that of a root's place [m].
+
+    changed: whether anything near has moved."""
+    flags, mode = memory_out.flags, memory_out.goal.closeness.mode
+    speed, moved = tracker_speed(skel, memory_out.goal)
+    flags[TRACKER_SPEED] = min(max(speed, SPEED_MEMORY * flags[TRACKER_SPEED]), FASTEST)
+    flags[SPEED], flags[LEAP] = speed, 0.0
+    if speed > JUMP:
+        # whoever jumps wants to go elsewhere
+        flags[LED] = 0.0
+        flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
+    if (speed > OUTRUN or moved > JUMP) and has_joints(skel):
+        flags[TRAVELS] = 1.0
+    if flags[LED] == UNDER_WAY:
+        flags[SLOW] += 1.0
+        flags[RESTED], flags[CLOSE] = 0.0, 0.0
+        return moved
+    mode[WORN] += speed
+    # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
+    lost = is_crowded(memory_out) or mode[ASTRAY] > 0.0
+    close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not lost else 0.0
+    if close != flags[CLOSE]:
+        flags[CLOSE] = close
+        memory_out.goal.window[:] = 0.0
+    flags[CALM] = flags[CALM] + 1.0 if speed < CALM_SPEED else 0.0
+    flags[RESTED] = flags[RESTED] + 1.0 if speed < CALM_SPEED and not changed else 0.0
+    if speed >= PUSHING:
+        flags[PRESSED] = 0.0
+    return moved
