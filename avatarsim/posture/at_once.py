@@ -1,6 +1,7 @@
 """What of a way is gone in the frame in which it is found: all of it after a leap, or to where a frame could go."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.behind import copy_led, set_slow
 from avatarsim.posture.goal import largest_part, root_way
 from avatarsim.posture.leap import has_leapt, is_too_far, steps_of_leap
 from avatarsim.posture.step import adopt, try_step
@@ -41,7 +42,9 @@ def go_back(
     if way_out.state[MODE] == SEARCHING:
         set_free(memory_out, way_out)
         return
-    memory_out.flags[LED], memory_out.flags[SLOW] = UNDER_WAY, 1.0
+    memory_out.flags[LED] = UNDER_WAY
+    copy_led(way_out.memory.goal, memory_out.goal)
+    set_slow(1.0, memory_out)
     way_out.state[MODE], way_out.state[AT], way_out.state[REFUSED] = LEADING, at, 0
 
 

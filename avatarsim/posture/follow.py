@@ -2,8 +2,9 @@
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.again import leave_the_rest
+from avatarsim.posture.behind import all_are_led, judge_anew, judge_progress
 from avatarsim.posture.body_place import place_bodies, stay_aside
-from avatarsim.posture.goal import clip_to_limits, farthest, merit
+from avatarsim.posture.goal import clip_to_limits, measure_way
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.leap import leap_of, steps_of_leap
 from avatarsim.posture.meet_tracker import meet_the_tracker
@@ -12,17 +13,11 @@ from avatarsim.posture.untie import unstick
 from avatarsim.posture.walk import begin_frame, walk
 from avatarsim.posture.way_memory import copy_posture
 from avatarsim.posture.workspace import (
-    FRAME,
-    HELD_STILL,
     LEAP,
     LEAPS,
     LED,
-    PAST,
-    PAST_FRAMES,
     RESTED,
-    SLOW,
     STEPPED,
-    TRAVELS,
     UNDER_WAY,
     Memory,
 )
@@ -35,26 +30,6 @@ HURRIED = 0.5
 """A tracker whose root goes farther in a frame than this share of a step is followed by one more step of an avatar without
 joints, for which it costs little: without, a hand that lies turned on a wall and is pulled off it is 37 mm short in the first
 frame that is free. 0: with `turn_alone` 0.35 a hand that slides along a corner jumps by 11 mm."""
-
-NEAR_ENOUGH = 0.05
-"""[rad or m] an avatar nearer than this to the tracker's posture in every joint needs no other way."""
-
-NEARER = 0.64
-"""Share to which half the squared distance to the tracker must fall within PAST_FRAMES: a fifth of the distance."""
-
-
-@kernel
-def judge_progress(memory_out: Memory) -> None:
-    """Count the frames in a row in which the avatar is not a fifth nearer to the tracker than PAST_FRAMES before.
-
-    After `unstick`, which has measured the way from where the frame ends.
-    """
-    flags, goal = memory_out.flags, memory_out.goal
-    now, place, far = merit(goal), PAST + int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH
-    flags[SLOW] = flags[SLOW] + 1.0 if far and now > NEARER * flags[place] else 0.0
-    if not far:
-        flags[TRAVELS] = 0.0
-    flags[place] = now
 
 
 @kernel
@@ -83,9 +58,10 @@ def follow(
         place_bodies(skel, memory_out.goal)
         copy_posture(posture_out, memory_out.goal.begun)
         moved = meet_the_tracker(skel, changed, memory_out)
-    if flags[LED] == UNDER_WAY:
+    everybody = flags[LED] > 0.0 and all_are_led(skel, memory_out.goal)
+    if everybody and flags[LED] == UNDER_WAY:
         return
-    if flags[LED] != HELD_STILL:
+    if not everybody:
         if again:
             leave_the_rest(skel, settings, steps, posture_out, memory_out.goal)
         else:
@@ -98,8 +74,11 @@ def follow(
         flags[STEPPED] = walk(geo, skel, settings, steps, posture_out, poses_out, memory_out)
     if again:
         return
-    unstick(geo, skel, settings, posture_out, poses_out, memory_out)
+    if flags[LED] == UNDER_WAY:
+        measure_way(skel, posture_out, memory_out.goal)
+    else:
+        unstick(geo, skel, settings, posture_out, poses_out, memory_out)
     if flags[LEAP] > 0.0:
         # whoever had steps for all of the way and is not there is held up by something
-        flags[SLOW], flags[PAST : PAST + PAST_FRAMES] = 0.0, merit(memory_out.goal)
-    judge_progress(memory_out)
+        judge_anew(skel, memory_out)
+    judge_progress(skel, memory_out)

@@ -3,7 +3,7 @@
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import boxes_meet, certify_pair, sweep_boxes
 from avatarsim.posture.untie import apart_at_trial
-from avatarsim.posture.workspace import ADDING, Memory
+from avatarsim.posture.workspace import ADDING, Goal, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.world.geometry import Geometry, Poses
@@ -32,8 +32,10 @@ def boxes_are_near(boxes: Boxes, a: int, b: int) -> bool:
 
 
 @kernel
-def what_holds_off(geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, memory: Memory) -> int:
-    """What of bodies that are no links keeps a root from going straight from here to the trial.
+def what_holds_off(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, poses: Poses, goal: Goal, memory: Memory
+) -> int:
+    """What of bodies that are no links keeps a root that is led from going straight from here to the trial.
 
     BETWEEN: something that the root at the trial is clear of; INSIDE: only what it is inside of there, and near to here; NOTHING:
     also where that is farther away than FAR_OFF, for then limbs are held, or nobody is.
@@ -41,7 +43,7 @@ def what_holds_off(geo: Geometry, skel: Skeleton, settings: PostureSettings, pos
     sweep_boxes(geo, skel, poses, settings.least_gap, memory)
     memory.flags[ADDING], found = 0.0, NOTHING
     for link in range(skel.kind.shape[0]):
-        if skel.parent[link] >= 0:
+        if skel.parent[link] >= 0 or goal.led[link] == 0.0:
             continue
         body = skel.first + link
         for k in range(skel.first):

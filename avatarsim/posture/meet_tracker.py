@@ -1,6 +1,7 @@
 """What the way of the tracker since the last frame says of how to follow it in this one."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.behind import all_are_led, set_slow
 from avatarsim.posture.body_place import MOST_TURNED
 from avatarsim.posture.goal import tracker_speed
 from avatarsim.posture.jointed import has_joints
@@ -13,8 +14,6 @@ from avatarsim.posture.workspace import (
     LED,
     LISTED,
     NEAR_BODIES,
-    PAST,
-    PAST_FRAMES,
     PRESSED,
     RESTED,
     SLOW,
@@ -81,11 +80,11 @@ def meet_the_tracker(skel: Skeleton, changed: bool, memory_out: Memory) -> float
     if speed > JUMP:
         # whoever jumps wants to go elsewhere
         flags[LED] = 0.0
-        flags[PAST : PAST + PAST_FRAMES] = UNLIMITED
+        memory_out.goal.past[:] = UNLIMITED
     if (speed > OUTRUN or moved > JUMP) and has_joints(skel):
         flags[TRAVELS] = 1.0
-    if flags[LED] == UNDER_WAY:
-        flags[SLOW] += 1.0
+    if flags[LED] == UNDER_WAY and all_are_led(skel, memory_out.goal):
+        set_slow(flags[SLOW] + 1.0, memory_out)
         flags[RESTED], flags[CLOSE] = 0.0, 0.0
         return moved
     mode[WORN] += speed

@@ -7,9 +7,10 @@ frame that they last, the time included in which the avatar is led out.
 """
 
 from avatarsim.kernel import kernel
-from avatarsim.posture.goal import aim, measure_way, root_way
+from avatarsim.posture.behind import copy_led, count_slow, hold, set_slow, speed_of_led, way_of_led
+from avatarsim.posture.goal import aim, measure_way
 from avatarsim.posture.jointed import has_joints
-from avatarsim.posture.look import is_time_to_look, look
+from avatarsim.posture.look import is_time_to_look, look, stay_as_the_tree_began
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import forget
 from avatarsim.posture.way_lead import REFUSALS, lead
@@ -41,7 +42,6 @@ from avatarsim.posture.workspace import (
     PRESSED,
     SLOW,
     SOUGHT,
-    SPEED,
     STEPPED,
     TRAPPED,
     TRAPPED_FRAMES,
@@ -89,17 +89,19 @@ def set_free(memory_out: Memory, way_out: Way) -> None:
     let_go(IDLE, memory_out, way_out)
     way_out.state[REST] = FIRST_REST
     memory_out.flags[TRAPPED], memory_out.flags[WALLED], memory_out.flags[SOUGHT] = 0.0, 0.0, 0.0
+    memory_out.goal.led[:] = 0.0
+    count_slow(memory_out)
 
 
 @kernel
-def hold_if_at_rest(memory_out: Memory, way: Way) -> None:
+def hold_if_at_rest(skel: Skeleton, memory_out: Memory, way: Way) -> None:
     """Let the shown avatar wait where it is: a way begins where it was shown.
 
     Not before tracker and avatar rest, or only the tracker does and the first walks were in vain: where the avatar creeps to
     is then no better a place to begin from.
     """
     flags = memory_out.flags
-    if flags[SPEED] < AT_REST and (flags[STEPPED] < AT_REST or way.state[TRIES] > CREEPING_TRIES):
+    if speed_of_led(skel, memory_out) < AT_REST and (flags[STEPPED] < AT_REST or way.state[TRIES] > CREEPING_TRIES):
         flags[LED] = HELD_STILL
 
 
@@ -120,9 +122,10 @@ def begin_search(
         let_go(RESTING, memory_out, way_out)
         way_out.state[RESTED] = 0
         return
-    begin_tree(posture, poses, root_way(skel, memory_out.goal.full), way_out)
+    begin_tree(posture, poses, way_of_led(skel, memory_out.goal), way_out)
+    copy_led(memory_out.goal, way_out.memory.goal)
     way_out.state[MODE], way_out.state[TRIES] = SEARCHING, 0
-    hold_if_at_rest(memory_out, way_out)
+    hold_if_at_rest(skel, memory_out, way_out)
 
 
 @kernel
@@ -131,13 +134,14 @@ def go_on_searching(
 ) -> None:
     """The search of one frame."""
     s, flags = way_out, memory_out.flags
-    if flags[SPEED] >= AT_REST and flags[LED] == HELD_STILL:
+    if speed_of_led(skel, memory_out) >= AT_REST and flags[LED] == HELD_STILL:
         let_go(SEARCHING, memory_out, s)
     if s.state[NODE] < 0:
         copy_posture(memory_out.goal.tracker, s.goal)
         if flags[LED] == 0.0:
-            begin_tree(posture, poses, root_way(skel, memory_out.goal.full), s)
-            hold_if_at_rest(memory_out, s)
+            begin_tree(posture, poses, way_of_led(skel, memory_out.goal), s)
+            hold_if_at_rest(skel, memory_out, s)
+        stay_as_the_tree_began(skel, memory_out.goal, s)
     s.state[MODE] = search(geo, skel, settings, s)
     if s.state[MODE] == RESTING:
         s.state[RESTED] = 0
@@ -164,8 +168,8 @@ def go_on_leading(
     copy_posture(user, memory_out.goal.tracker)
     measure_way(skel, posture, memory_out.goal)
     if s.state[AT] == s.state[LAST]:
+        set_slow(0.0, memory_out)
         set_free(memory_out, s)
-        memory_out.flags[SLOW] = 0.0
     elif s.state[REFUSED] > REFUSALS:
         let_go(SEARCHING, memory_out, s)
         begin_search(skel, settings, posture, poses, memory_out, s)
@@ -179,8 +183,8 @@ def seek_once(
     s, flags = way_out, memory_out.flags
     mode = s.state[MODE]
     due = mode != IDLE and mode != LEADING and jump_is_due(settings, memory_out)
-    if due or (mode != LEADING and is_time_to_look(settings, flags)):
-        if not look(geo, skel, settings, poses, memory_out, s):
+    if due or (mode != LEADING and is_time_to_look(skel, settings, memory_out)):
+        if not look(geo, skel, settings, posture, poses, memory_out, s):
             set_free(memory_out, s)
             flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
             return
@@ -200,12 +204,14 @@ def seek_once(
     if due and s.state[OPEN] == 1 and jump_is_due(settings, memory_out):
         # that posture was just proved free
         aim(skel, posture, settings, memory_out.goal)
+        hold(skel, False, memory_out.goal, memory_out.goal.allowed)
         for j in range(memory_out.rows.x.shape[0]):
-            memory_out.rows.x[j] = memory_out.goal.full[j]
+            memory_out.rows.x[j] = memory_out.goal.full[j] * memory_out.goal.allowed[j]
+        memory_out.goal.allowed[:] = 1.0
         try_step(geo, skel, posture, memory_out)
         adopt(geo, skel, posture, poses, memory_out)
         memory_out.counts[CROSSINGS] += 1
-        flags[SLOW] = 0.0
+        set_slow(0.0, memory_out)
         set_free(memory_out, s)
     elif s.state[MODE] == RESTING:
         s.state[RESTED] += 1

@@ -2,6 +2,7 @@
 
 from avatarsim.collide.support import gap_along
 from avatarsim.kernel import kernel
+from avatarsim.posture.behind import judge_anew
 from avatarsim.posture.certificate import nearest_direction
 from avatarsim.posture.certify import boxes_meet, certify_pair, is_no_pose, sweep_boxes
 from avatarsim.posture.goal import farthest, measure_way
@@ -10,11 +11,8 @@ from avatarsim.posture.workspace import (
     ADDING,
     CALM,
     LISTED,
-    PAST,
-    PAST_FRAMES,
     PRESSED,
     RESYNCS,
-    SLOW,
     STUCK,
     STUCK_ERROR,
     Memory,
@@ -60,7 +58,8 @@ def unstick(
             memory_out.counts[RESYNCS] += 1
             # it is there, and nothing is left to seek
             measure_way(skel, posture_out, memory_out.goal)
-            flags[STUCK], flags[SLOW], flags[PAST : PAST + PAST_FRAMES] = 0.0, 0.0, UNLIMITED
+            flags[STUCK] = 0.0
+            judge_anew(skel, memory_out)
     elif waited % (FORGET_AT + 1) == FORGET_AT and flags[PRESSED] > 0.0 and flags[CALM] < CALM_FRAMES:
         # with little trust, so that nothing whips; where the tracker's posture is free, `trapped` searches instead
         forget(memory_out)

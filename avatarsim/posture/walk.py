@@ -2,6 +2,7 @@
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.again import leave_the_rest
+from avatarsim.posture.behind import hold
 from avatarsim.posture.creep import creeps
 from avatarsim.posture.goal import measure_way, merit
 from avatarsim.posture.leap import hold_who_has_leapt
@@ -13,6 +14,7 @@ from avatarsim.posture.workspace import (
     COUPLED,
     FRAME,
     LEAP,
+    LED,
     LISTED,
     MERIT_WINDOW,
     PRESSED,
@@ -89,6 +91,9 @@ def walk(
                 hold_who_has_leapt(skel, settings, posture_out, memory_out)
             else:
                 leave_the_rest(skel, settings, steps - k, posture_out, memory_out.goal)
+        if memory_out.flags[LED] > 0.0:
+            # some wait, or are led, and the others follow their users
+            hold(skel, True, memory_out.goal, memory_out.goal.allowed)
         if memory_out.flags[PRESSED] > 0.0:
             most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
             for j in range(memory_out.goal.trust.shape[0]):

@@ -1,10 +1,11 @@
 """Lead the shown avatar along a way that was found: each step is certified again, for what stands around may have moved."""
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.behind import hold, keep_others
 from avatarsim.posture.goal import aim
 from avatarsim.posture.step import adopt, check, step, try_step
 from avatarsim.posture.way_memory import AT, LAST, REFUSED, Way, get_node
-from avatarsim.posture.workspace import ADDING, Memory
+from avatarsim.posture.workspace import ADDING, Goal, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
@@ -17,6 +18,13 @@ REFUSALS = 4
 
 
 @kernel
+def go_to_node(skel: Skeleton, k: int, way: Way, posture: Posture, goal_out: Goal) -> None:
+    """Make place k of the path the goal, for those who are led: all others stay where they are."""
+    get_node(way, way.path[k], goal_out.tracker)
+    keep_others(skel, posture, goal_out, goal_out.tracker)
+
+
+@kernel
 def straight_to(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, k: int, way: Way, posture_out: Posture, poses_out: Poses,
     memory_out: Memory,
@@ -25,7 +33,7 @@ def straight_to(
 
     The next place was a step when it was found, astray or not, but the avatar may have moved on since.
     """
-    get_node(way, way.path[k], memory_out.goal.tracker)
+    go_to_node(skel, k, way, posture_out, memory_out.goal)
     to_turn, to_move = aim(skel, posture_out, settings, memory_out.goal)
     astray = 1.0 if k == way.state[AT] + 1 else 0.0
     if to_turn > settings.turn_cap + astray * settings.stray_turn or to_move > settings.move_cap + astray * settings.stray_move:
@@ -52,6 +60,8 @@ def lead(
         if straight_to(geo, skel, settings, k, s, posture_out, poses_out, memory_out):
             s.state[AT], s.state[REFUSED] = k, 0
             return
-    get_node(s, s.path[min(at + 1, last)], memory_out.goal.tracker)
+    go_to_node(skel, min(at + 1, last), s, posture_out, memory_out.goal)
+    hold(skel, False, memory_out.goal, memory_out.goal.allowed)
     step(geo, skel, posture_out, poses_out, settings, memory_out)
+    memory_out.goal.allowed[:] = 1.0
     s.state[REFUSED] += 1

@@ -28,8 +28,8 @@ FIRST_REST = 15
 # places in Way.state
 (
     MODE, NODES_USED, LEAVES_USED, NODE, PHASE, WALKED, TRIES, LAST, AT, REFUSED, RESTED, REST, BLOCKING, BLOCKED, CUTS, CUT_FROM,
-    CUT_TO, OPEN,
-) = range(18)
+    CUT_TO, OPEN, TURN,
+) = range(19)
 
 # values of MODE
 IDLE, SEARCHING, LEADING, RESTING = range(4)
@@ -41,7 +41,7 @@ class Way(NamedTuple):
     node_root (N, nl, 3), node_turn (N, nl, 3, 3), node_angle (N, nd): the tree's postures; before (N) which node each was reached
     from, -1 at the root; leaves (L) ends of walks, leaf_merit (L) their distance from the tracker's posture, see `goal.merit`;
     path (N) nodes from the shown posture to the tracker's, spare (N); best (2) least merit of this walk, and how far the trunk of
-    the tree's root is from the tracker's [m]; random (1); state (18)
+    the tree's root is from the tracker's [m]; random (1); state (19)
     """
 
     memory: Memory
@@ -71,7 +71,7 @@ def make_way(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, show
     memory.goal.closeness.far[:] = shown.goal.closeness.far
     here, waypoint, goal = (Posture(*(array.copy() for array in posture)) for _ in range(3))
     before, path, spare = (np.zeros(NODES, dtype=np.int64) for _ in range(3))
-    state = np.zeros(18, dtype=np.int64)
+    state = np.zeros(19, dtype=np.int64)
     state[REST] = FIRST_REST
     return Way(
         memory, here, Poses(*(array.copy() for array in poses)), waypoint, goal,

@@ -10,6 +10,7 @@ repeat.
 from math import inf
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.behind import hold, is_led
 from avatarsim.posture.chain import draw
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, merit, root_way
 from avatarsim.posture.held_off import CLOSER
@@ -35,6 +36,7 @@ from avatarsim.posture.way_memory import (
     add_leaf,
     add_node,
     copy_poses,
+    copy_posture,
     get_node,
 )
 from avatarsim.posture.way_path import choose_cut, splice, trace
@@ -94,8 +96,11 @@ def set_waypoint(skel: Skeleton, way_out: Way) -> None:
     scale = SMALL if tries % 4 == 3 else 1.0
     moves, turns = MOVES * scale, TURNS * scale
     base = s.goal if tries % 2 == 1 else s.posture
+    copy_posture(s.posture, s.waypoint)
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]
+        if not is_led(skel, skel.first + link, s.memory.goal):
+            continue
         if kind == FREE:
             for i in range(3):
                 s.waypoint.root[link, i] = s.posture.root[link, i] + moves * share(s)
@@ -212,6 +217,7 @@ def search(geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Wa
             begin_walk(geo, skel, s)
         s.memory.counts[:] = 0
         begin_frame(skel, s.posture, s.memory)
+        hold(skel, False, s.memory.goal, s.memory.goal.allowed)
         largest = walk(geo, skel, settings, min(1, settings.steps), s.posture, s.poses, s.memory)
         s.state[WALKED] += 1
         add_node(s.posture, s.state[NODE], s)

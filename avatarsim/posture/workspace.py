@@ -89,7 +89,8 @@ class Goal(NamedTuple):
     (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
     begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
     one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
-    (`leap.py`, `again.py`)
+    (`leap.py`, `again.py`); slow (nl) frames in which each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led
+    (nl) 1 for roots for which a way is sought (`behind.py`)
     """
 
     full: Array
@@ -108,6 +109,9 @@ class Goal(NamedTuple):
     begun: Posture
     leapt: Array
     allowed: Array
+    slow: Array
+    past: Array
+    led: Array
 
 
 class Rows(NamedTuple):
@@ -189,14 +193,14 @@ COUNT, BUILT = range(2)
 # places in Memory.flags
 (
     MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, LEAP, PAST,
-) = range(22)
+    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, LEAP,
+) = range(21)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
 
 PAST_FRAMES = 6
-"""Frames over which coming nearer is judged; as many merits stand in the flags from PAST on."""
+"""Frames over which coming nearer is judged."""
 
 
 def _posture(nl: int, nd: int) -> Posture:
@@ -233,7 +237,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
-        np.zeros((nl, 2)), np.ones(nd),
+        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
@@ -251,7 +255,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     trial = Poses(*(array.copy() for array in poses))
     return Memory(
         trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
-        np.zeros(nl, dtype=np.bool_), np.zeros(PAST + PAST_FRAMES), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
+        np.zeros(nl, dtype=np.bool_), np.zeros(LEAP + 1), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
     )
 
 

@@ -56,7 +56,8 @@ def seen(bodies: tuple[Body, ...], beyond: Vector = BEYOND) -> tuple[int, float]
     memory = way.memory
     way.goal.root[0] = memory.goal.full[:3] = beyond
     forward(geo, skel, way.goal, memory.rows.x, memory.trial, memory.trial_axes)
-    held = what_holds_off(geo, skel, SETTINGS, poses, memory)
+    memory.goal.led[0] = 1.0
+    held = what_holds_off(geo, skel, SETTINGS, poses, memory.goal, memory)
     return int(held), float(root_way(skel, memory.goal.full))
 
 

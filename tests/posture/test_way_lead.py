@@ -23,6 +23,7 @@ def way_along_x(nodes: int, wall: float) -> tuple[Little, Way]:
         root[0, 0] = STEP * k
         add_node(Posture(root, posture.turn, posture.angle), k - 1, way)
     trace(way)
+    found.memory.goal.led[0] = 1.0
     return found, way
 
 

@@ -52,7 +52,8 @@ def test_what_was_asked_of_the_shown_avatar_counts_as_nothing_known_of_the_unsee
     way = make_way(geo, skel, world.posture, world.poses, memory, 0)
     memory.goal.tracker.root[0] = 2.0, 0.0, 0.0
     memory.goal.full[0] = 2.0
-    look(geo, skel, SETTINGS, world.poses, memory, way)
+    memory.goal.slow[0] = 3.0
+    assert look(geo, skel, SETTINGS, world.posture, world.poses, memory, way)
     pairs = way.memory.pairs
     assert pairs.nearest_stamp.max() >= 0
     assert not np.any(pairs.nearest_stamp == pairs.marks[NOW]) and not np.any(pairs.axis_stamp == pairs.marks[NOW])
