@@ -105,7 +105,7 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, hostile motion,
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
 	$(VENV_PYTHON) -m tests.impact.random_impacts --impacts $(or $(IMPACTS),1000000) --seed $(or $(SEED),1) || failed=1; \
-	for avatar in hinged humanoid; do \
+	for avatar in hinged humanoid two; do \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --returns --judge-every 4 || failed=1; \

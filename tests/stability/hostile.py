@@ -1,4 +1,4 @@
-"""Hostile material: two avatars, a closed room of thin walls with furniture, and motions no user should make."""
+"""Hostile material: avatars, a closed room of thin walls with furniture, and motions no user should make."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import FrameRecord
-from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -162,7 +162,18 @@ def humanoid_trial() -> Trial:
     return trial(avatar, standing(avatar, -0.7, 0.2))
 
 
-TRIALS = {"hinged": hinged_trial, "humanoid": humanoid_trial}
+def two_trial() -> Trial:
+    """The sixteen hulls and a palm that somebody else holds: two avatars in the room, each in the other's way."""
+    palm = (Piece(Box((0.18, 0.09, 0.03))),)
+    avatars = hinged_avatar(), rigid_avatar("palm", palm, solid(palm, 0.5))
+    at_rest = rest(avatars)
+    positions = at_rest.positions.copy()
+    positions[0], positions[-1] = (-0.7, 0.2, 1.06), (0.1, 0.3, 1.3)
+    home = replace(at_rest, positions=positions)
+    return Trial(Scene("hostile", (*walls(), *furniture()), avatars, start=home), home)
+
+
+TRIALS = {"hinged": hinged_trial, "humanoid": humanoid_trial, "two": two_trial}
 KINDS = ("teleport", "swing", "drive", "tangle", "furniture")
 
 
