@@ -31,7 +31,10 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
             "found"
         )
     if scene.effects.coupling:
-        found["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its weld has it"
+        found["virtual coupling"] = (
+            "a weld is a spring that always pulls, where that of eq. 6 begins with a collision: with its K and R a link also "
+            "sets out late; so a link goes back to its user as its weld has it"
+        )
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):

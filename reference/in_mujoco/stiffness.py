@@ -2,6 +2,7 @@
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput, UnknownName
 from reference.in_mujoco.laws import Law
@@ -58,10 +59,21 @@ class Stiffness:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
         model.eq_data[:, 10] = self._number("weld_rotation")
-        model.geom_margin[:] = self._number("margin") * self._world.geom_driven
+        model.geom_margin[:] = self._number("margin") * self._margin_shares()
         model.pair_margin[:] = self._number("margin") * self._world.pair_driven
         for solimp in (model.geom_solimp, model.pair_solimp, model.jnt_solimp, model.tendon_solimp_lim):
             solimp[:, :3] = self._chosen["solimp"].value
+
+    def _margin_shares(self) -> NDArray[np.float64]:
+        """Share of the margin that each geom has: MuJoCo adds those of two geoms that meet.
+
+        Halves, so that two links, and a link and a wall, meet at one margin. Where something is loose links carry all of it,
+        since nothing is to hover over what does not move; two links then meet at twice the margin.
+        """
+        world = self._world
+        if len(world.free[0]):
+            return world.geom_driven.astype(np.float64)
+        return np.full(len(world.geom_driven), 0.5)
 
     def set_step(self, step: float) -> None:
         """What depends on the step [s]."""
@@ -76,7 +88,12 @@ class Stiffness:
         limit = (steps * step if steps > 0.0 else SOFTEST, 1.0)
         model.jnt_solref[:] = limit
         model.tendon_solref_lim[:] = limit
-        model.eq_solref[:] = (self.weld_time(step), 1.0)
+        if self._number("weld_stiffness") > 0.0:
+            for weld, (one, other) in enumerate(zip(model.eq_obj1id, model.eq_obj2id, strict=True)):
+                mass = float(max(model.body_mass[one], model.body_mass[other]))
+                model.eq_solref[weld] = -self._number("weld_stiffness") / mass, -self._number("weld_damping") / mass
+        else:
+            model.eq_solref[:] = (self.weld_time(step), 1.0)
 
     def weld_time(self, step: float) -> float:
         """Time constant [s] of the welds to the tracked poses."""
@@ -86,9 +103,10 @@ class Stiffness:
     def lead(self, step: float) -> float:
         """How far ahead [s] of the tracker the welds aim.
 
-        A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over
-        stiffness).
+        A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over stiffness).
         """
+        if self._number("weld_stiffness") > 0.0:
+            return self._number("lead") * self._number("weld_damping") / self._number("weld_stiffness")
         return self._number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
 
     def _contact(self, law: Law, step: float) -> tuple[float, float]:

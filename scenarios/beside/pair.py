@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 
 LEFT = 1e-3
 """Overlap [m] up to which a frame of the other engine counts: more than that is not a posture to be compared with."""
-BENT = 1e-6
-"""Excess [rad] up to which a joint is within its limits: rounding of poses is below."""
+BENT = float(np.radians(1e-3))
+"""Excess [rad] up to which a joint is within its limits: what the table of all engines calls equal."""
 SAME = 1e-6
 """Figures [m, degrees] closer than this are the same: both are the user's, to rounding."""
 

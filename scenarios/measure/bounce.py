@@ -32,11 +32,22 @@ LATE = 0.1
 
 @dataclass(frozen=True)
 class Impact:
-    """One impact: time [s], speed of approach and of separation [m/s] along the slab's normal."""
+    """One impact: time [s], speed of approach and of separation [m/s] along the slab's normal.
+
+    The approach of an engine with steps lies between `least`, its speed before the step, and `before`, which has the g dt of that
+    step on top: some solve the contact before gravity acts on it and some after, and no recording says which. Events say it.
+    """
 
     time: float
     before: float
     after: float
+    least: float
+
+    def error(self, restitution: float) -> float:
+        """How far the ratio of velocities is from `restitution`, whichever approach the engine has turned round."""
+        low = self.after / self.before
+        high = self.after / self.least if self.least > 0.0 else np.inf
+        return max(0.0, low - restitution, restitution - high)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +83,13 @@ def _at_events(way: Flight) -> Iterator[Impact]:
         before, after = -float(way.speed[k - 1]), float(way.speed[k])
         # the event may be another ball's: then this one's velocity is the same on both sides, to the last bit
         if before > 0.0 and after != -before:
-            yield Impact(float(way.time[k]), before, after)
+            yield Impact(float(way.time[k]), before, after, before)
 
 
 def _between_steps(way: Flight) -> Iterator[Impact]:
     """Fixed steps show no event. In free flight the speed only falls; the first step in which it rises, near the slab, is the
-    impact. v- is the speed before that step plus the g dt that the step itself adds (every semi-implicit engine applies gravity
-    before it solves the contact); v+ is the largest speed before gravity makes it fall again, at most CONTACT later."""
+    impact. v- is the speed before that step, with or without the g dt that the step itself adds (see Impact); v+ is the largest
+    speed before gravity makes it fall again, at most CONTACT later."""
     fresh = np.flatnonzero(np.diff(way.time, append=np.inf) > 0.0)
     time, height, speed = way.time[fresh], way.height[fresh], way.speed[fresh]
     k = 1
@@ -90,7 +101,7 @@ def _between_steps(way: Flight) -> Iterator[Impact]:
         last = k
         while last + 1 < len(time) and time[last + 1] - time[k] <= CONTACT and not 0.0 < speed[last] > speed[last + 1]:
             last += 1
-        yield Impact(float(time[k]), before, max(0.0, float(np.max(speed[k : last + 1]))))
+        yield Impact(float(time[k]), before, max(0.0, float(np.max(speed[k : last + 1]))), -float(speed[k - 1]))
         k = last + 1
 
 
@@ -140,7 +151,7 @@ def bounces(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
             if way.time[-1] < np.sqrt(2.0 * drop.height / way.gravity) + LATE:
                 early = Missing(f"the recording ends before {drop.ball} comes down", "scene")
                 return {"restitution_error_max": early, "apex_error_max": early}
-        ratios += [abs(impact.after / impact.before - drop.restitution) for impact in fast]
+        ratios += [impact.error(drop.restitution) for impact in fast]
         heights += apex_errors(way, drop, found)
     if silent:
         never = Missing(f"no impact of {', '.join(silent)} was seen", "engine")

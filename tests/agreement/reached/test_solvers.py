@@ -21,6 +21,8 @@ from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import hand_over_table, pressed
 
 RATE, FRAMES = 240, 75
+EARLY: dict[str, object] = {"margin": 0.004}
+"""Contacts of the hand begin [m] before the ball is met: at 1 mm every digit decides whether it is met a second time."""
 NOISE = 1e-3
 """Of the largest depth, between two solvers [mm]."""
 
@@ -49,7 +51,7 @@ def depths(engine: MujocoEngine | PybulletEngine, options: dict[str, object], **
 
 @cache
 def usual(name: str) -> Array:
-    return depths(MujocoEngine() if name == "mujoco" else PybulletEngine(), {})
+    return depths(MujocoEngine(), EARLY) if name == "mujoco" else depths(PybulletEngine(), {})
 
 
 @pytest.mark.parametrize("options", [
@@ -57,7 +59,7 @@ def usual(name: str) -> Array:
     {"noslip_iterations": 3},
 ], ids=str)
 def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None:
-    assert abs(depths(MujocoEngine(), options).max() - usual("mujoco").max()) < NOISE * MM
+    assert abs(depths(MujocoEngine(), EARLY | options).max() - usual("mujoco").max()) < NOISE * MM
 
 
 @needs_pybullet
