@@ -24,7 +24,8 @@ class PostureSettings(NamedTuple):
     root_weight     how much a root resists against a joint; below 1 the body drifts where a hand would do.
     stiffness_floor floor of a joint's weight in units of the median; 1 is closer to the tracker, 3 smoother.
     turn_share      what angles weigh beside link origins. 0.7: origins a tenth nearer to the user's where limbs are pressed on,
-                    angles farther, and limbs are caught more often; 1.4: the other way round, and chains lag.
+                    angles farther, and limbs are caught more often; 1: a finger that pushes a ball ends half a degree farther
+                    turned from the user's; 1.1: who is thrown about waits in traps for longer; 1.4: chains lag.
     turn_alone      the same of avatars without joints (`turned_aside.py`). 1: behind a wall a hand's place is a tenth farther
                     from the user's; 0.36: in a corner, where it stays as it is held, it turns by 29 degrees for 13 mm.
     stuck_frames    frames without progress, the tracker's own posture being free, before the way is untied.
@@ -58,7 +59,7 @@ class PostureSettings(NamedTuple):
     merit: float = 0.01
     root_weight: float = 3.0
     stiffness_floor: float = 3.0
-    turn_share: float = 1.0
+    turn_share: float = 1.07
     turn_alone: float = 0.55
     stuck_frames: int = 12
     untie: int = 1

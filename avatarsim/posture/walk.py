@@ -30,14 +30,14 @@ from avatarsim.world.skeleton import Posture, Skeleton
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
-ALONE, CHANGE = 1.5, 0.25
+ALONE, CHANGE = 1.4, 0.25
 """What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
 there that a frame goes, so that a touch turns no limb at once. 1: joints that are within their limits turn a twentieth more."""
 
-UNREACHED = 0.46
+UNREACHED = 0.43
 """The same in contact, of a user who is beyond limits: no posture has those angles, but origins may be where the user's are. 1:
 in mocap_dance_a origins are 7.8 mm from the user's and angles 3.8 degrees, in mocap_roll 12.1 and 3.5; here 6.5 and 4.0, 11.3
-and 3.7. Less than 0.44: a leg that kicks is caught."""
+and 3.7. Less than 0.41: a leg that kicks is caught."""
 
 PRESSED_TRUST, PRESSED_GAIN = 0.15, 12.0
 """Trust allowed to limbs that a tracker at rest presses into something, and what each rad or m per frame of its speed adds.
