@@ -25,13 +25,13 @@ MOST = 1e9
 NOWHERE = np.zeros((0, 3))
 """What is shown before a scene is loaded."""
 
-CHOICES = {"untie": 1, "around": 2}
+CHOICES = {"untie": 1, "around": 2, "couple": 1}
 """Largest value of the options that are a choice between 0 and this."""
 
 LEAST = {
     "steps": 1, "corrections": 1, "attempts": 1, "sweeps": 1, "work": 1, "turn_cap": 1e-3, "move_cap": 1e-3, "stand_off": 1e-7,
     "turn_share": 1e-3, "turn_alone": 1e-3, "stuck_frames": 1, "search_after": 1, "trapped_frames": 1, "rounds": 1,
-    "spring": 1e-3,
+    "spring": 1e-3, "walk_back": 1e-12,
 }
 """Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
 

@@ -284,3 +284,34 @@ def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> 
         for k in range(int(0.5 / speed)):
             record = engine.advance(at(scene.first_sample, (speed * k, 0.0, 0.0)), DT)
         assert record.shown.positions[0, 0] > 0.5 + 0.1 - 2.0 * speed
+
+
+def test_a_walk_back_without_an_end_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="option walk_back is 0"):
+        AvatarsimEngine().load(SCENE, Settings("paper", {"walk_back": 0.0}), DT)
+
+
+def test_events_that_found_no_room_are_counted() -> None:
+    """200 balls land at once; a recording keeps 256 events of a frame, two per impact."""
+    piece = (Piece(Sphere(0.05)),)
+    balls = [simulated(f"b{k}", piece, "wood", solid(piece, 0.1), (0.2 * (k % 20), 0.2 * (k // 20), 0.06)) for k in range(200)]
+    floor = fixed("floor", (Piece(Box((20.0, 20.0, 1.0))),), "wood", (0.0, 0.0, -0.5))
+    engine = AvatarsimEngine()
+    engine.load(Scene("rain", (floor, *balls)), Settings(record_inside=True), DT)
+    records = [engine.advance(TrackerSample(k * DT, np.zeros((0, 3)), np.zeros((0, 4)), np.zeros(0)), DT) for k in range(1, 6)]
+    lost = [record.statuses.get("events not recorded", 0) for record in records]
+    landed = max(range(5), key=lambda k: records[k].counts["impacts"])
+    assert records[landed].counts["impacts"] >= 200 and lost[landed] == 2 * records[landed].counts["impacts"] - 256
+
+
+def test_the_spring_does_not_run_away_where_nothing_moves_by_itself() -> None:
+    """Without dynamics nobody gives back what a hand that presses on a loose box took."""
+    box, hand = (Piece(Box((0.4, 0.4, 0.4))),), (Piece(Sphere(0.05)),)
+    loose = simulated("box", box, "wood", solid(box, 5.0), (0.0, 0.0, 0.2))
+    scene = replace(hand_scene((0.0, 0.0, 0.6), loose, shape=hand), narrow=("dynamics",))
+    engine = loaded(scene)
+    for _ in range(120):
+        engine.advance(at(scene.first_sample, (0.0, 0.0, 0.4)), DT)
+    for _ in range(8):
+        record = engine.advance(at(scene.first_sample, (1.0, 0.0, 1.0)), DT)
+    np.testing.assert_allclose(record.shown.positions[1], (1.0, 0.0, 1.0), atol=1e-9)

@@ -98,7 +98,8 @@ class CheckedLoop:
     def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
         self.world, self._moving, self._noticed = world, NOBODY, NOBODY
         memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
-        coupled = world.scene.effects.coupling
+        # without dynamics nobody gives back what pressing took, and the spring would run away
+        coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         springs = (
             make_springs(world.skeleton, world.dynamics, world.poses, coupling) if coupled else no_springs(world.poses, coupling)
         )

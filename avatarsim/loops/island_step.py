@@ -98,6 +98,9 @@ def step(
     now = islands.due[lead]
     left = dt - now
     memory.counts[SEGMENTS] += 1
+    # what an island that was given up had spent is no reason to hurry this one
+    memory.counts[WORK] += contacts.visits[0]
+    contacts.visits[0] = 0
     spend(memory, members, 1)
     go_on(velocities, memory, members)
     end_tails(geometry, poses, velocities, memory, events, members, now, switches.record)

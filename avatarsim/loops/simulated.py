@@ -48,7 +48,10 @@ class SimulatedLoop:
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
-        return {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+        found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+        if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
+            found["events not recorded"] = lost
+        return found
 
     def inside(self, begun: float) -> tuple[Snapshot, ...]:
         """Events of the last frame, which began at `begun` [s], if they are recorded."""

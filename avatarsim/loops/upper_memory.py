@@ -35,8 +35,9 @@ ROOM_TO_TOUCH = 1.25
 BLOCKED_ROOM = 64
 """Blocked pairs remembered at once."""
 
-PAIRS_ROOM = 65536
-"""Most near pairs held; a heap of a thousand bodies has about ten thousand."""
+PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
+"""Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
+each. What finds no room is not looked at, and falls through: the status says so."""
 
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
@@ -165,7 +166,7 @@ def make_memory(
     inverse_mass = dynamics.inverse_mass
     # without the gyroscopic effect a tumbling body just keeps its angular velocity
     most = int(np.diff(shapes.start).max()) if len(geometry.body) else 1
-    room = min(PAIRS_ROOM, max(1, n * (n - 1) // 2))
+    room = min(max(PAIRS_ROOM, PAIRS_PER_BODY * n), max(1, n * (n - 1) // 2))
     touch, driven = max(DRIVEN_TOUCH, 2.0 * stand_off), bool((dynamics.role == Role.DRIVEN.value).any())
     touching = max(ROOM, ROOM_PER_BODY * int(simulated.sum()))
     return Memory(

@@ -7,7 +7,7 @@ import numpy as np
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.checks import Quaternion, Vector, distinct, named, positive, unit_quaternion, vector, within
-from avatarsim.scene.joint import Free, Hinges, Joint
+from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece, reach
 from avatarsim.spatial import rotation
@@ -32,6 +32,10 @@ class Link:
 
     def __post_init__(self) -> None:
         named("a link", self.name)
+        joint: object = self.joint
+        if not isinstance(joint, Free | Rigid | Hinges | Ball):
+            valid = "Free(), Rigid(), Hinges((Hinge(...), ...)) or Ball(...)"
+            raise InvalidScene(f"joint of link {self.name}", joint, valid)
         object.__setattr__(self, "anchor", vector(f"anchor of link {self.name}", self.anchor))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
 

@@ -49,6 +49,8 @@ class Body:
         object.__setattr__(self, "velocity", vector(f"velocity of {self.name}", self.velocity))
         spin = vector(f"angular velocity of {self.name}", self.angular_velocity)
         object.__setattr__(self, "angular_velocity", spin)
+        if self.role is Role.FIXED and any((*self.velocity, *self.angular_velocity)):
+            raise InvalidScene(f"velocity of fixed body {self.name}", (*self.velocity, *spin), "zero: what is fixed never moves")
 
 
 def fixed(name: str, pieces: tuple[Piece, ...], material: str, position: Vector = (0.0, 0.0, 0.0),

@@ -51,6 +51,9 @@ class Hinges:
     def __post_init__(self) -> None:
         if not 1 <= len(self.hinges) <= 3:
             raise InvalidScene("number of hinges that share a centre", len(self.hinges), "1 to 3")
+        for hinge in self.hinges:
+            if not isinstance(hinge, Hinge):
+                raise InvalidScene("hinge of a joint", hinge, "a Hinge(axis, lower, upper)")
 
 
 @dataclass(frozen=True)

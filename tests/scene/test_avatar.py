@@ -78,3 +78,11 @@ def test_a_human_of_nearly_two_kilometres_is_refused_unless_it_is_meant() -> Non
 def test_the_span_adds_up_limbs() -> None:
     arm = Link("b", "root", Ball(), BALL, MASS, anchor=(0.0, 0.5, 0.0))
     assert math.isclose(Avatar("a", (ROOT, arm)).span, 2.0 * (0.5 + 0.1))
+
+
+def test_a_hinge_alone_is_no_joint() -> None:
+    """It would be taken for a ball without limits."""
+    with pytest.raises(InvalidScene, match="joint of link finger is Hinge"):
+        link("finger", "root", Hinge(AXIS, -1.0, 1.0))  # type: ignore[arg-type]
+    with pytest.raises(InvalidScene, match="hinge of a joint is "):
+        Hinges((AXIS,))  # type: ignore[arg-type]

@@ -45,3 +45,10 @@ def test_places_and_velocities_must_be_finite(field: str, value: tuple[float, ..
     with pytest.raises(InvalidScene) as error:
         Body("crate", Role.SIMULATED, BALL, "wood", mass=MASS, **{field: value})
     assert thing in str(error.value)
+
+
+@pytest.mark.parametrize("which", ["velocity", "angular_velocity"])
+def test_what_is_fixed_has_no_velocity(which: str) -> None:
+    """Impacts would read it, and a floor that never moves would kick for ever."""
+    with pytest.raises(InvalidScene, match="velocity of fixed body floor .* zero"):
+        Body("floor", Role.FIXED, BALL, "wood", **{which: (0.0, 0.0, 1.0)})
