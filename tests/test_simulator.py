@@ -40,50 +40,6 @@ def test_it_is_an_engine() -> None:
     assert isinstance(AvatarsimEngine(), Engine) and AvatarsimEngine().presets[0] == "default"
 
 
-def test_an_unknown_preset_is_named_and_the_known_ones_listed() -> None:
-    with pytest.raises(UnknownName, match="preset of avatarsim is 'turbo'; valid: one of .*default"):
-        AvatarsimEngine().load(SCENE, Settings(preset="turbo"), DT)
-
-
-def test_an_unknown_option_is_named_and_the_known_ones_listed() -> None:
-    with pytest.raises(UnknownName, match="option of avatarsim.* is 'stand_of'; valid: one of .*stand_off"):
-        loaded(stand_of=1e-4)
-
-
-@pytest.mark.parametrize("value", [-1.0, 0.0, math.nan, math.inf, "fast", None, True])
-@pytest.mark.parametrize("name", ["stand_off", "steps", "spring"])
-def test_options_are_finite_numbers(name: str, value: object) -> None:
-    with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a (whole )?number from [0-9e.-]+ to"):
-        loaded(**{name: value})
-
-
-@pytest.mark.parametrize("gaps", [
-    {"least_gap": 1e-3}, {"stand_off": 2e-5}, {"least_gap": 1e-6}, {"least_gap": 2e-4},
-])
-def test_gaps_that_contradict_each_other_are_refused(gaps: dict[str, float]) -> None:
-    with pytest.raises(InvalidInput, match="wedged_gap up to least_gap, below stand_off"):
-        loaded(**gaps)
-
-
-def test_a_tolerance_above_the_stand_off_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="option tolerance is 0.001; valid: below stand_off, 0.0001 m"):
-        AvatarsimEngine().load(SCENE, Settings("paper", {"tolerance": 1e-3}), DT)
-
-
-def test_options_are_in_force_and_reported() -> None:
-    told = loaded(stand_off=1e-3, steps=3, spring=500).settings_as_run()
-    assert told["stand_off"] == 1e-3 and told["steps"] == 3 and told["spring"] == 500.0 and told["damping"] == 40.0
-    assert told["method"] == "default"
-
-
-def test_a_larger_stand_off_leaves_more_air() -> None:
-    for stand_off in (2e-4, 2e-3):
-        engine = loaded(stand_off=stand_off)
-        for _ in range(20):
-            record = engine.advance(at(SCENE.first_sample, (0.5, 0.0, 0.0)), DT)
-        assert -record.shown.positions[1, 0] - 0.051 == pytest.approx(stand_off, rel=0.3)
-
-
 @pytest.mark.parametrize("dt", [0.0, -0.1, math.nan, math.inf, 1.5])
 def test_frame_times_at_load(dt: float) -> None:
     with pytest.raises(InvalidInput, match=r"frame time \[s\] is .*; valid: a number above 0 and at most 1"):
@@ -271,24 +227,6 @@ def test_a_link_without_pieces_is_a_point_that_meets_nobody() -> None:
         record = engine.advance(replace(start, time=(k + 1) * DT), DT)
         assert not any("not finite" in status for status in record.statuses)
     assert 0.1 <= record.shown.positions[1, 2] < 0.15
-
-
-@pytest.mark.parametrize("stand_off", [2e-5, 2e-4, 1e-3, 5e-3])
-def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> None:
-    """The upper loop has to know how near a driven body comes, or a ball that floats stops the user like a wall."""
-    feather = (Piece(Sphere(0.05)),)
-    ball = simulated("ball", feather, "wood", solid(feather, 0.2), (0.2, 0.0, 0.0))
-    scene = replace(hand_scene((0.0, 0.0, 0.0), ball), gravity=(0.0, 0.0, 0.0))
-    for speed in (0.003, 0.005, 0.0071):
-        engine = loaded(scene, stand_off=stand_off, least_gap=min(5e-5, 0.5 * stand_off))
-        for k in range(int(0.5 / speed)):
-            record = engine.advance(at(scene.first_sample, (speed * k, 0.0, 0.0)), DT)
-        assert record.shown.positions[0, 0] > 0.5 + 0.1 - 2.0 * speed
-
-
-def test_a_walk_back_without_an_end_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="option walk_back is 0"):
-        AvatarsimEngine().load(SCENE, Settings("paper", {"walk_back": 0.0}), DT)
 
 
 def test_events_that_found_no_room_are_counted() -> None:

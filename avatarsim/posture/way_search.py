@@ -50,7 +50,6 @@ MOVES, TURNS, SMALL = 0.7, 1.2, 0.4
 """[m], [rad] how far at most a waypoint is from the posture it is made from, per degree of freedom, and the share of it in
 every fourth try. Larger ones end in walls, smaller ones stay in the trap."""
 
-
 PATIENCE, NEARER = 8, 0.8
 """Steps within which the merit of a walk to the tracker has to fall to this share of its least so far, or the walk ends."""
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judge import Judge
 from scenarios.beside.pair import Beside, compared
 from scenarios.beside.table import known, table
@@ -62,7 +62,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         found = rows(asked.run, asked.filter, theirs)
         if not found:
-            raise UnknownName(f"recordings of {theirs} and of ours in {asked.run}", asked.filter, ())
+            valid = "a run and a filter with recordings of both, as `make compare` leaves them (`make check` runs ours alone)"
+            raise InvalidInput(f"recordings of {theirs} and of ours", f"{asked.run}, {asked.filter}", valid)
         write_text(asked.run / NAME, csv_text(found, theirs))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text
 from scenarios.gate import STOPPED
@@ -28,6 +28,8 @@ DIGITS = 8
 """Significant digits of a figure: the closest of these are told apart by them."""
 FRAMES = 12
 """Frames sampled per scene; a search takes a second or two."""
+WITH_SOME = "a run and a filter with some, as `make compare` leaves them"
+"""What can be searched."""
 NAME, SCENES = "nearest_free.csv", "nearest_free_scenes.csv"
 """The file of samples, and that of scenes, which the report reads."""
 
@@ -71,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             raise InvalidInput("--frames, --jobs", (asked.frames, asked.jobs), "1 and up; 0 and up")
         names = scenes_of(asked.run, first, asked.filter)
         if not names:
-            raise UnknownName(f"recordings of {first} in {asked.run}", asked.filter, ())
+            raise InvalidInput(f"recordings of {first}", f"{asked.run}, {asked.filter}", WITH_SOME)
         with stoppable():
             found, died = kept(asked.run, names, first, asked.frames, asked.jobs)
     except AvatarsimError as error:

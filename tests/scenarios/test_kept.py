@@ -82,4 +82,5 @@ def test_a_scene_whose_search_dies_is_named_and_what_the_others_found_is_kept(
 @pytest.mark.parametrize("main", [beside, nearest])
 def test_a_run_without_recordings_is_a_usage_error(main, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--run", str(tmp_path)]) == 2
-    assert "UnknownName" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "InvalidInput" in said and str(tmp_path) in said and "make compare" in said
