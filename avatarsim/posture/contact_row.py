@@ -143,3 +143,12 @@ def forget_idle_pairs(first: int, oldest: int, memory_out: Memory) -> None:
         else:
             pairs.active[a - first, b] = False
     pairs.marks[LISTED] = kept
+
+
+@kernel
+def list_rows(first: int, memory_out: Memory) -> None:
+    """List the pairs whose rows were active: they get a row in the next step before anything fails."""
+    r = memory_out.rows
+    for k in range(r.size[COUNT]):
+        if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
+            list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)

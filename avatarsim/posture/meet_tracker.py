@@ -3,17 +3,15 @@
 from avatarsim.kernel import kernel
 from avatarsim.posture.behind import all_are_led, set_slow
 from avatarsim.posture.body_place import MOST_TURNED
+from avatarsim.posture.crowd import meet_a_crowd
 from avatarsim.posture.goal import tracker_speed
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.workspace import (
     ASTRAY,
     CALM,
     CLOSE,
-    CROWDED,
     LEAP,
     LED,
-    LISTED,
-    NEAR_BODIES,
     PRESSED,
     RESTED,
     SLOW,
@@ -37,13 +35,6 @@ elsewhere: it is followed joint by joint until the avatar is there or the tracke
 long way the nearest posture is no guide: limbs that stretch get caught. Who has no joints has none, and is nearest all the way.
 0.2: a kick is followed so, and its limbs end twice as far from the user's."""
 
-CROWD, TOUCHING, SPARSE, SPARSE_FRAMES = 9, 5, 4, 3.0
-"""Near pairs of bodies in the last trial beyond which each joint goes its own way too, or more than TOUCHING of them and of pairs
-in touch: fingers that press on many things spend the budget on rows, are wedged for some frames, and then jump. Six near pairs
-alone are arms that fold before a chest, or a human who gets up: going their own way they end a twentieth farther from the user's,
-and jump twice as far; 24, and a hand in a corner jumps by 15 mm. It is over once no more than SPARSE were near in so many frames:
-with one number for both a body shifted to and fro by 0.2 m, and a hand that grasps came home late."""
-
 CALM_SPEED, PUSHING = 1e-3, 1e-2
 """[rad or m] a tracker that moves less than the first per frame rests; one that moves more than the second is followed as fast
 as one can, whatever limbs are pressed into."""
@@ -57,23 +48,12 @@ for all that come after."""
 
 
 @kernel
-def is_crowded(memory_out: Memory) -> bool:
-    """Whether many pairs of bodies are near or in touch, or were and there have not yet been frames enough with few."""
-    pairs, flags = memory_out.pairs, memory_out.flags
-    near, touching = pairs.marks[NEAR_BODIES], pairs.marks[LISTED]
-    if near > CROWD or min(near, touching) > TOUCHING:
-        flags[CROWDED] = SPARSE_FRAMES
-    elif near <= SPARSE:
-        flags[CROWDED] = max(0.0, flags[CROWDED] - 1.0)
-    return bool(flags[CROWDED] > 0.0)
-
-
-@kernel
 def meet_the_tracker(skel: Skeleton, changed: bool, memory_out: Memory) -> float:
     """What the way of the tracker since the last frame says of how to follow it; that of a root's place [m].
 
     changed: whether anything near has moved."""
     flags, mode = memory_out.flags, memory_out.goal.closeness.mode
+    crowded = meet_a_crowd(skel, memory_out)
     speed, moved = tracker_speed(skel, memory_out.goal)
     flags[TRACKER_SPEED] = min(max(speed, SPEED_MEMORY * flags[TRACKER_SPEED]), FASTEST)
     flags[SPEED], flags[LEAP] = speed, 0.0
@@ -89,7 +69,7 @@ def meet_the_tracker(skel: Skeleton, changed: bool, memory_out: Memory) -> float
         return moved
     mode[WORN] += speed
     # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
-    lost = is_crowded(memory_out) or mode[ASTRAY] > 0.0
+    lost = crowded or mode[ASTRAY] > 0.0
     close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not lost else 0.0
     if close != flags[CLOSE]:
         flags[CLOSE] = close

@@ -6,8 +6,9 @@ crossed, whatever the solver does.
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.certify import certify
-from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, rows_of_listed
+from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, list_rows, rows_of_listed
 from avatarsim.posture.creep import creeps, slow_down
+from avatarsim.posture.crowd import slide
 from avatarsim.posture.foreseen import foresee
 from avatarsim.posture.goal import aim, merit
 from avatarsim.posture.kinematics import forward, place_links, take
@@ -165,6 +166,8 @@ def attempt(
         if creeps(memory_out):
             slow_down(geo, skel, posture, poses, memory_out)
             within = False
+        if slide(geo, skel, posture, poses, memory_out):
+            within = False
         spent = work_done(memory_out) > budget(settings, memory_out)
         last = spent or round_ == settings.corrections
         memory_out.flags[ADDING] = 0.0 if last else 1.0
@@ -289,12 +292,3 @@ def step(
     forget_idle_pairs(first, IDLE_STEPS, memory_out)
     adopt(geo, skel, posture, poses, memory_out)
     return largest, to_turn, to_move
-
-
-@kernel
-def list_rows(first: int, memory_out: Memory) -> None:
-    """List the pairs whose rows were active: they get a row in the next step before anything fails."""
-    r = memory_out.rows
-    for k in range(r.size[COUNT]):
-        if r.multiplier[k] > 0.0 and r.pair[k, 0] >= 0:
-            list_pair(r.pair[k, 0], r.pair[k, 1], first, memory_out)

@@ -11,6 +11,7 @@ from avatarsim.posture.behind import copy_led, count_slow, hold, set_slow, speed
 from avatarsim.posture.goal import aim, measure_way
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.look import is_time_to_look, look, stay_as_the_tree_began
+from avatarsim.posture.meet_tracker import CALM_SPEED
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import forget
 from avatarsim.posture.way_lead import REFUSALS, lead
@@ -56,8 +57,9 @@ from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 AT_REST = 1e-2
-"""[rad or m] tracker and avatar that move less than this per frame rest: the avatar then waits while a way is searched. Else
-the tracker is followed meanwhile, and each walk begins where the avatar has got to."""
+"""[rad or m] an avatar that moves less than this per frame, at a tracker that rests (CALM_SPEED), waits while a way is searched.
+Else the tracker is followed meanwhile, and each walk begins where the avatar has got to. With this number for the tracker as
+well, an avatar stands still while its user sways."""
 
 CREEPING_TRIES = 2
 """Walks during which an avatar that still moves is not made to wait; 0 stops limbs short of the wall that they press on."""
@@ -101,7 +103,7 @@ def hold_if_at_rest(skel: Skeleton, memory_out: Memory, way: Way) -> None:
     is then no better a place to begin from.
     """
     flags = memory_out.flags
-    if speed_of_led(skel, memory_out) < AT_REST and (flags[STEPPED] < AT_REST or way.state[TRIES] > CREEPING_TRIES):
+    if speed_of_led(skel, memory_out) < CALM_SPEED and (flags[STEPPED] < AT_REST or way.state[TRIES] > CREEPING_TRIES):
         flags[LED] = HELD_STILL
 
 
@@ -134,7 +136,7 @@ def go_on_searching(
 ) -> None:
     """The search of one frame."""
     s, flags = way_out, memory_out.flags
-    if speed_of_led(skel, memory_out) >= AT_REST and flags[LED] == HELD_STILL:
+    if speed_of_led(skel, memory_out) >= CALM_SPEED and flags[LED] == HELD_STILL:
         let_go(SEARCHING, memory_out, s)
     if s.state[NODE] < 0:
         copy_posture(memory_out.goal.tracker, s.goal)

@@ -90,7 +90,8 @@ class Goal(NamedTuple):
     begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
     one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
     (`leap.py`, `again.py`); slow (nl) frames in which each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led
-    (nl) 1 for roots for which a way is sought (`behind.py`)
+    (nl) 1 for roots for which a way is sought (`behind.py`); stood (nl, 3) link origins [m] where the frame began, stride (nl)
+    how far each root's links may go from there [m], both kept in a crowd alone (`crowd.py`)
     """
 
     full: Array
@@ -112,6 +113,8 @@ class Goal(NamedTuple):
     slow: Array
     past: Array
     led: Array
+    stood: Array
+    stride: Array
 
 
 class Rows(NamedTuple):
@@ -237,7 +240,7 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
-        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl),
+        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl), np.zeros((nl, 3)), np.zeros(nl),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
