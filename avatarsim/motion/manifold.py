@@ -1,5 +1,6 @@
 """Contact manifolds: where the touching features of two convex shapes face each other, at most eight points."""
 
+from math import cos, inf, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +30,8 @@ MANIFOLD_POINTS = 8
 """Most contact points of two convex shapes; an octagon of support stands like the whole face."""
 
 FEATURE_ROOM = 64
-"""Vertices of one touching feature; the face of a hull rarely has ten."""
+"""Vertices of one touching feature; the face of a hull rarely has ten. Of one with more, those stay that are farthest in so many
+directions all around: a disc of a thousand corners stands on all of its rim but a thousandth of its radius."""
 
 PARALLEL = 1e-6
 """Sine of the angle below which two edges touch along a stretch and not in a point."""
@@ -87,11 +89,32 @@ def feature(
     for i in range(first, last):
         d = sub(row(vertices, i), origin)
         height = dot(n, d)
-        if side * height >= top - band and count < loose.shape[0]:
-            loose[count, 0], loose[count, 1], loose[count, 2] = dot(u, d), dot(v, d), height
+        if side * height >= top - band:
+            if count < loose.shape[0]:
+                loose[count, 0], loose[count, 1], loose[count, 2] = dot(u, d), dot(v, d), height
             count += 1
+    if count > loose.shape[0]:
+        farthest_around(vertices, shapes, s, side, n, u, v, origin, top - band, loose)
+        count = loose.shape[0]
     corners = wrap(loose, count, EQUAL * shapes.extent[s], out)
     return to_segment(out, corners) if flat(out, corners) else corners
+
+
+@kernel
+def farthest_around(
+    vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, least: float, loose: Array
+) -> None:
+    """Of the vertices of shape s at least ``least`` high, the farthest in each of as many directions as there is room for."""
+    room = loose.shape[0]
+    for k in range(room):
+        turn, most = 2.0 * pi * k / room, -inf
+        for i in range(shapes.start[s], shapes.start[s + 1]):
+            d = sub(row(vertices, i), origin)
+            height, x, y = dot(n, d), dot(u, d), dot(v, d)
+            far = cos(turn) * x + sin(turn) * y
+            if side * height >= least and far > most:
+                most = far
+                loose[k, 0], loose[k, 1], loose[k, 2] = x, y, height
 
 
 @kernel

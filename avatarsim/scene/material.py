@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from avatarsim.errors import UnknownName
+from avatarsim.errors import InvalidScene, UnknownName
 from avatarsim.scene.checks import within
 
 
@@ -26,8 +26,10 @@ class PairTable:
     pairs: Mapping[tuple[str, str], Contact]
 
     def __post_init__(self) -> None:
-        both_ways = {}
+        both_ways = dict[tuple[str, str], Contact]()
         for (a, b), contact in self.pairs.items():
+            if both_ways.get((a, b), contact) != contact:
+                raise InvalidScene(f"contact of {a} and {b}", contact, f"that of {b} and {a}, {both_ways[a, b]!r}")
             both_ways[a, b] = both_ways[b, a] = contact
         object.__setattr__(self, "pairs", both_ways)
 

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.motion.manifold import make_manifold, manifold
+from avatarsim.motion.manifold import FEATURE_ROOM, MANIFOLD_POINTS, make_manifold, manifold
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
 from tests.loops.upper_world import World, slab, thing
 
@@ -28,6 +28,20 @@ def test_a_flat_box_has_its_four_corners(gap: float) -> None:
     assert {(round(x, 9), round(y, 9)) for x, y, _ in points} == {(x, y) for x in (-0.2, 0.2) for y in (-0.1, 0.1)}
     np.testing.assert_allclose(gaps, gap, atol=1e-15)
     np.testing.assert_allclose(n, [0.0, 0.0, -1.0], atol=1e-12)
+
+
+@pytest.mark.parametrize("corners", [FEATURE_ROOM, FEATURE_ROOM + 1, 128, 400])
+def test_a_disc_of_many_corners_stands_on_all_of_its_rim(corners: int) -> None:
+    """With the first 64 corners of 128 it stood on half of its base, and fell over."""
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    rim = 0.2 * np.stack([np.cos(angles), np.sin(angles), np.zeros(corners)], axis=1)
+    points, gaps, _ = points_of(ConvexHull(np.concatenate([rim - [0.0, 0.0, 0.3], rim + [0.0, 0.0, 0.3]])), 0.3 + 2e-8)
+    np.testing.assert_allclose(gaps, 2e-8, atol=1e-15)
+    around = np.sort(np.arctan2(points[:, 1], points[:, 0]))
+    # eight points, evenly but for what a corner takes
+    assert len(points) == MANIFOLD_POINTS
+    assert np.diff(np.append(around, around[0] + 2.0 * np.pi)).max() < np.pi / 4.0 + 4.0 * np.pi / FEATURE_ROOM
+    assert np.linalg.norm(points[:, :2], axis=1).min() > 0.199
 
 
 def test_a_box_over_the_edge_is_clipped() -> None:

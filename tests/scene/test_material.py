@@ -37,3 +37,11 @@ def test_an_unknown_pair_is_named_and_the_known_ones_listed() -> None:
     with pytest.raises(UnknownName) as error:
         table.contact("wood", "wood")
     assert "pair of materials" in str(error.value) and "wood, wood" in str(error.value) and "ice, wood" in str(error.value)
+
+
+def test_a_pair_given_both_ways_says_the_same_both_times() -> None:
+    """Whichever came last would win, and nobody would know."""
+    one, other = Contact(0.5, 0.1), Contact(0.5, 0.2)
+    assert PairTable({("m", "n"): one, ("n", "m"): one}).contact("n", "m") == one
+    with pytest.raises(InvalidScene, match=r"contact of n and m is .*0\.2.*; valid: that of m and n, .*0\.1"):
+        PairTable({("m", "n"): one, ("n", "m"): other})
