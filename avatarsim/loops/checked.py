@@ -5,7 +5,7 @@ from operator import itemgetter
 import numpy as np
 
 from avatarsim.kernel import kernel
-from avatarsim.loops.coupling import give, make_springs, no_springs, pull
+from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.posture.at_once import seek
 from avatarsim.posture.follow import follow
@@ -71,6 +71,8 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     if not answering:
         if coupled:
             pull(geometry, skeleton, dynamics, poses, memory, dt, tracker, velocities, springs)
+        elif springs.mass.shape[0] > 0:
+            strike(skeleton, tracker, dt, velocities, springs)
         memory.counts[:] = 0
     elif memory.rows.size[COUNT] == 0 or memory.flags[LEAP] > 0.0:
         # nothing held it, or it went as far as its user leapt, and what is in the way is met in the next frame
@@ -101,7 +103,8 @@ class CheckedLoop:
         # without dynamics nobody gives back what pressing took, and the spring would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         springs = (
-            make_springs(world.skeleton, world.dynamics, world.poses, coupling) if coupled else no_springs(world.poses, coupling)
+            make_springs(world.skeleton, world.dynamics, world.poses, coupling) if world.scene.effects.dynamics
+            else no_springs(world.poses, coupling)
         )
         kept = (coupled, springs, settings, memory)
         self._kept, (_, _, _, self.memory) = packed(kept)

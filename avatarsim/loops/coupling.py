@@ -150,6 +150,25 @@ def place_displaced(geo: Geometry, skel: Skeleton, offset: Array, poses_out: Pos
 
 
 @kernel
+def turned_over(springs_out: Springs) -> tuple[Poses, Poses]:
+    """Where the tracker had the links in the last frame, and room for where it has them in this one."""
+    s = springs_out
+    s.turn[0] = 1 - s.turn[0]
+    if s.turn[0] == 1:
+        return s.one, s.other
+    return s.other, s.one
+
+
+@kernel
+def strike(skel: Skeleton, target: Posture, dt: float, velocities_out: Velocities, springs_out: Springs) -> None:
+    """Set the velocities of driven bodies that no impact displaces: those of their tracker."""
+    s = springs_out
+    before, now = turned_over(s)
+    carry(skel, target, s.still, now, s.axes)
+    tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
+
+
+@kernel
 def pull(
     geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, memory: Memory, dt: float, target_out: Posture,
     velocities_out: Velocities, springs_out: Springs,
@@ -159,11 +178,7 @@ def pull(
     shown: poses at the end of the last frame; memory: of the posture solver, which knows what held them there.
     """
     s = springs_out
-    s.turn[0] = 1 - s.turn[0]
-    if s.turn[0] == 1:
-        before, now = s.one, s.other
-    else:
-        before, now = s.other, s.one
+    before, now = turned_over(s)
     carry(skel, target_out, s.still, now, s.axes)
     # with the offsets of the last frame, which the shown poses belong to
     press(geo, skel, dynamics, memory, shown, s.offset, s.mass, s.settings, dt, before, s.pressed)
@@ -188,7 +203,7 @@ def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: Cou
 
 
 def no_springs(poses: Poses, settings: CouplingSettings) -> Springs:
-    """For a scene without coupling: nothing is allocated that nobody calls for."""
+    """For a scene in which nothing can be struck: nothing is allocated that nobody calls for."""
     none, rows = np.zeros(0), np.zeros((0, 3))
     nowhere = Poses(*(array[:0].copy() for array in poses))
     return Springs(settings, rows, rows, rows, none, none, rows, none, nowhere, nowhere, np.zeros(1, dtype=np.int64))

@@ -14,6 +14,7 @@ from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.mass import solid
+from avatarsim.scene.material import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -167,3 +168,20 @@ def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -
     springs.offset[1] = 0.0, 1e-3, 1e-3
     pull(w.geometry, w.skeleton, w.dynamics, w.poses, memory, DT, w.posture, w.velocities, springs)
     assert w.posture.angle[d] > 1.9
+
+
+@pytest.mark.parametrize("narrow", [(), ("coupling",)])
+def test_a_hand_strikes_whether_or_not_it_is_struck_back(narrow: tuple[str, ...]) -> None:
+    """Eqs 8 and 9: a hand of 2 kg at 1.5 m/s meets a block of 1 kg, wood on wood."""
+    palm = rigid_avatar("palm", PALM, solid(PALM, 2.0), material="wood")
+    scene = Scene("strike", (block(1.0, 0.1),), (palm,), gravity=NO_GRAVITY, narrow=narrow)
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    struck = list[float]()
+    for k in range(21):
+        speed = float(engine.advance(at(palm, 1.5 * DT * k), DT).shown.velocities[0, 0])
+        struck += [speed] if speed != 0.0 else []
+    restitution = TABLE_1.contact("wood", "wood").restitution
+    assert struck[0] == pytest.approx((1.0 + restitution) * 1.5 * 2.0 / 3.0, rel=1e-6)
+    # the spring throws it after the user; without one the hand strikes again until the block is as fast as that
+    assert struck[-1] == pytest.approx(1.5, rel=1e-4) if narrow else struck[-1] > 1.6
