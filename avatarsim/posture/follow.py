@@ -57,7 +57,7 @@ def follow(
     else:
         place_bodies(skel, memory_out.goal)
         copy_posture(posture_out, memory_out.goal.begun)
-        moved = meet_the_tracker(skel, changed, memory_out)
+        moved = meet_the_tracker(geo, skel, changed, memory_out)
     everybody = flags[LED] > 0.0 and all_are_led(skel, memory_out.goal)
     if everybody and flags[LED] == UNDER_WAY:
         return

@@ -23,6 +23,7 @@ from avatarsim.posture.workspace import (
     WORN,
     Memory,
 )
+from avatarsim.world.geometry import Geometry
 from avatarsim.world.skeleton import UNLIMITED, Skeleton
 
 JUMP = MOST_TURNED + 0.01
@@ -48,12 +49,12 @@ for all that come after."""
 
 
 @kernel
-def meet_the_tracker(skel: Skeleton, changed: bool, memory_out: Memory) -> float:
+def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: Memory) -> float:
     """What the way of the tracker since the last frame says of how to follow it; that of a root's place [m].
 
     changed: whether anything near has moved."""
     flags, mode = memory_out.flags, memory_out.goal.closeness.mode
-    crowded = meet_a_crowd(skel, memory_out)
+    crowded = meet_a_crowd(geo, skel, memory_out)
     speed, moved = tracker_speed(skel, memory_out.goal)
     flags[TRACKER_SPEED] = min(max(speed, SPEED_MEMORY * flags[TRACKER_SPEED]), FASTEST)
     flags[SPEED], flags[LEAP] = speed, 0.0
