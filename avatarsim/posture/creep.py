@@ -8,7 +8,7 @@ from math import sqrt
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.workspace import FORWARDS, RESTED, Memory
+from avatarsim.posture.workspace import FORWARDS, LED, RESTED, UNDER_WAY, Memory
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
@@ -25,8 +25,8 @@ ROUNDS = 3
 
 @kernel
 def creeps(memory: Memory) -> bool:
-    """Whether tracker and surroundings have rested long enough."""
-    return bool(memory.flags[RESTED] >= CREEP_AFTER)
+    """Whether tracker and surroundings have rested long enough, and nobody goes along a way that was found."""
+    return bool(memory.flags[RESTED] >= CREEP_AFTER and memory.flags[LED] != UNDER_WAY)
 
 
 @kernel

@@ -58,6 +58,8 @@ def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: M
     speed, moved = tracker_speed(skel, memory_out.goal)
     flags[TRACKER_SPEED] = min(max(speed, SPEED_MEMORY * flags[TRACKER_SPEED]), FASTEST)
     flags[SPEED], flags[LEAP] = speed, 0.0
+    # along a way that was found too: who is led late is not seen to wander at its end
+    flags[RESTED] = flags[RESTED] + 1.0 if speed < CALM_SPEED and not changed else 0.0
     if speed > JUMP:
         # whoever jumps wants to go elsewhere
         flags[LED] = 0.0
@@ -66,7 +68,7 @@ def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: M
         flags[TRAVELS] = 1.0
     if flags[LED] == UNDER_WAY and all_are_led(skel, memory_out.goal):
         set_slow(flags[SLOW] + 1.0, memory_out)
-        flags[RESTED], flags[CLOSE] = 0.0, 0.0
+        flags[CLOSE] = 0.0
         return moved
     mode[WORN] += speed
     # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
@@ -76,7 +78,6 @@ def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: M
         flags[CLOSE] = close
         memory_out.goal.window[:] = 0.0
     flags[CALM] = flags[CALM] + 1.0 if speed < CALM_SPEED else 0.0
-    flags[RESTED] = flags[RESTED] + 1.0 if speed < CALM_SPEED and not changed else 0.0
     if speed >= PUSHING:
         flags[PRESSED] = 0.0
     return moved

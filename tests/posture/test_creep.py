@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.posture.creep import CREEP, CREEP_AFTER, creeps, farthest_moved, slow_down
 from avatarsim.posture.kinematics import forward
-from avatarsim.posture.workspace import RESTED
+from avatarsim.posture.workspace import LED, RESTED, UNDER_WAY
 from avatarsim.scene.scene import Scene
 from tests.posture.little_worlds import Little, little, mixed_avatar
 
@@ -49,4 +49,13 @@ def test_who_has_rested_long_enough_creeps() -> None:
     memory.flags[RESTED] = CREEP_AFTER - 1
     assert not creeps(memory)
     memory.flags[RESTED] = CREEP_AFTER
+    assert creeps(memory)
+
+
+@pytest.mark.nojit
+def test_nobody_creeps_along_a_way_that_was_found() -> None:
+    memory = little(Scene("s", (), (mixed_avatar(),))).memory
+    memory.flags[RESTED], memory.flags[LED] = CREEP_AFTER, UNDER_WAY
+    assert not creeps(memory)
+    memory.flags[LED] = 0.0
     assert creeps(memory)
