@@ -12,8 +12,8 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judge import Judge
-from scenarios.beside.pair import Beside, compared
-from scenarios.beside.table import known, table
+from scenarios.beside.pair import Among, Beside, compared
+from scenarios.beside.table import FIGURES, known, table
 from scenarios.csv_rows import csv_lines
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
@@ -44,10 +44,18 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
 
 def csv_text(found: Sequence[Beside], theirs: str) -> str:
     """All rows as CSV, with who is nearer and what is known of figures in which theirs is."""
-    nearer = "nearer_offset", "nearer_angle", "nearer_body", "kept_nearer_offset", "kept_nearer_angle"
-    head = ["other", *(entry.name for entry in fields(Beside)), *nearer, "known_offset", "known_angle"]
-    lines = ((theirs, *astuple(row), *row.winner, row.body_winner, *row.kept_winner, *known(row)) for row in found)
-    return csv_lines(head, lines, DIGITS)
+    parts = "kept", "alike"
+    whole = [entry.name for entry in fields(Beside) if entry.name not in parts]
+    among = [name for part in parts for name in (part, *(f"{part}_{entry.name}" for entry in fields(Among)[1:]))]
+    nearer = ["nearer_offset", "nearer_angle", "nearer_body", *(f"{part}_nearer_{what}" for part in parts for what in FIGURES)]
+    lines = (
+        (
+            theirs, *(getattr(row, name) for name in whole), *astuple(row.kept), *astuple(row.alike),
+            *row.winner, row.body_winner, *row.kept.winner, *row.alike.winner, *known(row),
+        )
+        for row in found
+    )
+    return csv_lines(["other", *whole, *among, *nearer, "known_offset", "known_angle"], lines, DIGITS)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

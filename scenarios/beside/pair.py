@@ -1,11 +1,13 @@
 """Two recordings of one scene, compared where the second is good enough to be compared with."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from reference.judge import Judge
 from scenarios.measure.body_offset import body_offsets
@@ -22,8 +24,28 @@ LEFT = 1e-3
 """Overlap [m] up to which a frame of the other engine counts: more than that is not a posture to be compared with."""
 BENT = float(np.radians(1e-3))
 """Excess [rad] up to which a joint is within its limits: what the table of all engines calls equal."""
+ALIKE = 0.01
+"""[m] how far apart a loose body may be in two recordings that are still of one and the same world: less than a finger's width.
+More, and a hand that holds a mug would be compared with one that has let it fall."""
 SAME = 1e-6
 """Figures [m, degrees] closer than this are the same: both are the user's, to rounding."""
+
+
+@dataclass(frozen=True)
+class Among:
+    """Root mean square distance from the user over some frames, ours and theirs: `offset` [m] of link origins, `angle` [deg] of
+    joints; nan over none."""
+
+    frames: int
+    offset: float
+    their_offset: float
+    angle: float
+    their_angle: float
+
+    @property
+    def winner(self) -> tuple[str, str]:
+        """Who is nearer in offset, and who in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
+        return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
 
 
 @dataclass(frozen=True)
@@ -32,8 +54,8 @@ class Beside:
     mean square distance from the user, ours and theirs: `offset` [m] of link origins, `angle` [deg] of joints, `body` [m] of the
     points of all links. nan where no frame counts. `least_angle` [deg]: no posture within the joints' limits has less there.
 
-    The first two again over those of these frames, `kept` many, in which the other engine's joints are within their limits too.
-    `unsaid`: what of the scene the other engine has no words for."""
+    The first two again over those of these frames in which the other engine's joints are within their limits too, `kept`, and in
+    which all loose bodies are where they are in ours, `alike`. `unsaid`: what of the scene the other engine has no words for."""
 
     scenario: str
     frames: int
@@ -45,11 +67,8 @@ class Beside:
     least_angle: float
     body: float
     their_body: float
-    kept: int
-    kept_offset: float
-    kept_their_offset: float
-    kept_angle: float
-    kept_their_angle: float
+    kept: Among
+    alike: Among
     unsaid: str
 
     @property
@@ -61,11 +80,6 @@ class Beside:
     def body_winner(self) -> str:
         """Who is nearer with all of the body."""
         return _nearer(self.body, self.their_body)
-
-    @property
-    def kept_winner(self) -> tuple[str, str]:
-        """`winner` over the frames in which the other engine keeps the limits."""
-        return _nearer(self.kept_offset, self.kept_their_offset), _nearer(self.kept_angle, self.kept_their_angle)
 
 
 def _nearer(ours: float, theirs: float) -> str:
@@ -92,12 +106,12 @@ def compared(ours: Recording, theirs: Recording, scenario: Scenario, scene: Scen
     kept = good & within_limits(theirs, scene)[:frames]
     each = [_distances(recording, scene, frames) for recording in (ours, theirs)]
     (offset, angle, body), (their_offset, their_angle, their_body) = [[_rms(v[good]) for v in one] for one in each]
-    (o, a), (their_o, their_a) = [[_rms(v[kept]) for v in one[:2]] for one in each]
+    alike = good & same_world(ours, theirs, scene)[:frames]
     least = _rms(np.degrees(least_angles(ours, scene))[:frames][good])
     unsaid = theirs.meta.get("cannot_say")
     return Beside(
         scenario.name, frames, int(good.sum()), offset, their_offset, angle, their_angle, least, body, their_body,
-        int(kept.sum()), o, their_o, a, their_a, "; ".join(sorted(unsaid)) if isinstance(unsaid, dict) else "",
+        _among(each, kept), _among(each, alike), "; ".join(sorted(unsaid)) if isinstance(unsaid, dict) else "",
     )
 
 
@@ -106,6 +120,20 @@ def within_limits(recording: Recording, scene: Scene) -> NDArray[np.bool_]:
     turns, angles = recording.orientations[1:, recording.links], recording.angles[1:]
     excess = np.maximum(joint_limit_excess(scene, turns, angles), reach_cone_excess(scene, turns))
     return np.asarray(excess <= BENT)
+
+
+def same_world(ours: Recording, theirs: Recording, scene: Scene) -> NDArray[np.bool_]:
+    """(F,) frames advanced by both in which no loose body is farther than ALIKE from where it is in the other; nan is."""
+    loose = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
+    frames = min(ours.frames, theirs.frames)
+    here, there = (recording.positions[1 : frames + 1, loose] for recording in (ours, theirs))
+    return np.asarray((np.linalg.norm(there - here, axis=-1) <= ALIKE).all(axis=1))
+
+
+def _among(each: Sequence[tuple[Array, Array, Array]], chosen: NDArray[np.bool_]) -> Among:
+    """Offsets and angles of both over the chosen frames."""
+    (offset, angle), (their_offset, their_angle) = [[_rms(v[chosen]) for v in one[:2]] for one in each]
+    return Among(int(chosen.sum()), offset, their_offset, angle, their_angle)
 
 
 def _distances(recording: Recording, scene: Scene, frames: int) -> tuple[Array, Array, Array]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from scenarios.beside.pair import Beside
+from scenarios.beside.pair import ALIKE, Beside
 
 FIGURES = ("offset", "angle")
 """What is promised to be no larger than the other engine's; the body's distance is a third, of both together."""
@@ -29,10 +29,12 @@ def table(found: Sequence[Beside], theirs: str) -> str:
 
 def _counted(found: Sequence[Beside], theirs: str) -> Iterator[str]:
     kept = f", only frames in which {theirs} keeps the joints' limits too"
+    alike = f", only frames in which all loose bodies are within {1e3 * ALIKE:g} mm of where they are in ours"
     for what, among, winners in (
         *((what, "", [r.winner[k] for r in found]) for k, what in enumerate(FIGURES)),
         ("body", "", [r.body_winner for r in found]),
-        *((what, kept, [r.kept_winner[k] for r in found]) for k, what in enumerate(FIGURES)),
+        *((what, kept, [r.kept.winner[k] for r in found]) for k, what in enumerate(FIGURES)),
+        *((what, alike, [r.alike.winner[k] for r in found]) for k, what in enumerate(FIGURES)),
     ):
         said = (f"{side} {winners.count(side)}" for side in ("ours", "theirs", "same", "-"))
         yield f"{what}, scenes by who is nearer{among}: {', '.join(said)}"
@@ -53,14 +55,24 @@ def known(r: Beside) -> tuple[str, str]:
         angle = [f"no posture within the joints' limits has less than {r.least_angle:.1f} deg"]
     also = [f"{r.body_winner} is nearer with all of the body"] if r.body_winner in ("ours", "theirs") else []
     also += [f"{UNSAID}: {r.unsaid}"] if r.unsaid else []
-    told = ("; ".join(said + also) if r.winner[k] == "theirs" else "" for k, said in enumerate((offset, angle)))
+    told = ("; ".join([*said, *_alike(r, k), *also]) if r.winner[k] == "theirs" else "" for k, said in enumerate((offset, angle)))
     return next(told), next(told)
 
 
 def _kept(r: Beside, figure: int) -> list[str]:
     """Whether theirs is nearer only by leaving the limits."""
-    if r.kept_winner[figure] == "theirs":
+    if r.kept.winner[figure] == "theirs":
         return []
-    if r.kept == 0:
+    if r.kept.frames == 0:
         return ["it keeps the joints' limits in no frame"]
-    return [f"only where it leaves the joints' limits, not in the {r.kept} of {r.counted} frames in which it keeps them"]
+    return [f"only where it leaves the joints' limits, not in the {r.kept.frames} of {r.counted} frames in which it keeps them"]
+
+
+def _alike(r: Beside, figure: int) -> list[str]:
+    """Whether theirs is nearer only in another world: a hand that let a mug fall is at its user's."""
+    if r.alike.winner[figure] == "theirs":
+        return []
+    if r.alike.frames == 0:
+        return ["its loose bodies are elsewhere than in ours in every frame"]
+    near = f"the {r.alike.frames} of {r.counted} frames in which they are within {1e3 * ALIKE:g} mm"
+    return [f"only where loose bodies are elsewhere than in ours, not in {near}"]

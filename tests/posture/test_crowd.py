@@ -84,7 +84,8 @@ def test_who_is_held_by_few_or_by_their_own_links_strides_as_they_like() -> None
     found = little(Scene("s", (panel(),), avatars, start=random_sample(avatars, 1)))
     geo, skel, _, _ = found.parts
     roots = np.flatnonzero(skel.parent < 0)
-    for held, pairs, expected in (((), HELD_BY + 1, (False, False)), ((0, 1), HELD_BY, (False, False)), ((1,), 9, (False, True))):
+    many = HELD_BY + 1
+    for held, pairs, expected in (((), many, (False, False)), ((0, 1), HELD_BY, (False, False)), ((1,), many, (False, True))):
         press(found, *held, pairs=pairs)
         assert tuple(is_pressed(geo, skel, int(root), found.memory) for root in roots) == expected
 

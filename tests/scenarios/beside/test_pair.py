@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import simulated
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Capsule, Piece
+from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from reference.judge import Judge
-from scenarios.beside.pair import compared
+from scenarios.beside.pair import ALIKE, compared
 from scenarios.record import Recording
 from tests.scenarios.examples import WALL_FACE, fist, fist_motion, fist_scene, recorded
 
@@ -77,6 +78,36 @@ def test_frames_in_which_theirs_leaves_the_limits_are_left_out_of_the_kept_ones(
     ours = replace(ours, raw_positions=theirs.raw_positions, raw_orientations=theirs.raw_orientations)
     found = compared(ours, theirs, replace(fist(), regions=()), scene, Judge(scene))
     # bent by 0.1 to 1.0 in ten frames, of which five are within 0.5; ours stops at 0.45
-    assert (found.counted, found.kept, found.winner, found.kept_winner) == (10, 5, ("same", "theirs"), ("same", "theirs"))
-    assert found.kept_angle == pytest.approx(np.degrees(0.05 / np.sqrt(10.0)), abs=1e-9)
-    assert found.kept_their_angle == pytest.approx(0.0, abs=1e-6) and found.kept_offset < found.offset + 1e-12
+    assert (found.counted, found.kept.frames, found.winner, found.kept.winner) == (10, 5, ("same", "theirs"), ("same", "theirs"))
+    assert found.kept.angle == pytest.approx(np.degrees(0.05 / np.sqrt(10.0)), abs=1e-9)
+    assert found.kept.their_angle == pytest.approx(0.0, abs=1e-6) and found.kept.offset < found.offset + 1e-12
+
+
+@pytest.mark.parametrize(("frames", "lost", "alike"), [(30, False, 1), (8, False, 1), (8, True, 0)])
+def test_frames_in_which_a_loose_body_is_elsewhere_are_left_out_of_those_alike(frames: int, lost: bool, alike: int) -> None:
+    pieces = (Piece(Sphere(0.1)),)
+    ball = simulated("ball", pieces, "wood", solid(pieces, 1.0), (0.0, 3.0, 0.0))
+    scene = replace(SCENE, bodies=(*SCENE.bodies, ball))
+    motion, fist_at, ball_at = fist_motion(scene, 0), len(scene.bodies), len(SCENE.bodies)
+
+    def shown(stops: float, falls: float, frames: int) -> Recording:
+        recording = recorded(scene, [scene.first_sample, *(motion(k) for k in range(frames))])
+        positions = recording.positions.copy()
+        positions[:, fist_at, 0] = np.minimum(positions[:, fist_at, 0], stops)
+        positions[:, ball_at, 2] -= falls * np.arange(frames + 1)
+        return replace(recording, positions=positions)
+
+    # theirs is at the user's and its ball falls away, by 0.9 of the bound a frame more than ours; it may end early
+    ours, theirs = shown(0.01, 0.1 * ALIKE, 30), shown(0.4, ALIKE, frames)
+    if lost:
+        theirs.positions[1, ball_at, 2] = np.nan
+    found = compared(ours, theirs, fist(), scene, Judge(scene))
+    assert found.winner[0] == "theirs" and (found.frames, found.alike.frames) == (frames, alike)
+    assert found.alike.winner == (("theirs", "same") if alike else ("-", "-"))
+    if alike:
+        assert (found.alike.offset, found.alike.their_offset) == (pytest.approx(0.01, abs=1e-12), pytest.approx(0.0, abs=1e-12))
+
+
+def test_without_loose_bodies_all_frames_are_alike() -> None:
+    found = compared(shown(0.4), shown(0.4009), fist(), SCENE, Judge(SCENE))
+    assert (found.alike.frames, found.alike.winner) == (found.counted, found.winner)
