@@ -18,6 +18,7 @@ from reports import (
     stability,
     sweep_chart,
     table_2_chart,
+    tuned,
 )
 from reports.broad_phase import BroadPhase
 from reports.charts import Panel, overlap_panels, time_panels, time_percentiles
@@ -53,6 +54,7 @@ from reports.stability import Stability
 from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
+from reports.tuned import tunings
 from reports.verdict import Verdict, losing_scenes
 from reports.wording import count, limit, listed, quantity, ratio
 
@@ -152,6 +154,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated),
+        tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),

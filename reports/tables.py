@@ -113,7 +113,7 @@ def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> flo
         row = rows[index]
         if row is None or row.value is None or not math.isfinite(row.value):
             continue
-        if column.stays_inside and _left_room(rows):
+        if column.stays_inside and left_room(rows):
             continue
         candidates.append(row.value)
     # alone, nobody is best
@@ -121,7 +121,8 @@ def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> flo
     return min(candidates, default=None) if ranked > 1 else None
 
 
-def _left_room(rows: list[Row | None]) -> bool:
+def left_room(rows: Sequence[Row | None]) -> bool:
+    """Whether a run whose rows these are, one per column, has a frame on the wrong side."""
     side = rows[next(i for i, column in enumerate(COLUMNS) if column.key == "wrong_side")]
     return side is not None and side.value is not None and not side.value <= 0.0
 
@@ -135,7 +136,7 @@ def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float |
         value = row.value if row else None
         ratio = None if tracker else ratio_to_best(value, least, column.floor, column.same)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
-        unranked = sibling or (column.stays_inside and _left_room(found))
+        unranked = sibling or (column.stays_inside and left_room(found))
         cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not unranked))
     note = next((row.note for row in rows if row.status == word and row.note), "")
     nothing = f"{word}: {note}".removesuffix(": ") if word and all(cell.value is None for cell in cells) else ""

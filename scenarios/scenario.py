@@ -86,9 +86,8 @@ class Scenario:
     `title` and `judged` are one sentence each. `build` makes the scene, `motion(scene, seed)` the tracker's.
     `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
-    standard list, `expects` holds closed forms by name, `hinge_order` the three hinges that stand in for a
-    ball joint in an engine that has none. The `everyday` scenes are those of the short tables and of what is timed without
-    filter and full lengths.
+    standard list, `expects` holds closed forms by name. The `everyday` scenes are those of the short tables and of what is timed
+    without filter and full lengths.
     """
 
     name: str
@@ -103,7 +102,6 @@ class Scenario:
     regions: tuple[Region, ...] = ()
     metrics: tuple[str, ...] = ()
     expects: Mapping[str, object] = field(default_factory=dict)
-    hinge_order: str = "xyz"
     short_motion: Callable[[Scene, int], Motion] | None = None
     everyday: bool = False
 
@@ -112,8 +110,6 @@ class Scenario:
         positive(f"frame time of {self.name}", self.dt, InvalidInput)
         if self.short is not None and not 0 < self.short <= self.frames:
             raise InvalidInput(f"short length of {self.name}", self.short, f"1 to {self.frames} frames")
-        if sorted(self.hinge_order) != ["x", "y", "z"]:
-            raise InvalidInput(f"hinge order of {self.name}", self.hinge_order, "the letters x, y and z")
 
     def as_run(self, full: bool) -> "Scenario":
         """The scenario as it is run: `frames` and `motion` are those in force, nothing short is left."""
