@@ -24,6 +24,8 @@ PRELOADED = ("numpy", "numba", "scipy.spatial", "scenarios.preloaded")
 """What the mother of all children imports once. No engine is among it, so that each child begins with a fresh one."""
 PATIENCE = 1800.0
 """Longest a job may take [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
+LAST_WORDS = 30.0
+"""Longest [s] to wait for how a child ended once its connection has; shorter, and a busy machine would leave that untold."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """Set to 1 in every child: as many jobs as processors run side by side, and the timing pass promises one thread."""
 
@@ -101,9 +103,12 @@ def quiet() -> None:
 
 def ended(child: BaseProcess) -> str:
     """How a child that gave no answer came to its end."""
-    child.join(timeout=5.0)
+    child.join(timeout=LAST_WORDS)
     code = child.exitcode
-    return f"its process was killed by signal {-code}" if code is not None and code < 0 else f"its process ended with code {code}"
+    if code is None:
+        child.kill()
+        return f"its process left without an answer, and had not ended {LAST_WORDS:g} s later"
+    return f"its process was killed by signal {-code}" if code < 0 else f"its process ended with code {code}"
 
 
 def _work(connection: Connection, function: Callable[[Task], Answer]) -> None:

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from joblib import Parallel, delayed, effective_n_jobs
-
+from avatarsim.errors import MissingPackage
 from scenarios.processes import Died, Pool
 from scenarios.stability.outcome import CRASHED, LATE, TOO_LATE, Outcome, Task, outcome
 
@@ -22,6 +21,10 @@ def answered(task: Task) -> tuple[Task, Outcome]:
 
 def answers(tasks: Sequence[Task], jobs: int) -> Iterator[tuple[Task, Outcome]]:
     """All tasks, in the order in which they end: side by side in processes that go on, then those that want one of their own."""
+    try:
+        from joblib import Parallel, delayed, effective_n_jobs
+    except ImportError as error:
+        raise MissingPackage("joblib", "parallel", "trials side by side") from error
     shared = [task for task in tasks if task.engine not in FRESH]
     work = Parallel(n_jobs=jobs, return_as="generator_unordered", timeout=PATIENCE, batch_size=1)
     yield from map(answered, shared) if jobs == 1 else work(delayed(answered)(task) for task in shared)
