@@ -71,8 +71,9 @@ stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes
 	  [ ! -e reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 # What is found is no error of a command; a command that could not ask is.
-nearness: $(READY)  ## the last run: beside MuJoCo, beside the nearest free posture (half an hour for all scenes), 100 orders of chains
+nearness: $(READY)  ## the last run (compare, if it lacks MuJoCo): beside MuJoCo, the nearest free posture (ten minutes), 100 orders of chains
 	@$(COMPILED)
+	@ls reports/out/latest/recordings/*.mujoco.tuned.0.npz >/dev/null 2>&1 || $(MAKE) compare
 	@failed=0; export OMP_NUM_THREADS=1; \
 	for question in beside spread nearest; do \
 	  $(VENV_PYTHON) -m scenarios.$$question || [ $$? = 1 ] || failed=1; \
