@@ -8,9 +8,10 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.contacts import Contacts, push_all, speed_along
+from avatarsim.impact.contacts import Contacts, speed_along
 from avatarsim.impact.fours import lay_out_fours, take_fours
 from avatarsim.impact.masses import Masses
+from avatarsim.impact.pushing import push_all
 from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
 from avatarsim.impact.visit_fours import go_on_fours, visit_fours

@@ -1,4 +1,4 @@
-"""The points where bodies touch at one instant, and what an impulse at each of them does."""
+"""The points where bodies touch at one instant, and how fast their bodies move there."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -10,7 +10,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row, sub
+from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -56,6 +56,7 @@ class Contacts(NamedTuple):
     each axis;
     target (cap) least normal velocity asked for [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction has nothing to do [m/s];
+    drift (cap, 2) how much of the velocity along the tangents is the user's alone, and nobody sees [m/s]: see `loops.rubbing`;
     impulse (cap, 3) along the rows of frame [N s];
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
@@ -89,6 +90,7 @@ class Contacts(NamedTuple):
     turn_b: Array
     target: Array
     slide: Array
+    drift: Array
     impulse: Array
     standing: Index
     visits: Index
@@ -127,7 +129,8 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
         frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
         gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
         lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
-        target=np.zeros(cap), slide=np.zeros((cap, 2)), impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
+        target=np.zeros(cap), slide=np.zeros((cap, 2)), drift=np.zeros((cap, 2)),
+        impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
@@ -169,8 +172,8 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     put_row(contacts.edge_a, k, (0.0, 0.0, 0.0))
     put_row(contacts.edge_b, k, (0.0, 0.0, 0.0))
     contacts.target[k] = 0.0
-    contacts.slide[k, 0] = 0.0
-    contacts.slide[k, 1] = 0.0
+    for i in range(2):
+        contacts.slide[k, i], contacts.drift[k, i] = 0.0, 0.0
     put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     return True
 
@@ -218,8 +221,8 @@ def turning(contacts: Contacts, k: int, i: int, j: int) -> float:
 def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
     """v_ab [m/s] at contact k.
 
-    For equations 7 to 10 it is the true one. For paths (``standing``) a driven body that recedes counts as standing still along
-    the normal: its pose does not change before the next frame, and whoever followed it would end up inside it.
+    For equations 7 to 10 it is the true one, less what drifts. For paths (``standing``) a driven body that recedes counts as
+    standing still along the normal: its pose does not change before the next frame, and whoever followed it would be inside it.
     """
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     on_a = point_velocity(row(linear, a), row(angular, a), row(contacts.arm_a, k))
@@ -231,19 +234,10 @@ def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Ve
             on_a = along(on_a, -max(0.0, dot(n, on_a)), n)
         else:
             on_b = along(on_b, -min(0.0, dot(n, on_b)), n)
-    return relative_velocity(on_a, on_b)
-
-
-@kernel
-def push(contacts: Contacts, masses: Masses, k: int, j: Vec3, linear: Array, angular: Array) -> None:
-    """Apply the impulse j [N s] (world axes) to A and -j to B at contact k."""
-    a, b = contacts.body[k, 0], contacts.body[k, 1]
-    put_row(linear, a, along(row(linear, a), masses.inverse_mass[a], j))
-    put_row(linear, b, along(row(linear, b), -masses.inverse_mass[b], j))
-    turn_a = turned(columns(masses.inverse_inertia, a), cross(row(contacts.arm_a, k), j))
-    turn_b = turned(columns(masses.inverse_inertia, b), cross(row(contacts.arm_b, k), j))
-    put_row(angular, a, along(row(angular, a), 1.0, turn_a))
-    put_row(angular, b, sub(row(angular, b), turn_b))
+    v = relative_velocity(on_a, on_b)
+    if driven != NOT_DRIVEN:
+        v = along(along(v, -contacts.drift[k, 0], axis(contacts, k, 1)), -contacts.drift[k, 1], axis(contacts, k, 2))
+    return v
 
 
 @kernel
@@ -270,31 +264,5 @@ def speed_along(contacts: Contacts, k: int, i: int, linear: Array, angular: Arra
             on_a = min(0.0, on_a)
         else:
             on_b = max(0.0, on_b)
-    return float(on_a - on_b)
-
-
-@kernel
-def push_along(contacts: Contacts, masses: Masses, k: int, i: int, d: float, linear: Array, angular: Array) -> None:
-    """Apply the impulse d [N s] along axis i of contact k to A and -d to B, by the turns that `weigh` left."""
-    a, b = contacts.body[k, 0], contacts.body[k, 1]
-    f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
-    on_a, on_b = d * masses.inverse_mass[a], d * masses.inverse_mass[b]
-    for x in range(3):
-        linear[a, x] += on_a * f[k, i, x]
-        linear[b, x] -= on_b * f[k, i, x]
-        angular[a, x] += d * p[k, i, x]
-        angular[b, x] -= d * q[k, i, x]
-
-
-@kernel
-def push_all(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, angular: Array) -> None:
-    """`push_along` all three axes of contact k at once."""
-    a, b = contacts.body[k, 0], contacts.body[k, 1]
-    f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
-    of_a, of_b = masses.inverse_mass[a], masses.inverse_mass[b]
-    for x in range(3):
-        j = d[0] * f[k, 0, x] + d[1] * f[k, 1, x] + d[2] * f[k, 2, x]
-        linear[a, x] += of_a * j
-        linear[b, x] -= of_b * j
-        angular[a, x] += d[0] * p[k, 0, x] + d[1] * p[k, 1, x] + d[2] * p[k, 2, x]
-        angular[b, x] -= d[0] * q[k, 0, x] + d[1] * q[k, 1, x] + d[2] * q[k, 2, x]
+    drift = contacts.drift[k, i - 1] if i > 0 else 0.0
+    return float(on_a - on_b - drift)

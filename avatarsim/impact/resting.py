@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import solve_contacts, solve_roughly, sweeps, unsolved
-from avatarsim.impact.contacts import Contacts, axis, push_along, velocity_at, weigh_after
+from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
+from avatarsim.impact.pushing import push_along
 from avatarsim.impact.slipping import end_of_slip, slip_on
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned

@@ -79,7 +79,7 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
         for i in range(2):
             rows[k, DRAG + i] = contacts.drag[k, i] * contacts.unease[k, 1]
             rows[k, EASE + i] = contacts.ease[k, i]
-            rows[k, SLIDE + i] = contacts.slide[k, i] * contacts.unease[k, 1]
+            rows[k, SLIDE + i] = (contacts.slide[k, i] + contacts.drift[k, i]) * contacts.unease[k, 1]
         rows[k, TARGET] = contacts.target[k] * contacts.unease[k, 0]
         rows[k, FRICTION] = contacts.friction[k]
 

@@ -38,10 +38,10 @@ def opened_contacts(o: Opening) -> Contacts:
     return Contacts(
         index_line(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], matrices(o)[0], vectors(o)[0],
         vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], matrices(o)[0], matrices(o)[0],
-        matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0], vectors(o)[0],
-        vectors(o)[0], vectors(o)[0], vectors(o)[0], index_line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0],
-        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], grid(o)[0], index_grid(o)[0], index_line(o)[0], index_line(o)[0],
-        index_line(o)[0],
+        matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
+        vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], index_line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0],
+        grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], grid(o)[0], index_grid(o)[0], index_line(o)[0],
+        index_line(o)[0], index_line(o)[0],
     )
 
 
@@ -93,6 +93,7 @@ def opened_memory(o: Opening) -> Memory:
         index_line(o)[0], opened_poses(o), opened_islands(o), index_line(o)[0], line(o)[0], line(o)[0], index_line(o)[0],
         index_grid(o)[0], index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], index_line(o)[0],
         index_grid(o)[0], line(o)[0], line(o)[0], Soonest(index_line(o)[0], index_line(o)[0], index_grid(o)[0]),
+        vectors(o)[0], vectors(o)[0],
     )
 
 

@@ -11,6 +11,7 @@ from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_
 from avatarsim.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
 from avatarsim.loops.rounded import is_smooth, note_smooth
+from avatarsim.loops.rubbing import note_drift
 from avatarsim.loops.seams import forget, level_seams, note
 from avatarsim.loops.upper_memory import WORK, Memory
 from avatarsim.motion.edge_plane import lone_edge
@@ -73,6 +74,8 @@ def find_points(
             has_room = False
             break
         contacts.face[k] = found.face[0]
+        if driven != NOT_DRIVEN:
+            note_drift(velocities, memory, k)
     if memory.ball[a] + memory.ball[b] == 2:
         # heaps of balls are many contacts; theirs is a closed form
         for k in range(before, contacts.used[0]):

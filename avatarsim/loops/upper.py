@@ -42,7 +42,7 @@ def advance(
     """
     events.kept[0] = 0
     take_up_tails(velocities, memory)
-    if begin(geometry, dynamics, poses, velocities, memory, switches.sleeping) == 0:
+    if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
     memory.frames[0] += 1
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths

@@ -86,7 +86,7 @@ class Memory(NamedTuple):
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
     newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
     margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body touches; soonest: near pairs while some stop,
-    see `loops.plastic`.
+    see `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities with which driven bodies came to where they are.
     """
 
     received: Array
@@ -138,6 +138,8 @@ class Memory(NamedTuple):
     margin: Array
     touch: Array
     soonest: Soonest
+    shown_linear: Array
+    shown_angular: Array
 
 
 def make_memory(
@@ -190,5 +192,5 @@ def make_memory(
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
         margin=np.full(1, max(margin_for(span, simulated, driven), ROOM_TO_TOUCH * touch if driven else 0.0)),
         touch=np.full(1, touch),
-        soonest=make_soonest(n, room),
+        soonest=make_soonest(n, room), shown_linear=np.zeros((n, 3)), shown_angular=np.zeros((n, 3)),
     )

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import sweeps
-from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, push, velocity_at, weigh
+from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, velocity_at, weigh
 from avatarsim.impact.impact_queue import same_pair
+from avatarsim.impact.pushing import push
 from avatarsim.impact.resting import STAND_OFF, SWEEPS
 from avatarsim.kernel import kernel
 from avatarsim.loops.upper_memory import Memory

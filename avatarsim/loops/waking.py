@@ -7,6 +7,7 @@ from avatarsim.collide.status import NOT_FINITE as SWEEP_NOT_FINITE
 from avatarsim.kernel import kernel
 from avatarsim.loops.clocks import go_back
 from avatarsim.loops.islands import due_of, part
+from avatarsim.loops.rubbing import note_shown
 from avatarsim.loops.touching import DRIVEN, SIMULATED
 from avatarsim.loops.upper_memory import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
 from avatarsim.motion.near import near_pairs, stands, wake_beside
@@ -20,8 +21,10 @@ Index = NDArray[np.int64]
 
 
 @kernel
-def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, sleeping: bool) -> int:
-    """Find out who is awake, wake who is beside a driven body that moved, and return how many bodies will move.
+def begin(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, sleeping: bool
+) -> int:
+    """Find out who is awake, wake who is beside a driven body that moved, and return how many bodies will move in dt seconds.
 
     Of a body that is fixed or sleeps nothing but its flags is read: thousands of them may lie about.
     """
@@ -40,7 +43,7 @@ def begin(geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velo
             make_ready(velocities, memory, b)
     for b in range(bodies):
         if dynamics.role[b] == DRIVEN:
-            notice_driven(geometry, poses, velocities, memory, b)
+            notice_driven(geometry, poses, velocities, dt, memory, b)
     for b in range(bodies):
         awake += moving[b]
     return awake
@@ -63,8 +66,8 @@ def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
 
 
 @kernel
-def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int) -> None:
-    """If driven body b was moved, or moves, wake who sleeps beside it, and take over where it is."""
+def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: float, memory: Memory, b: int) -> None:
+    """If driven body b was moved, or moves, wake who sleeps beside it, and take over where it is and how fast it came there."""
     trial = memory.trial
     same = stands(velocities.linear, velocities.angular, b)
     for i in range(3):
@@ -72,7 +75,10 @@ def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, memo
         for k in range(3):
             same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
     if same:
+        put_row(memory.shown_linear, b, (0.0, 0.0, 0.0))
+        put_row(memory.shown_angular, b, (0.0, 0.0, 0.0))
         return
+    note_shown(poses, dt, memory, b)
     wake_beside(trial.hulls, poses.hulls, b, memory.margin[0], memory.wanted, memory.asleep, memory.moving)
     put_row(memory.began.position, b, row(poses.position, b))
     put_row(trial.position, b, row(poses.position, b))

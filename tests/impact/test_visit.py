@@ -29,6 +29,7 @@ def heap(seed: int):
         contacts.friction[k] = rng.choice([0.0, 0.3, 1.0])
         contacts.target[k] = rng.choice([-np.inf, 0.0, 0.2])
         contacts.slide[k] = 0.1 * rng.normal(size=2)
+        contacts.drift[k] = 0.0 if driven == NOT_DRIVEN else 0.3 * rng.normal(size=2)
         contacts.impulse[k, 0] = rng.choice([0.0, 1.0])
         contacts.impulse[k, 1:] = 0.2 * contacts.impulse[k, 0] * contacts.friction[k] * rng.normal(size=2)
         contacts.sway_a[k], contacts.sway_b[k] = rng.normal(size=(2, 3))

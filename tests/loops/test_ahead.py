@@ -148,7 +148,7 @@ def test_islands_formed_anew_give_nobody_the_velocities_of_others() -> None:
     change_back(world.velocities, memory)
     np.testing.assert_array_equal(v, before)
     # the number of a segment of the last frame is not taken for one of this
-    begin(world.geometry, world.dynamics, world.poses, world.velocities, memory, True)
+    begin(world.geometry, world.dynamics, world.poses, world.velocities, 1.0 / 60.0, memory, True)
     assert not islands.charged.any()
 
 
@@ -178,7 +178,7 @@ def test_who_went_ahead_is_called_back_at_the_start_of_a_frame() -> None:
     """Whoever comes near is where the frame begins; an island whose first body has gone to its end would leave it there."""
     world = World([slab(), ball("a", (0.0, 0.0, 1.0)), ball("b", (0.3, 0.0, 1.0), velocity=(-20.0, 0.0, 0.0))], 0.0)
     memory = world.memory
-    begin(world.geometry, world.dynamics, world.poses, world.velocities, memory, True)
+    begin(world.geometry, world.dynamics, world.poses, world.velocities, 1.0 / 60.0, memory, True)
     memory.islands.due[1], memory.paths.time[:] = H, -1.0
     regroup(world.geometry, world.dynamics, world.poses, world.velocities, memory, memory.everybody, 0.0, H)
     assert memory.islands.label[1] == memory.islands.label[2]

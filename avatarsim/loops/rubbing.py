@@ -1,0 +1,37 @@
+"""How fast a driven body rubs along what it touches: as it is seen to, where something holds it up."""
+
+from avatarsim.impact.contacts import DRIVEN_A, axis
+from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
+from avatarsim.kernel import kernel
+from avatarsim.loops.upper_memory import Memory
+from avatarsim.spatial.tangent import columns, step_between, turned
+from avatarsim.spatial.vec3 import dot, norm, put_row, row, scale, sub
+from avatarsim.world.dynamics import Velocities
+from avatarsim.world.geometry import Poses
+
+
+@kernel
+def note_shown(poses: Poses, dt: float, memory: Memory, b: int) -> None:
+    """Fill ``shown_linear``, ``shown_angular`` of driven body b: from where it was a frame of dt seconds ago to where it is."""
+    before, start = memory.trial, columns(memory.trial.rotation, b)
+    put_row(memory.shown_linear, b, scale(sub(row(poses.position, b), row(before.position, b)), 1.0 / dt))
+    turn = turned(start, step_between(start, columns(poses.rotation, b)))
+    put_row(memory.shown_angular, b, scale(turn, 1.0 / dt))
+
+
+@kernel
+def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
+    """Fill ``drift`` of contact k of a driven body: what its user's velocity along the tangents has beyond the shown one.
+
+    Whoever goes freely strikes as the user does. A hand that a wall holds up must not drag along what lies beneath it, like the
+    belt of a conveyor, for as long as its user goes on: there the slower one counts, which is the shown one.
+    """
+    contacts, side = memory.contacts, 0 if memory.contacts.driven[k] == DRIVEN_A else 1
+    b, n = contacts.body[k, side], axis(contacts, k, 0)
+    arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
+    user = tangential_velocity(n, point_velocity(row(velocities.linear, b), row(velocities.angular, b), arm))
+    shown = tangential_velocity(n, point_velocity(row(memory.shown_linear, b), row(memory.shown_angular, b), arm))
+    beyond = sub(user, shown) if norm(shown) < norm(user) else (0.0, 0.0, 0.0)
+    for i in range(2):
+        along_tangent = dot(axis(contacts, k, 1 + i), beyond)
+        contacts.drift[k, i] = along_tangent if side == 0 else -along_tangent
