@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look fuzz check ablate bench sweep map stability nearness report lint lock clean FORCE
+.PHONY: help setup compare test look fuzz check ablate bench sweep map stability nearness report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -120,6 +120,14 @@ lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 
 lock:  ## write requirements.lock anew from pyproject.toml (UPGRADE=1: newest versions)
 	$(firstword $(wildcard $(VENV_PYTHON)) python3) .setup/lock.py $(if $(UPGRADE),--upgrade)
+
+# Names of runs sort by their time; one that is younger than the last has not ended yet.
+prune:  ## remove the runs in reports/out that are older than the last one: a comparison takes 1.6 GB
+	@last=$$(readlink reports/out/latest) || { echo "reports/out has no last run; nothing removed"; exit 0; }; \
+	for run in reports/out/[0-9]*-[0-9]*-*; do \
+	  name=$${run##*/}; [ "$$(printf '%s\n' "$$name" "$$last" | LC_ALL=C sort | head -n 1)" = "$$name" ] || continue; \
+	  [ "$$name" = "$$last" ] || [ ! -d "$$run" ] || { rm -rf "$$run" && echo "removed $$run"; }; \
+	done
 
 clean:  ## remove caches and build leftovers; .venv and reports/out stay
 	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
