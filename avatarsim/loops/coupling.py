@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
+from avatarsim.loops.holding import hold
 from avatarsim.loops.pressing import press
 from avatarsim.loops.recoil import recoil
 from avatarsim.posture.kinematics import carry, displace
@@ -190,6 +191,7 @@ def pull(
         # a user beyond limits is taken as he is
         displace(skel, target_out, s.way)
     tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
+    hold(geo, skel, dynamics, memory, velocities_out)
 
 
 def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: CouplingSettings) -> Springs:

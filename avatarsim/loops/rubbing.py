@@ -23,8 +23,9 @@ def note_shown(poses: Poses, dt: float, memory: Memory, b: int) -> None:
 def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
     """Fill ``drift`` of contact k of a driven body: what its user's velocity along the tangents has beyond the shown one.
 
-    Whoever goes freely strikes as the user does. A hand that a wall holds up must not drag along what lies beneath it, like the
-    belt of a conveyor, for as long as its user goes on: there the slower one counts, which is the shown one.
+    Whoever goes freely strikes as the user does. A hand that is held up, itself (see `loops.holding`) or by its arm or a limit,
+    must not drag along what lies beneath it, like the belt of a conveyor, for as long as its user goes on: there the slower one
+    counts, which is the shown one.
     """
     contacts, side = memory.contacts, 0 if memory.contacts.driven[k] == DRIVEN_A else 1
     b, n = contacts.body[k, side], axis(contacts, k, 0)

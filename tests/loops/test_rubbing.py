@@ -9,8 +9,9 @@ from avatarsim.engine import Settings
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, add_contact, axis, make_contacts, speed_along, velocity_at, weigh
 from avatarsim.impact.masses import Masses
 from avatarsim.loops.rubbing import note_drift, note_shown
-from avatarsim.scene.avatar import rigid_avatar
+from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.joint import Free, Rigid
 from avatarsim.scene.mass import solid
 from avatarsim.scene.material import Contact, PairTable
 from avatarsim.scene.scene import Scene
@@ -21,25 +22,29 @@ from avatarsim.spatial import rotation
 from tests.loops.upper_world import World, ball, hand
 
 DT = 1.0 / 60.0
-PRESSED, REST, ON_TOP = 0.5, 0.16, 0.15
-"""How long the hand goes down onto the plank [s], from which height [m], and where it stands on it."""
+PRESSED, REST, ON_TOP, ABOVE = 0.5, 0.16, 0.15, 0.35
+"""How long the hand goes down onto the plank [s], from which height [m], where it stands, and how far above the wrist is."""
 
 
 def at(x: float, z: float) -> TrackerSample:
-    return TrackerSample(0.0, np.array([[x, 0.0, z]]), np.array([rotation.IDENTITY]), np.zeros(0))
+    return TrackerSample(0.0, np.array([[x, 0.0, z + ABOVE]] * 2), np.array([rotation.IDENTITY] * 2), np.zeros(0))
 
 
 def pressed_and_led(speed: float, walled: bool) -> NDArray[np.float64]:
     """Places and velocities along x (frames, 2, 2) of a plank on ice and of a hand that presses on it 3 cm deep and then is led
-    along it for 1.5 s, if ``walled`` into a wall 5 mm ahead that the plank slides beneath."""
-    cube, plank = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Box((0.6, 0.3, 0.1))),)
+    along it for 1.5 s, if ``walled`` with its wrist into a wall 5 mm ahead."""
+    cube, plate, plank = ((Piece(Box(size)),) for size in ((0.1, 0.1, 0.1), (0.1, 0.6, 0.4), (0.6, 0.3, 0.1)))
+    arm = Avatar("arm", (
+        Link("wrist", None, Free(), plate, solid(plate, 0.5), "hand"),
+        Link("hand", "wrist", Rigid(), cube, solid(cube, 0.5), "hand", (0.0, 0.0, -ABOVE)),
+    ))
     slippery, rough = Contact(0.0, 0.0), Contact(0.0, 0.5)
     pairs = {("ice", "wood"): slippery, ("ice", "hand"): slippery, ("hand", "wood"): rough}
-    walls = (fixed("wall", (Piece(Box((0.2, 1.0, 0.4))),), "ice", (0.155, 0.0, 0.35)),) if walled else ()
+    walls = (fixed("wall", (Piece(Box((0.2, 1.0, 0.4))),), "ice", (0.155, 0.0, REST + ABOVE)),) if walled else ()
     scene = Scene("rub", (
         fixed("floor", (Piece(Box((6.0, 6.0, 0.2))),), "ice", (0.0, 0.0, -0.1)),
         simulated("plank", plank, "wood", solid(plank, 2.0), (0.0, 0.0, 0.0501)), *walls,
-    ), (rigid_avatar("hand", cube, solid(cube, 0.5), "hand"),), materials=PairTable(pairs), start=at(0.0, REST))
+    ), (arm,), materials=PairTable(pairs), start=at(0.0, REST))
     engine, found = AvatarsimEngine(), []
     engine.load(scene, Settings(), DT)
     for k in range(1, 121):
@@ -52,10 +57,10 @@ def pressed_and_led(speed: float, walled: bool) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("speed", [0.5, 2.0])
 def test_a_hand_that_a_wall_holds_is_no_conveyor(speed: float) -> None:
-    """By its user's velocity the plank left at 3.7 m/s beneath a hand that stood still; it may follow what the hand moves."""
+    """By its user's velocity the plank went 0.7 and 2 m beneath a hand that moved 2 cm; it may follow what the hand moves."""
     places = pressed_and_led(speed, walled=True)[:, 0]
-    assert np.abs(places[:, 1]).max() < 0.006
-    assert np.abs(places[:, 0]).max() < 0.02
+    assert np.abs(places[:, 1]).max() < 0.025
+    assert np.abs(places[:, 0]).max() < 0.05
 
 
 @pytest.mark.parametrize("speed", [0.2, 0.5])
