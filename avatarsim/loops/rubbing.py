@@ -9,6 +9,11 @@ from avatarsim.spatial.vec3 import dot, norm, put_row, row, scale, sub
 from avatarsim.world.dynamics import Velocities
 from avatarsim.world.geometry import Poses
 
+SEEN = 0.005
+"""[m/s] by how much slower than its user a body must be shown along a surface to count as held up there. The springs of eq. 6
+play by less; larger: slow users drag along more. 0: a box that a hand pushes sticks to a hand that its spring lets slide, and
+takes three times as long to solve for."""
+
 
 @kernel
 def note_shown(poses: Poses, dt: float, memory: Memory, b: int) -> None:
@@ -32,7 +37,7 @@ def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
     arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
     user = tangential_velocity(n, point_velocity(row(velocities.linear, b), row(velocities.angular, b), arm))
     shown = tangential_velocity(n, point_velocity(row(memory.shown_linear, b), row(memory.shown_angular, b), arm))
-    beyond = sub(user, shown) if norm(shown) < norm(user) else (0.0, 0.0, 0.0)
+    beyond = sub(user, shown) if norm(shown) + SEEN < norm(user) else (0.0, 0.0, 0.0)
     for i in range(2):
         along_tangent = dot(axis(contacts, k, 1 + i), beyond)
         contacts.drift[k, i] = along_tangent if side == 0 else -along_tangent

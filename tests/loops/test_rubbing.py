@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from avatarsim.engine import Settings
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, add_contact, axis, make_contacts, speed_along, velocity_at, weigh
 from avatarsim.impact.masses import Masses
-from avatarsim.loops.rubbing import note_drift, note_shown
+from avatarsim.loops.rubbing import SEEN, note_drift, note_shown
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Free, Rigid
@@ -104,8 +104,9 @@ def test_along_the_tangents_the_slower_of_both_counts(driven: int) -> None:
             (side, memory.shown_linear[b], memory.shown_angular[b]),
         )]
         across = [v - n * (n @ v) for v in point]
-        held += np.linalg.norm(across[2]) < np.linalg.norm(across[1])
-        seen = n * (n @ point[1]) + min(across[1:], key=np.linalg.norm)
+        up = np.linalg.norm(across[2]) + SEEN < np.linalg.norm(across[1])
+        held += up
+        seen = n * (n @ point[1]) + across[2 if up else 1]
         wanted = (seen - point[0]) if side == 0 else (point[0] - seen)
         found = velocity_at(contacts, 0, world.velocities.linear, world.velocities.angular)
         np.testing.assert_allclose(found, wanted, atol=1e-12)
