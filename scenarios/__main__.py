@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios import ablation, commands, listing
+from scenarios import ablation, commands, comparison, listing
 from scenarios.files import OUT
 from scenarios.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.resume import stoppable
@@ -15,7 +15,7 @@ from scenarios.stability import __main__ as stability
 from scenarios.sweep import command
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
-    "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": commands.compare,
+    "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
     "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate, "sweep": command.sweep,
 }
 """What each word of the command line does."""

@@ -3,7 +3,7 @@
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
@@ -111,12 +111,6 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     return Plan(found, jobs, ready, frozenset(firsts.items()))
 
 
-def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """Both passes over everything, the report, the table, the exit code."""
-    made = plan(asked, asked.engine or list(known()), False)
-    return carried_out(asked, words, Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED})), timed=True, report=True)
-
-
 def check(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """The gate: accuracy pass of the gated engine only, its first preset unless `--preset` names others."""
     made = plan(asked, asked.engine or [GATED[0]], True)
@@ -130,12 +124,18 @@ def run(asked: argparse.Namespace, words: Sequence[str]) -> int:
     return carried_out(asked, words, Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED})), timed=True, report=False)
 
 
-def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, timed: bool, report: bool) -> int:
-    """Run a plan; results and report are written before anything is returned, for what there is when somebody stops the run."""
+def carried_out(
+    asked: argparse.Namespace, words: Sequence[str], made: Plan, timed: bool, report: bool,
+    also: Callable[[Run], Sequence[str]] | None = None,
+) -> int:
+    """Run a plan, and `also` what is asked about the run once it is measured, which returns its troubles; results and report are
+    written before anything is returned, for what there is when the run is stopped."""
     if not made.scenarios:
         return nothing(asked)
     ran = begun(asked, words, made, ceilings())
     code = passes(asked, made, ran, timed)
+    if also and code != STOPPED:
+        code = studied(ran, also, code)
     if report:
         try:
             trouble = reported(ran.folder)
@@ -153,6 +153,21 @@ def carried_out(asked: argparse.Namespace, words: Sequence[str], made: Plan, tim
     for said in ran.lapses():
         print(said, file=sys.stderr)
     return finished(asked, made, ran, code)
+
+
+def studied(ran: Run, also: Callable[[Run], Sequence[str]], code: int) -> int:
+    """The exit code after `also`; what it could not do stands in the run's notes and leaves the comparison incomplete."""
+    try:
+        troubles = also(ran)
+    except KeyboardInterrupt:
+        ran.write(None)
+        return STOPPED
+    for said in troubles:
+        print(said, file=sys.stderr)
+    if troubles:
+        ran.note, code = "; ".join(troubles), code or INCOMPLETE
+        ran.write(code)
+    return code
 
 
 def nothing(asked: argparse.Namespace) -> int:

@@ -1,0 +1,35 @@
+"""`python -m scenarios compare`: both passes over every scene in every engine, the short studies, the report, the table."""
+
+import argparse
+from collections.abc import Sequence
+
+from scenarios.commands import Plan, carried_out, plan
+from scenarios.engines import GATED, known
+from scenarios.harness import Run
+from scenarios.studies import Request, Study, asked_in_turn
+
+STUDIES: tuple[Study, ...] = ()
+"""The studies of a comparison, in the order in which they run."""
+
+
+def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Both passes over everything, the studies, the report, the table, the exit code.
+
+    A run that is cut short by `--frames` proves nothing about a scene, and is not studied."""
+    made = plan(asked, asked.engine or list(known()), False)
+
+    def studied(ran: Run) -> list[str]:
+        return [] if asked.frames is not None else asked_in_turn(STUDIES, request_of(asked, ran))
+
+    gated = Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED}))
+    return carried_out(asked, words, gated, timed=True, report=True, also=studied)
+
+
+def request_of(asked: argparse.Namespace, ran: Run) -> Request:
+    """What the studies of this run may ask about: its scenes, and the engines and presets that brought a recording."""
+    presets: dict[str, tuple[str, ...]] = {}
+    for outcome in ran.outcomes.values():
+        job = outcome.job
+        if outcome.state == "measured" and not job.base and job.preset not in presets.get(job.engine, ()):
+            presets[job.engine] = (*presets.get(job.engine, ()), job.preset)
+    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full)
