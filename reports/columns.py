@@ -50,6 +50,8 @@ COLUMNS = (
     Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
            "each frame's least over the repeats",
            _named("frame_time_p50"), 0.0),
+    Column("python", "p50 as called from Python", "us", 0.0, "median of a whole call of the engine from Python, what the "
+           "interpreter and the adapter add included", _named("frame_time_python_p50"), 0.0),
     Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95"), 0.0),
 )
 
