@@ -1,5 +1,7 @@
 """Every tolerance, cap and constant that a user may want to change, with its unit and what breaks if it changes."""
 
+import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
 
@@ -73,9 +75,11 @@ class PostureSettings(NamedTuple):
 
 
 class CouplingSettings(NamedTuple):
-    """Eq. 6, the virtual coupling between tracker and driven body: the paper's K [N/m] and R [N s/m].
+    """Eq. 6, the virtual coupling between tracker and driven body, with the paper's constants.
 
-    Softer: the hand lags behind the tracker after a collision; stiffer: heavy objects feel like walls.
+    spring   [N/m] the paper's K. Softer: a hand lags behind the tracker after a collision; stiffer: heavy objects feel like
+             walls.
+    damping  [N s/m] the paper's R. Less: a hand swings about its user after a collision; more: it creeps back.
     """
 
     spring: float = 1000.0
@@ -83,9 +87,10 @@ class CouplingSettings(NamedTuple):
 
 
 class AttractionSettings(NamedTuple):
-    """Coach and trainee (method `paper`): the share of the way to the tracker's angles taken per second.
+    """Coach and trainee (method `paper`).
 
-    30: nine tenths of the way back in five frames of 1/60 s. Higher is stiffer, lower trails behind the user.
+    rate  [1/s] share of the way to the tracker's angles taken per second. 30: nine tenths of the way back in five frames of
+          1/60 s. Higher is stiffer, lower trails behind the user.
     """
 
     rate: float = 30.0
@@ -126,3 +131,20 @@ class Chosen(NamedTuple):
     paper: PaperSettings = PaperSettings()
     coupling: CouplingSettings = CouplingSettings()
     attraction: AttractionSettings = AttractionSettings()
+
+
+def meanings(group: type) -> Mapping[str, str]:
+    """What each setting of a group means, with its unit where it has one: read from the group's docstring, which is the one place
+    where that is written. Empty where Python was told to drop docstrings."""
+    found: dict[str, str] = {}
+    name = ""
+    for line in (group.__doc__ or "").splitlines():
+        entry = re.match(r"    ([a-z_]+) +(\S.*)", line)
+        if entry and entry[1] in group.__annotations__:
+            name = entry[1]
+            found[name] = entry[2].strip()
+        elif name and line.startswith("      ") and line.strip():
+            found[name] += f" {line.strip()}"
+        else:
+            name = ""
+    return found

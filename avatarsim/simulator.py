@@ -12,12 +12,18 @@ from avatarsim.frame import Frames
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.settings import Chosen
+from avatarsim.settings import Chosen, meanings
 from avatarsim.start_check import require_free, require_within_limits
 from avatarsim.world.world import Array, build, shown_again, shown_poses
 
 PRESETS = ("default", "paper")
 """`default`: every state certified; `paper`: the paper's equations as printed."""
+
+METHODS_SAID = {
+    "default": "every state is checked before it is shown; what holds an avatar back is found by quadratic programs",
+    "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
+}
+"""What each preset is, in words that stand beside its settings."""
 
 MOST = 1e9
 """Largest value of any option: a billion of anything here is a slip of the hand."""
@@ -109,11 +115,14 @@ class AvatarsimEngine:
         return said
 
     def settings_as_run(self) -> Mapping[str, object]:
-        """Every setting in force."""
+        """Every setting in force: name -> (value, what it means and its unit)."""
         self._running()
-        in_force: dict[str, object] = {"method": self._settings.preset}
-        for group in METHOD_SETTINGS[self._settings.preset]:
-            in_force |= getattr(self._chosen, group)._asdict()
+        method = self._settings.preset
+        in_force: dict[str, object] = {"method": (method, METHODS_SAID[method])}
+        for group in METHOD_SETTINGS[method]:
+            values = getattr(self._chosen, group)
+            said = meanings(type(values))
+            in_force |= {name: (value, said.get(name, "")) for name, value in values._asdict().items()}
         return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
-from reports.wording import count, figures, listed
+from reports.wording import MOST_FACTOR, count, factor, figures, listed
 
 ROWS = "broad_phase.csv"
 OURS = "sweep and prune"
@@ -97,7 +97,7 @@ def _point(row: Mapping[str, str]) -> Point:
 
 def times(growth: float) -> str:
     """A growth in words."""
-    return f"×{figures(growth)}" if growth < math.inf else "×∞"
+    return f"×{figures(growth)}" if growth <= MOST_FACTOR else factor(growth)
 
 
 def conclusion(broad: BroadPhase) -> str:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.files import lines, number, times
-from reports.wording import MISSING, count, figures, listed, quantity
+from reports.wording import MISSING, MOST_FACTOR, count, factor, figures, listed, quantity
 
 NEAREST, BESIDE = "nearest_free_scenes.csv", "beside.csv"
 TIMES = 2.0
@@ -114,8 +114,8 @@ def told(value: float, unit: str) -> str:
 
 
 def multiple(value: float) -> str:
-    """How many times, or a dash."""
-    return MISSING if math.isnan(value) else "×∞" if math.isinf(value) else f"×{figures(value)}"
+    """How many times, to three figures up to where factors end."""
+    return f"×{figures(value)}" if value <= MOST_FACTOR else factor(value)
 
 
 def near_sentence(near: tuple[Near, ...]) -> str:

@@ -5,13 +5,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from reports.load import Row
+from scenarios.ranked import CLOSED_FORM, RANKED
 
 
 @dataclass(frozen=True)
 class Column:
     """One column: smaller is better in all. Values that differ by `same` (in `unit`) or less count as equal, as on the terminal;
-    `floor` is the least value that a ratio is taken to, because a ratio to zero says
-    nothing. `stays_inside` columns cannot be won by leaving the room."""
+    `floor` is the least value that two runs of one engine are told apart by. `stays_inside` columns cannot be won by leaving
+    the room."""
 
     key: str
     title: str
@@ -32,27 +33,29 @@ def is_truth_error(metric: str) -> bool:
     return "_error" in metric
 
 
+def _column(key: str, title: str, unit: str, floor: float, meaning: str, *metrics: str) -> Column:
+    """A column of `metrics`, which count as equal when the registry says so."""
+    rule = RANKED[metrics[0]]
+    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside)
+
+
 COLUMNS = (
-    Column("overlap", "residual overlap, max", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
-           "found from poses by one judge for every engine (the judge resolves 10 nm)",
-           _named("residual_overlap_max"), 1e-6, stays_inside=True),
-    Column("overlap_frames", "overlap frames", "%", 0.05, "shown frames with more than 1 µm of penetration",
-           _named("overlap_frames"), 0.05, stays_inside=True),
-    Column("wrong_side", "wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot be: "
-           "an engine that passes through a wall may overlap nothing and is still wrong", _named("wrong_side_frames"), 0.5),
+    _column("overlap", "residual overlap, max", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
+            "found from poses by one judge for every engine (the judge resolves 10 nm)", "residual_overlap_max"),
+    _column("overlap_frames", "overlap frames", "%", 0.05, "shown frames with more than 1 µm of penetration", "overlap_frames"),
+    _column("wrong_side", "wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot be: "
+            "an engine that passes through a wall may overlap nothing and is still wrong", "wrong_side_frames"),
     Column("truth", "error to ground truth", "", 1e-4, "distance from the closed form, in the scenes that have one; "
-           "the cell names the metric", is_truth_error, 1e-4),
-    Column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
-           "in which that posture is free of overlap: how closely the avatar stays with its user",
-           _named("tracker_offset_rms_free"), 1e-5, stays_inside=True),
-    Column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
-           _named("joint_limit_excess_max", "reach_cone_excess_max"), 1e-3, stays_inside=True),
-    Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
-           "each frame's least over the repeats",
-           _named("frame_time_p50"), 0.0),
-    Column("python", "p50 as called from Python", "us", 0.0, "median of a whole call of the engine from Python, what the "
-           "interpreter and the adapter add included", _named("frame_time_python_p50"), 0.0),
-    Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95"), 0.0),
+           "the cell names the metric", is_truth_error, CLOSED_FORM),
+    _column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
+            "in which that posture is free of overlap: how closely the avatar stays with its user", "tracker_offset_rms_free"),
+    _column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
+            "joint_limit_excess_max", "reach_cone_excess_max"),
+    _column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
+            "each frame's least over the repeats", "frame_time_p50"),
+    _column("python", "p50 as called from Python", "us", 0.0, "median of a whole call of the engine from Python, what the "
+            "interpreter and the adapter add included", "frame_time_python_p50"),
+    _column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 
 
@@ -73,12 +76,11 @@ def worst(rows: Sequence[Row]) -> Row | None:
     return max(rows, key=badness, default=None)
 
 
-def ratio_to_best(value: float | None, best: float | None, floor: float, same: float = 0.0) -> float | None:
-    """`value` over `best`, both lifted to `floor`, and 1 where they differ by `same` or less; None where either is missing or
+def ratio_to_best(value: float | None, best: float | None, same: float = 0.0) -> float | None:
+    """`value` over `best`; 1 where they differ by `same` or less, infinite against a best of 0; None where either is missing or
     not finite."""
     if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
         return None
-    base = max(best, floor)
-    if base <= 0.0:
-        return None
-    return max(value, floor) / base if value - best > same or value < best else 1.0
+    if 0.0 <= value - best <= same:
+        return 1.0
+    return value / best if best > 0.0 else math.inf

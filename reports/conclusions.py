@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
-from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
 from reports.tables import Block, engine_of
-from reports.wording import count, limit, listed, quantity
+from reports.wording import MOST_FACTOR, count, families, limit, listed, quantity
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
 OVERLAP_BOUND = 1e-6
@@ -58,14 +58,15 @@ def overlap_summary(results: Results, ours: str) -> str:
     scenes = {scene: runs for scene, runs in results.series.items() if any(s.overlap.size for s in runs.values())}
     if not scenes:
         return "This run recorded no series of overlap."
-    tally: dict[str, list[bool]] = {}
-    for runs in scenes.values():
+    tally: dict[str, dict[str, bool]] = {}
+    for scene, runs in scenes.items():
         for run, series in runs.items():
             if series.overlap.size:
-                tally.setdefault(run, []).append(peak(series.overlap) <= OVERLAP_BOUND)
-    order = sorted(tally, key=lambda run: (run != ours, -sum(tally[run]) / len(tally[run])))
-    said = [f"{run} in {sum(tally[run])} of {len(tally[run])}" for run in order]
-    return f"Scenes in which every frame stays within 1 µm: {', '.join(said)}."
+                held, family = tally.setdefault(run, {}), results.family(scene)
+                held[family] = held.get(family, True) and peak(series.overlap) <= OVERLAP_BOUND
+    order = sorted(tally, key=lambda run: (run != ours, -sum(tally[run].values()) / len(tally[run])))
+    said = [f"{run} in {sum(tally[run].values())} of {len(tally[run])}" for run in order]
+    return f"Families of scenes in which every frame stays within 1 µm: {', '.join(said)}."
 
 
 def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
@@ -90,18 +91,22 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
     return f"{text}; {'all keep' if len(order) > 1 else 'it keeps'} 60 Hz at {'p99' if at_p99 else 'p95'}."
 
 
-def time_summary(panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str) -> str:
-    """What all panels of frame time together say about our run."""
+def time_summary(
+    panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str, family_of: Mapping[str, str] = MappingProxyType({})
+) -> str:
+    """What all panels of frame time together say about our run; a family of scenes is counted where ours is fastest in all."""
     own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
     if not own:
         return f"No frame time of {ours} was measured."
     slowest = max(own, key=lambda scene: own[scene][ours][1])
-    others = [(runs[ours][1], [p[1] for run, p in runs.items() if engine_of(run) != engine_of(ours) and math.isfinite(p[1])])
-              for runs in own.values()]
-    rivals = sum(bool(theirs) for _, theirs in others)
-    fastest = sum(bool(theirs) and mine <= min(theirs) for mine, theirs in others)
+    fastest: dict[str, bool] = {}
+    for scene, runs in own.items():
+        theirs = [p[1] for run, p in runs.items() if engine_of(run) != engine_of(ours) and math.isfinite(p[1])]
+        if theirs:
+            family = family_of.get(scene, scene)
+            fastest[family] = fastest.get(family, True) and runs[ours][1] <= min(theirs)
     text = f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
-    return text + (f"; it is the fastest in {fastest} of {count(rivals, 'scene')}." if rivals else ".")
+    return text + (f"; it is the fastest in {sum(fastest.values())} of {families(len(fastest))}." if fastest else ".")
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
@@ -118,10 +123,9 @@ def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
 
 
 def ratio_sentence() -> str:
-    """What a factor against zero means: which least value stands in for the zero, in each column that has one."""
-    zeros = [column for column in COLUMNS if column.floor > 0.0 and column.unit != "frames"]
-    floors = "; ".join(f"{column.title}: {limit(column.floor, column.unit)}" for column in zeros)
-    return f"A factor against 0 is taken to the least value that can be told apart ({floors}), so ×10⁶ may stand beside a 0."
+    """How factors read: where they end, and what stands beside a best of 0."""
+    return (f"A factor is a value over the best of its scene and ends at ×{MOST_FACTOR:,.0f}; where the best is 0 there is none, "
+            "and the two figures stand for themselves.")
 
 
 def hover_notes(results: Results) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from reports import (
     first_contact,
     growth,
     law_map_chart,
+    losses,
     paper_figures,
     stability,
     sweep_chart,
@@ -55,12 +56,10 @@ from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
 from reports.tuned import tunings
-from reports.verdict import Verdict, losing_scenes
+from reports.verdict import Verdict, losing_scenes, scenes_sentence
 from reports.wording import count, limit, listed, quantity, ratio
 
 TEMPLATES = Path(__file__).parent / "templates"
-# Losses shown before the reader has to ask for the rest.
-FIRST_LOSSES = 6
 # Average load of the timing pass from which on other processes must have been at work: its own is one engine that runs, and for
 # moments several that load.
 BUSY = 2.5
@@ -145,18 +144,19 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
     template = environment().get_template("index.html.j2")
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
-        first_losses=verdict.losses[:FIRST_LOSSES], more_losses=verdict.losses[FIRST_LOSSES:],
+        bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
+        **losses.section(results, verdict.ranked, verdict.gated), scenes_said=scenes_sentence(verdict),
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlaps=overlaps, overlap_summary=overlap_summary(results, verdict.gated),
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
-        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown)),
+        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), results.families),
         policy=policy([source("courses.js")] if courses else []), courses_js=source("courses.js"),
         course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
-        spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated),
+        spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         cards=cards(results.engines), provenance=_flat(results.provenance),
         fairness=(*FAIRNESS, *timing_sentences(results.provenance)),

@@ -1,11 +1,14 @@
 """The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and who is best."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from reports.columns import COLUMNS, Column
 from reports.tables import Block, Cell
-from reports.wording import count, limit, listed, ratio
+from reports.wording import families as families_of
+from reports.wording import limit, listed, ratio
+from scenarios.behind import BEST
 
 SHOWN = ("overlap", "truth", "p95")
 """Keys of the table's columns that the matrix ranks."""
@@ -57,24 +60,26 @@ def _rank(block: Block, runs: Sequence[str]) -> Rank:
 
 
 def tolerances() -> str:
-    """What counts as equal, in each measure of the matrix."""
+    """What best means, and what counts as equal in each measure of the matrix."""
     said = []
     for column in COLUMNS:
         if column.key in SHOWN:
             said.append(f"{column.title}: {limit(column.same, column.unit) if column.same else 'none'}")
-    return f"Values that differ by no more than this count as equal: {'; '.join(said)}."
+    return f"{BEST} Equal within: {'; '.join(said)}."
 
 
-def sentence(found: Sequence[Rank], ours: str, runs: Sequence[str]) -> str:
-    """What to conclude: in how many scenes ours is best in each measure, and where it is not."""
+def sentence(found: Sequence[Rank], ours: str, runs: Sequence[str], family_of: Mapping[str, str] = MappingProxyType({})) -> str:
+    """What to conclude: in how many families of scenes ours is best in every scene, for each measure, and where it is not."""
     if ours not in runs or len(runs) < 2:
-        return "There is nobody to be ranked against in this run."
+        return "There is nothing to be ranked against in this run."
     place, said = runs.index(ours), []
     for key in SHOWN:
         rows = [(rank.scene, cell) for rank in found for row in rank.rows
                 if row.column.key == key and (cell := row.cells[place]) and cell.ratio is not None]
         if rows:
+            families = {family_of.get(scene, scene) for scene, _ in rows}
+            behind = {family_of.get(scene, scene) for scene, cell in rows if not cell.best}
             lost = tuple(f"{scene} ({ratio(cell.ratio)})" for scene, cell in rows if not cell.best)
             where = f", not in {listed(lost, 4)}" if lost else ""
-            said.append(f"{NAMES[key]} in {sum(cell.best for _, cell in rows)} of {count(len(rows), 'scene')}{where}")
+            said.append(f"{NAMES[key]} in {len(families - behind)} of {families_of(len(families))}{where}")
     return f"{ours} is best or level: {'; '.join(said)}." if said else "Nothing here can be ranked."

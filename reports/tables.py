@@ -134,7 +134,7 @@ def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float |
     cells = []
     for column, row, least in zip(COLUMNS, found, best, strict=True):
         value = row.value if row else None
-        ratio = None if tracker else ratio_to_best(value, least, column.floor, column.same)
+        ratio = None if tracker else ratio_to_best(value, least, column.same)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
         unranked = sibling or (column.stays_inside and left_room(found))
         cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not unranked))

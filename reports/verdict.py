@@ -1,12 +1,14 @@
 """The verdict: what held, what failed, what crashed, what was not measured, and what we lose, worst first."""
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from reports.behind import Behind, behind
 from reports.load import Results, Row
+from reports.losses import beside
 from reports.tables import RAW_TRACKER, gated_run
 from reports.wording import count, limit, quantity
+from scenarios.behind import Compared, Lost, by_family, compared
 
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
 # one did that passed through what it should have met, which is no merit.
@@ -15,7 +17,8 @@ KINDS = ("failed", "above bound", "behind", "outside")
 
 @dataclass(frozen=True)
 class Loss:
-    """One thing we lose: `kind` is one of KINDS, `factor` how many times the limit, or the best other engine, we have."""
+    """One thing we lose: `kind` is one of KINDS, `factor` orders losses of a kind, `beside` is it as text beside the figures.
+    What is lost to another engine stands once for a family of scenes, by its worst scene."""
 
     scene: str
     what: str
@@ -23,6 +26,7 @@ class Loss:
     theirs: str
     kind: str
     factor: float
+    beside: str = ""
 
     @property
     def severity(self) -> tuple[int, float]:
@@ -34,7 +38,8 @@ class Loss:
 class Verdict:
     """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
     and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended,
-    `rivals` False when no other engine brought a number."""
+    `rivals` False when no other engine brought a number; `scenes` counts the scenes of the run by what became of the gated run in
+    them, one word each."""
 
     gated: str
     held: tuple[Row, ...]
@@ -44,6 +49,8 @@ class Verdict:
     unmeasured: tuple[Row, ...]
     neutral: tuple[Row, ...]
     losses: tuple[Loss, ...]
+    ranked: Compared
+    scenes: Mapping[str, int]
     exit_code: int
     finished: bool
     rivals: bool
@@ -95,6 +102,7 @@ def believed(row: Row, ours: str) -> str:
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
+    ranked = compared(results.rows, ours)
     by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
@@ -114,9 +122,33 @@ def verdict(results: Results) -> Verdict:
     return Verdict(
         ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
         tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
-        _losses(results, failed, tuple(by_word["ceiling"]), ours), code, results.exit_code is not None,
+        _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
+        _states(results, ours, failed), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
     )
+
+
+STATES = ("held", "failed", "crashed", "refused", "not measured")
+"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, held."""
+
+
+def _states(results: Results, ours: str, failed: Iterable[Row]) -> Mapping[str, int]:
+    """Number of scenes by state of `ours`: each scene of the run has exactly one, so they add up."""
+    lost = {row.scenario for row in failed}
+    counted = dict.fromkeys(STATES, 0)
+    for scene in results.scenes():
+        own = [row for row in results.of(scene) if row.run == ours]
+        said = {believed(row, ours) for row in own}
+        if "crashed" in said:
+            state = "crashed"
+        elif not own or "not-measured" in said:
+            state = "not measured"
+        elif scene in lost:
+            state = "failed"
+        else:
+            state = "refused" if said & {"refused", "cannot-say"} else "held"
+        counted[state] += 1
+    return counted
 
 
 def excess(row: Row) -> float:
@@ -139,7 +171,7 @@ def _gaps(results: Results, ours: str) -> list[Row]:
     ]
 
 
-def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...], ours: str) -> tuple[Loss, ...]:
+def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...], ranked: Compared) -> tuple[Loss, ...]:
     found = [
         Loss(
             row.scenario, row.metric, quantity(row.value, row.unit),
@@ -152,18 +184,30 @@ def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...],
              f"a ceiling of {limit(row.limit, row.unit)}", "above bound", excess(row))
         for row in ceiling
     ]
-    found += [_compared(lost) for lost in behind(results.rows, ours)]
+    found += [
+        _compared(lost) for metric in by_family(ranked, results.families) for lost in metric.lost
+    ]
     return tuple(sorted(found, key=lambda loss: loss.severity, reverse=True))
 
 
-def _compared(found: Behind) -> Loss:
-    """One measure in which another engine is ahead; neither the raw tracker nor another preset of our own is a rival."""
-    row = found.row
+def _compared(lost: Lost) -> Loss:
+    """One metric of one family in which another engine is ahead, in the worst scene."""
+    found, row = lost.worst, lost.worst.row
     theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
     return Loss(
         row.scenario, row.metric, quantity(row.value, row.unit), theirs + ("; it left the allowed side" if found.outside else ""),
-        "outside" if found.outside else "behind", found.factor,
+        "outside" if found.outside else "behind", found.severity, beside(found),
     )
+
+
+def scenes_sentence(verdict_: Verdict) -> str:
+    """How the scenes add up, and what the gate counts beside them."""
+    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items())
+    bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
+    within = f", {len(verdict_.ceiling)} of them within a ceiling only" if verdict_.ceiling else ""
+    return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'gated bound')}: "
+            f"{len(verdict_.held) + len(verdict_.ceiling)} hold{within}, {len(verdict_.failed)} failed. A scene that expects a "
+            "refusal and got it counts as refused.")
 
 
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:

@@ -5,8 +5,11 @@ import math
 MISSING = "—"
 # Prefixes for lengths and times, largest first: (factor to the base unit, name). The base units are metre and microsecond.
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
-# Below this [m] a length is rounding error of float64 at the size of a room, and its digits say nothing.
-LEAST_LENGTH = 1e-12
+# Below this [m] digits of a length say nothing: the judge resolves 10 nm, and a thousandth of a micrometre is no overlap.
+LEAST_LENGTH = 1e-9
+# Factors end here: above, all that a reader takes from them is that one of two figures is as good as nothing.
+MOST_FACTOR = 1000.0
+AGAINST_ZERO = "against 0"
 TIMES = ((1e6, "s"), (1e3, "ms"), (1.0, "µs"), (1e-3, "ns"))
 UNITS = {"deg": "°", "us": "µs"}
 
@@ -24,7 +27,7 @@ def quantity(value: float | None, unit: str) -> str:
     if value == 0.0:
         return f"0 {unit}" if unit not in ("m", "us", "deg", "") else "0"
     if unit == "m" and abs(value) < LEAST_LENGTH:
-        return "< 1 pm"
+        return "< 1 nm"
     if unit == "m" and abs(value) < 1e3:
         return _prefixed(value, LENGTHS)
     if unit == "us":
@@ -62,25 +65,35 @@ def limit(value: float | None, unit: str) -> str:
 
 
 def ratio(value: float | None) -> str:
-    """How many times the best: "best" for 1, "level" within 0.5 %, "×12" above; a dash where there is nothing to compare."""
+    """How many times the best: "best" for 1, "level" within 0.5 %, else the factor; a dash where there is nothing to compare."""
     if value is None or math.isnan(value):
         return MISSING
-    if math.isinf(value):
-        return "×∞"
     if value <= 1.0:
         return "best"
-    if value < 1.005:
-        return "level"
+    return "level" if value < 1.005 else factor(value)
+
+
+def factor(value: float) -> str:
+    """"×12", above MOST_FACTOR only that it is more, no number where it was taken to zero (infinite); a dash for no number."""
+    if math.isnan(value):
+        return MISSING
+    if math.isinf(value):
+        return AGAINST_ZERO
+    if value > MOST_FACTOR:
+        return f"more than ×{MOST_FACTOR:,.0f}"
     if value < 9.95:
         return f"×{value:.2f}" if value < 1.095 else f"×{value:.1f}"
-    if value < 1e6:
-        return f"×{float(f'{value:.1e}'):,.0f}"
-    return f"×10{_superscript(round(math.log10(value)))}"
+    return f"×{float(f'{value:.1e}'):,.0f}"
 
 
 def count(number: int, noun: str) -> str:
     """"1 scene", "3 scenes"."""
     return f"{number:,} {noun}" if number == 1 else f"{number:,} {noun}s"
+
+
+def families(number: int) -> str:
+    """"1 family", "3 families": of scenes, each a scene with its variants."""
+    return f"{number:,} {'family' if number == 1 else 'families'}"
 
 
 def listed(names: tuple[str, ...], most: int = 6) -> str:

@@ -3,10 +3,11 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, likely
 from scenarios import catalog
@@ -149,7 +150,7 @@ def carried_out(
     if ran.folder.parent == asked.out.resolve():
         # the folder of a run that was resumed may lie anywhere, and beside it nothing is ours
         point_latest(ran.folder)
-    show(asked, ran.rows(), made.gated)
+    show(asked, ran.rows(), made.gated, {name: scenario.family or name for name, scenario in made.scenarios.items()})
     for said in ran.lapses():
         print(said, file=sys.stderr)
     return finished(asked, made, ran, code)
@@ -224,9 +225,12 @@ def reported(folder: Path) -> str:
     return ""
 
 
-def show(asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> None:
+def show(
+    asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]],
+    families: Mapping[str, str] = MappingProxyType({}),
+) -> None:
     """The table, or all rows as JSON."""
-    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows, gated))
+    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows, gated, families))
 
 
 def say_last(asked: argparse.Namespace, code: int, folder: Path | None, means: str = "") -> None:

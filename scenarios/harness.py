@@ -182,7 +182,8 @@ class Run:
             rows=self.rows(), series=self.series(),
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
             scenes={
-                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday} for name, s in self.scenarios.items()
+                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name}
+                for name, s in self.scenarios.items()
             },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
             notes=[note for note in (self.note, *self.lapses()) if note],

@@ -87,7 +87,8 @@ class Scenario:
     `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
     standard list, `expects` holds closed forms by name. The `everyday` scenes are those of the short tables and of what is timed
-    without filter and full lengths.
+    without filter and full lengths. `family` names the scene that this one is a variant of, so that counts of scenes are
+    not counts of variants; in the catalogue it is the file that the scene stands in unless that says otherwise.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Scenario:
     expects: Mapping[str, object] = field(default_factory=dict)
     short_motion: Callable[[Scene, int], Motion] | None = None
     everyday: bool = False
+    family: str = ""
 
     def __post_init__(self) -> None:
         positive(f"frames of {self.name}", self.frames, InvalidInput)

@@ -3,7 +3,9 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
+from scenarios.behind import by_family, compared
 from scenarios.engines import BASELINE
 from scenarios.results import Row
 
@@ -13,24 +15,22 @@ WIDTH = 140
 
 @dataclass(frozen=True)
 class Column:
-    """Metric, two lines of heading, factor from the metric's unit to the one shown, and the figure below which two values
-    are equal (None: engines are not ranked by it)."""
+    """Metric, two lines of heading, factor from the metric's unit to the one shown."""
 
     metric: str
     heading: tuple[str, str]
     factor: float = 1.0
-    same: float | None = None
 
 
 COLUMNS = (
-    Column("residual_overlap_max", ("overlap", "max mm"), 1e3, 1e-6),
+    Column("residual_overlap_max", ("overlap", "max mm"), 1e3),
     Column("overlap_frames", ("frames", "over %")),
-    Column("tracker_offset_rms_free", ("offset", "free mm"), 1e3, 1e-5),
-    Column("still_frames", ("still", "%"), 1.0, 0.5),
-    Column("joint_limit_excess_max", ("limits", "deg"), 1.0, 1e-3),
-    Column("restitution_error_max", ("restit.", "error"), 1.0, 1e-4),
-    Column("frame_time_p50", ("p50", "us"), 1.0, 0.0),
-    Column("frame_time_p95", ("p95", "us"), 1.0, 0.0),
+    Column("tracker_offset_rms_free", ("offset", "free mm"), 1e3),
+    Column("still_frames", ("still", "%")),
+    Column("joint_limit_excess_max", ("limits", "deg")),
+    Column("restitution_error_max", ("restit.", "error")),
+    Column("frame_time_p50", ("p50", "us")),
+    Column("frame_time_p95", ("p95", "us")),
 )
 RAW_AFTER = 2
 """The raw tracker's overlap stands behind this many columns, beside the engine's own."""
@@ -85,8 +85,8 @@ def verdict(line: Line, gated: frozenset[tuple[str, str]]) -> str:
     return f"(breaks {len(broken)})" if broken else "(holds)"
 
 
-def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> str:
-    """The whole verdict, every line at most WIDTH wide."""
+def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str] = MappingProxyType({})) -> str:
+    """The whole verdict, every line at most WIDTH wide; `families`: scene -> the scene that it is a variant of."""
     found = lines(rows)
     raw = {(line.scenario, line.seed): line.value("residual_overlap_max") for line in found if _engine(line) == BASELINE}
     several = len({line.seed for line in found}) > 1
@@ -122,7 +122,8 @@ def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> str:
         "offset free: from the tracker where the way is free; still: the user moves, the avatar does not;",
         "in brackets: information about engines that are not gated.",
     )
-    return "\n".join([*texts[:2], *body, rule, *legend, *remarks(found, gated)])
+    behind = (text[:WIDTH] for text in losing(rows, gated, families))
+    return "\n".join([*texts[:2], *body, rule, *legend, *remarks(found, gated), *behind])
 
 
 def _engine(line: Line) -> str:
@@ -130,7 +131,7 @@ def _engine(line: Line) -> str:
 
 
 def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
-    """What failed or is missing, then where another engine is ahead of the gated one; each a line that names the row."""
+    """What failed or is missing, each a line that names the row."""
     said = []
     for line in found:
         for row in line.rows.values():
@@ -139,27 +140,18 @@ def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
                 shown = "" if row.value is None else f" {row.value:.4g}"
                 wanted = "" if limit is None else f" (limit {limit:g})"
                 said.append(f"{row.status}: {line.scenario} {line.run} {row.metric}{shown}{wanted} {row.note}".rstrip()[:WIDTH])
-    return [*said, *(text[:WIDTH] for text in losing(found, gated))]
+    return said
 
 
-def losing(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
-    """One line per scene and column in which another engine's figure is better than the gated engine's."""
+def losing(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str]) -> list[str]:
+    """One line per ranked metric in which another engine's figure is better than a gated engine's: in how many families of
+    scenes, and the worst scene."""
     said = []
-    for own in [line for line in found if tuple(line.run.split("/", 1)) in gated]:
-        others = [
-            line for line in found
-            if (line.scenario, line.seed) == (own.scenario, own.seed) and _engine(line) not in (_engine(own), BASELINE)
-        ]
-        for column in COLUMNS:
-            mine = own.value(column.metric)
-            if column.metric not in own.rows or column.same is None:
-                continue
-            # a figure that ours has not got, or that is no number, is worse than any
-            reach = math.inf if mine is None or not math.isfinite(mine) else mine - column.same
-            better = [(value, line.run) for line in others if (value := line.value(column.metric)) is not None and value < reach]
-            if better:
-                value, run = min(better)
-                unit = " ".join(column.heading)
-                ours, theirs = figure(mine, column.factor), figure(value, column.factor)
-                said.append(f"losing: {own.scenario} {own.run} {unit} {ours}, {run} {theirs}")
+    for engine, preset in sorted(gated):
+        for one in by_family(compared(rows, f"{engine}/{preset}"), families):
+            if one.lost:
+                worst = one.lost[0].worst
+                run, value = worst.rivals[0]
+                said.append(f"losing: {one.metric} in {one.said}, worst {worst.row.scenario}: {figure(worst.row.value)} against "
+                            f"{figure(value)} {worst.row.unit} ({run})")
     return said

@@ -10,6 +10,7 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.settings import Chosen, CouplingSettings, PostureSettings, meanings
 from avatarsim.simulator import AvatarsimEngine
 from tests.posture.little_worlds import at, hand_scene
 from tests.stability.hostile import DT
@@ -48,8 +49,26 @@ def test_a_tolerance_above_the_stand_off_is_refused() -> None:
 
 def test_options_are_in_force_and_reported() -> None:
     told = loaded(stand_off=1e-3, steps=3, spring=500).settings_as_run()
-    assert told["stand_off"] == 1e-3 and told["steps"] == 3 and told["spring"] == 500.0 and told["damping"] == 40.0
-    assert told["method"] == "default"
+    values = {name: pair[0] for name, pair in told.items() if isinstance(pair, tuple)}
+    assert values["stand_off"] == 1e-3 and values["steps"] == 3 and values["spring"] == 500.0 and values["damping"] == 40.0
+    assert values["method"] == "default"
+
+
+@pytest.mark.parametrize("group", Chosen.__annotations__.values())
+def test_every_setting_says_what_it_means_once(group: type) -> None:
+    said = meanings(group)
+    assert set(said) == set(group.__annotations__)
+    assert all(len(text) > 20 and "  " not in text for text in said.values())
+    assert len(set(said.values())) == len(said)
+
+
+def test_a_meaning_is_whole_and_has_its_unit() -> None:
+    assert meanings(PostureSettings)["least_gap"] == (
+        "[m] gap accepted. Room for curvature and solver error between this and `stand_off`."
+    )
+    work, spring = meanings(PostureSettings)["work"], meanings(CouplingSettings)["spring"]
+    assert work.startswith("budget of one frame") and work.endswith("take 100 us.")
+    assert spring.startswith("[N/m]") and loaded().settings_as_run()["spring"] == (1000.0, spring)
 
 
 def test_a_larger_stand_off_leaves_more_air() -> None:

@@ -166,9 +166,9 @@ class PybulletEngine:
             restitution = np.zeros(len(scene.names))
         damping, margin = self._number("damping"), self._number("collision_margin")
         for k, part in enumerate(self._world.parts):
-            for link in {part.link, *part.shapes}:
+            for body, link in {(part.body, part.link), *part.carriers}:
                 pybullet.changeDynamics(
-                    part.body, link, restitution=float(restitution[k]), lateralFriction=float(friction[k]),
+                    body, link, restitution=float(restitution[k]), lateralFriction=float(friction[k]),
                     rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
                     collisionMargin=margin, physicsClientId=client,
                 )

@@ -9,6 +9,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidScene
 from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
@@ -19,6 +20,14 @@ Array = NDArray[np.float64]
 
 SAME = 1e-12
 """Places [m] and turns that differ by no more are one: what is left of rounding must not keep a shape from its own frame."""
+
+MOST_PIECES = 16
+"""Pieces that PyBullet takes for one compound (MAX_COMPOUND_COLLISION_SHAPES in its headers): more are dropped without a word."""
+
+
+def parted(pieces: tuple[Piece, ...]) -> list[tuple[Piece, ...]]:
+    """`pieces` in groups that PyBullet takes whole; one empty group of none."""
+    return [pieces[k : k + MOST_PIECES] for k in range(0, len(pieces), MOST_PIECES)] or [()]
 
 
 def xyzw(quaternion: Array | Quaternion) -> list[float]:
@@ -39,10 +48,12 @@ def collision_shape(pieces: tuple[Piece, ...], frame: Array, centre: Array, clie
 
     One piece is handed over in the mass centre's own frame where it can be: there Bullet keeps the shape itself, anywhere else a
     compound of it, whose contacts begin when boxes around the parts overlap and end when they do not. Only the shape itself is
-    met before it overlaps.
+    met before it overlaps. Raises InvalidScene for more pieces than PyBullet takes.
     """
     if not pieces:
         return -1
+    if len(pieces) > MOST_PIECES:
+        raise InvalidScene("pieces of a moving body or link in PyBullet", len(pieces), f"at most {MOST_PIECES}")
     back = rotation.conjugate(frame)
     places = [rotation.rotate(back, piece.position).tolist() for piece in pieces]
     turns = [xyzw(rotation.multiply(back, piece.orientation)) for piece in pieces]

@@ -21,7 +21,7 @@ from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
-from reference.in_pybullet.shapes import collision_shape, xyzw
+from reference.in_pybullet.shapes import collision_shape, parted, xyzw
 
 Array = NDArray[np.float64]
 IDENTITY = np.array(rotation.IDENTITY)
@@ -34,13 +34,19 @@ has one joint per link, and a link without mass divides by zero when axes line u
 @dataclass(frozen=True, eq=False)
 class Part:
     """Where a body or link is in Bullet: multibody, link index (-1: base), its frame against ours, its mass
-    centre (ours); `shapes`: the links that carry its pieces."""
+    centre (ours); `shapes`: the links that carry its pieces; `also`: fixed multibodies that carry those beyond the first."""
 
     body: int
     link: int
     frame: Array
     centre: Array
     shapes: tuple[int, ...] = (-1,)
+    also: tuple[int, ...] = ()
+
+    @property
+    def carriers(self) -> tuple[tuple[int, int], ...]:
+        """(multibody, link) of all that carries its pieces."""
+        return (*((self.body, link) for link in self.shapes), *((body, -1) for body in self.also))
 
 
 @dataclass(eq=False)
@@ -116,11 +122,8 @@ def _inertia_per_mass(shape: Sphere | Box) -> Array:
 
 def _body(body: Body, client: int, maximal: bool) -> Part:
     if body.role is Role.FIXED or body.mass is None:
-        made = pybullet.createMultiBody(
-            0.0, collision_shape(body.pieces, IDENTITY, np.zeros(3), client), basePosition=body.position,
-            baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
-        )
-        return Part(int(made), -1, IDENTITY, np.zeros(3))
+        first, *more = (_still(body, pieces, client, maximal) for pieces in parted(body.pieces))
+        return Part(first, -1, IDENTITY, np.zeros(3), also=tuple(more))
     moments, frame = principal(body.mass, body.pieces)
     centre = rotation.rotate(rotation.conjugate(frame), body.mass.centre)
     made = pybullet.createMultiBody(
@@ -132,6 +135,14 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
         pybullet.changeDynamics(made, -1, localInertiaDiagonal=moments.tolist(), physicsClientId=client)
     pybullet.resetBaseVelocity(made, body.velocity, body.angular_velocity, physicsClientId=client)
     return Part(int(made), -1, frame, np.array(body.mass.centre))
+
+
+def _still(body: Body, pieces: tuple[Piece, ...], client: int, maximal: bool) -> int:
+    """A multibody that never moves, of some of a fixed body's pieces."""
+    return int(pybullet.createMultiBody(
+        0.0, collision_shape(pieces, IDENTITY, np.zeros(3), client), basePosition=body.position,
+        baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
+    ))
 
 
 @dataclass(eq=False)
@@ -286,15 +297,15 @@ def _filter(world: World, scene: Scene) -> None:
     still = np.array([role is Role.FIXED for role in scene.roles])
     n = len(scene.names)
 
-    def say(one: Part, two: Part, pairs: Iterable[tuple[int, int]], meet: bool) -> None:
-        for link, other in pairs:
-            pybullet.setCollisionFilterPair(one.body, two.body, link, other, int(meet), physicsClientId=world.client)
+    def say(pairs: Iterable[tuple[tuple[int, int], tuple[int, int]]], meet: bool) -> None:
+        for (one, link), (two, other) in pairs:
+            pybullet.setCollisionFilterPair(one, two, link, other, int(meet), physicsClientId=world.client)
 
     for a, one in enumerate(world.parts):
-        say(one, one, combinations(one.shapes, 2), False)
+        say(combinations(one.carriers, 2), False)
         for b in range(a + 1, n):
             if still[a] and still[b]:
                 continue
             two = world.parts[b]
             if one.body == two.body or not scene.pair_filter[a, b]:
-                say(one, two, product(one.shapes, two.shapes), bool(scene.pair_filter[a, b]))
+                say(product(one.carriers, two.carriers), bool(scene.pair_filter[a, b]))

@@ -1,5 +1,9 @@
-"""All scenes by name. One file per scene, found by looking: each exports SCENARIO or SCENARIOS."""
+"""All scenes by name. One file per scene, found by looking: each exports SCENARIO or SCENARIOS.
 
+The scenes of one file are variants of one scene: a family, unless a scene names its own.
+"""
+
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pkgutil import walk_packages
@@ -16,11 +20,11 @@ def _found() -> MappingProxyType[str, Scenario]:
         if module.ispkg:
             continue
         exports = import_module(module.name)
-        family = getattr(exports, "SCENARIOS", None)
-        for scenario in family if family is not None else (exports.SCENARIO,):
+        several = getattr(exports, "SCENARIOS", None)
+        for scenario in several if several is not None else (exports.SCENARIO,):
             if scenario.name in found:
                 raise InvalidInput("name of a scenario", scenario.name, "names that occur once only")
-            found[scenario.name] = scenario
+            found[scenario.name] = replace(scenario, family=scenario.family or module.name.rpartition(".")[2])
     return MappingProxyType(dict(sorted(found.items())))
 
 

@@ -110,6 +110,7 @@ def in_corner(
     """The scene with this hand, whose fingers `turned` points into the corner and whose tips are `tip` [m] from its origin."""
     return Scenario(
         name=name,
+        family="hand_in_corner",
         title=f"{what} is pressed into the corner of two walls and slides along it.",
         judged="Overlap; the right side of both walls; no jump along the corner.",
         build=lambda: corner_scene(name, hand(), turned, tip),

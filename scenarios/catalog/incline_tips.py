@@ -31,6 +31,7 @@ def build() -> Scene:
 
 SCENARIO = Scenario(
     name="incline_tips",
+    family="incline",
     title="A box too tall for its slope tips over.",
     judged="That it tips, and that no energy comes of it.",
     build=build,

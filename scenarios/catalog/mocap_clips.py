@@ -62,6 +62,7 @@ class Played:
         """The scene with its bounds."""
         return Scenario(
             name=self.name,
+            family="mocap",
             title=f"Recorded motion in the gallery, as recorded: {self.what}.",
             judged="Overlap with floor, furniture and itself; limits; offset from the user; jumps.",
             build=self.build,

@@ -49,6 +49,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 
 SCENARIO = Scenario(
     name="mocap_getup_floor",
+    family="mocap",
     title="A recorded getting up from face down, played backwards and forwards beside a low table.",
     judged="Overlap with floor, table and itself; nobody below the floor; limits; offset from the user; jumps.",
     build=build,

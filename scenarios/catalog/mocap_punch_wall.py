@@ -29,6 +29,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 
 SCENARIO = Scenario(
     name="mocap_punch_wall",
+    family="mocap",
     title="A recorded punch is thrown again and again at a wall that stands 0.3 m inside its reach.",
     judged="Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
     build=build,

@@ -37,6 +37,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 
 SCENARIO = Scenario(
     name="mocap_walk_wall",
+    family="mocap",
     title="A recorded walk, hands on the hips, leads 0.3 m into a wall and backwards out again, twice.",
     judged="Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
     build=build,

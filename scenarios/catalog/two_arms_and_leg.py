@@ -48,6 +48,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 
 SCENARIO = Scenario(
     name="two_arms_and_leg",
+    family="two_arms",
     title="Two arms and a leg are pushed into a wall of the gallery, again and again.",
     judged="Overlap; the right side of the wall; Table 2's columns.",
     build=build,

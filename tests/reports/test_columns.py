@@ -26,12 +26,12 @@ def test_a_broken_seed_outweighs_every_number(broken: float) -> None:
     assert worst([]) is None
 
 
-@pytest.mark.parametrize(("value", "best", "floor", "expected"), [
-    (2.0, 1.0, 0.0, 2.0), (0.0, 0.0, 1e-8, 1.0), (5e-9, 0.0, 1e-8, 1.0), (1e-6, 0.0, 1e-8, 100.0), (0.0, 0.0, 0.0, None),
+@pytest.mark.parametrize(("value", "best", "same", "expected"), [
+    (2.0, 1.0, 0.0, 2.0), (0.0, 0.0, 0.0, 1.0), (5e-9, 0.0, 1e-8, 1.0), (1e-6, 0.0, 1e-8, math.inf), (0.5, 1.0, 0.0, 0.5),
     (None, 1.0, 0.0, None), (1.0, None, 0.0, None), (math.nan, 1.0, 0.0, None),
 ])
-def test_ratio(value: float | None, best: float | None, floor: float, expected: float | None) -> None:
-    found = ratio_to_best(value, best, floor)
+def test_ratio(value: float | None, best: float | None, same: float, expected: float | None) -> None:
+    found = ratio_to_best(value, best, same)
     assert found == (None if expected is None else pytest.approx(expected))
 
 

@@ -114,7 +114,7 @@ def test_closeness_names_what_is_beyond_and_who_is_nearer(tmp_path: Path) -> Non
     found = closeness.load(tmp_path)
     assert found is not None and [line.scenario for line in found.near] == ["two_arms", "squeeze", "arm_in_corner"]
     assert closeness.near_sentence(found.near) == (
-        "Offset and angle are within 2 times in 1 of 3 scenes. Beyond: two_arms (offset ×3.00, angle ×∞), "
+        "Offset and angle are within 2 times in 1 of 3 scenes. Beyond: two_arms (offset ×3.00, angle against 0), "
         "squeeze (offset ×1.00, angle ×2.50)."
     )
     assert closeness.pair_sentence(found.pairs) == (

@@ -45,4 +45,4 @@ def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
 
 def test_the_caveat_and_what_a_factor_against_zero_means_stand_beside_the_table(run_dir: Write, results: Json) -> None:
     table = text_of(run_dir(results)).split("### All scenes")[1]
-    assert table.index("avatar is kinematic") < table.index("| scene |") < table.index("A factor against 0")
+    assert table.index("avatar is kinematic") < table.index("| scene |") < table.index("where the best is 0 there is none")

@@ -13,7 +13,7 @@ SIZES = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9}
 
 @pytest.mark.parametrize(("value", "unit", "text"), [
     (None, "m", "—"), (math.nan, "m", "NaN"), (math.inf, "us", "infinite"), (0.0, "m", "0"), (0.0, "%", "0 %"),
-    (0.0, "deg", "0"), (2e-16, "m", "< 1 pm"),
+    (0.0, "deg", "0"), (2e-16, "m", "< 1 nm"), (0.9e-9, "m", "< 1 nm"), (1.2e-9, "m", "1.20 nm"),
     (3e-7, "m", "300 nm"), (0.9997e-3, "m", "1.00 mm"), (0.0123, "m", "12.3 mm"), (2.0, "m", "2.00 m"),
     (31.0, "us", "31.0 µs"), (16_666.0, "us", "16.7 ms"), (12.3, "deg", "12.3°"), (40.0, "%", "40.0 %"),
     (4.0, "frames", "4"), (0.0, "frames", "0"), (3.3, "J", "3.30 J"),
@@ -40,7 +40,7 @@ def test_limits_lose_the_zeros_that_only_speak_of_measuring() -> None:
 
 @pytest.mark.parametrize(("value", "text"), [
     (None, "—"), (math.nan, "—"), (1.0, "best"), (1.003, "level"), (1.04, "×1.04"), (2.44, "×2.4"), (12.4, "×12"),
-    (13_333.0, "×13,000"), (3e7, "×10⁷"),
+    (1000.0, "×1,000"), (13_333.0, "more than ×1,000"), (3e7, "more than ×1,000"), (math.inf, "against 0"),
 ])
 def test_ratios(value: float | None, text: str) -> None:
     assert ratio(value) == text

@@ -51,8 +51,8 @@ def test_where_another_engine_is_ahead_a_line_says_so() -> None:
         row("pybullet/tuned", "restitution_error_max", 1e-6),
     ]
     text = table(rows, OURS)
-    assert "losing: drop avatarsim/default p50 us 30, mujoco/default 12" in text
-    assert "losing: drop avatarsim/default restit. error -, pybullet/tuned 1e-06" in text
+    assert "losing: frame_time_p50 in 1 of 1 family, worst drop: 30 against 12  (mujoco/default)" in text
+    assert "losing: restitution_error_max in 1 of 1 family, worst drop: - against 1e-06" in text
 
 
 def test_seeds_are_told_apart() -> None:

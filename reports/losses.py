@@ -1,0 +1,63 @@
+"""Where other engines are better, metric by metric and family of scenes by family: a table that leaves no metric out.
+
+A family is a scene with its variants (other frame rates, other clips): sentences count families, so that one weakness that shows
+in seven variants of one scene counts once, and the worst of the seven is named.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from reports.load import Results
+from reports.wording import count, factor, limit
+from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
+from scenarios.metrics import METRICS
+from scenarios.ranked import RANKED, UNRANKED
+
+FIRST = 12
+"""Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
+MOST_NAMED = 3
+"""Metrics that the sentence names."""
+
+
+def beside(one: Behind) -> str:
+    """The factor as it stands beside two figures; "" where there is none: theirs is 0, or ours is no number."""
+    return "" if math.isinf(one.factor) else factor(one.factor)
+
+
+def sentence(found: Sequence[MetricLosses], ours: str) -> str:
+    """What to conclude, losses first."""
+    if not found:
+        return "No other engine took part in this run, so nothing is ranked."
+    lost = _most_lost_first(one for one in found if one.lost)
+    if not lost:
+        return f"No other engine is better than {ours} in any of {count(len(found), 'ranked metric')}."
+    most = "; ".join(f"{one.metric} in {one.said}" for one in lost[:MOST_NAMED])
+    level = f" In {count(len(found) - len(lost), 'metric')} none is better anywhere." if len(lost) < len(found) else ""
+    ranked = count(len(found), "ranked metric")
+    return f"Some other engine is better than {ours} in {len(lost)} of {ranked}, most often: {most}.{level}"
+
+
+def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
+    """What the template of the losses is made of."""
+    made = _most_lost_first(by_family(found, results.families))
+    lost = [one for one in made if one.lost]
+    return {
+        "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
+        "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED, "means": meaning,
+        "same": same,
+    }
+
+
+def meaning(metric: str) -> str:
+    """What a metric means; "" for one that only another version of the harness knows."""
+    return METRICS[metric][1] if metric in METRICS else ""
+
+
+def same(metric: str) -> str:
+    """The difference that counts as equal, as text."""
+    rule = RANKED[metric]
+    return limit(rule.same, METRICS[metric][0]) if rule.same and metric in METRICS else "none"
+
+
+def _most_lost_first(found: Iterable[MetricLosses]) -> list[MetricLosses]:
+    return sorted(found, key=lambda one: -len(one.lost) / one.families)

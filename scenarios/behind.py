@@ -1,0 +1,160 @@
+"""In which ranked metrics of which scenes is another engine ahead of ours? Page and terminal ask here, by one rule.
+
+Of the engines that are ranked (never the raw tracker, never another preset of our engine) the smallest finite value is best;
+values that differ by no more than the registry's `same` are level; an engine that left the allowed side of a scene is passed
+over in metrics that could be won by leaving. Sentences count families: a family is a scene with its variants.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from scenarios.engines import BASELINE
+from scenarios.ranked import RANKED, Ranked
+
+BEST = (
+    "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
+    "engine is ranked. Values that differ by no more than the resolution of their metric are level. An engine that left the "
+    "allowed side of a scene is passed over in the metrics that could be won by leaving."
+)
+"""The rule in words, printed beside every table that names a best."""
+
+
+class Figure(Protocol):
+    """A row of results, fresh or read from a file."""
+
+    @property
+    def scenario(self) -> str: ...
+    @property
+    def run(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def metric(self) -> str: ...
+    @property
+    def value(self) -> float | None: ...
+    @property
+    def unit(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class Behind:
+    """One metric of one scene in which `rivals` (run, value) beat our row; `factor` is ours over theirs, infinite where theirs
+    is 0 or ours is no number; `severity` is finite where ours is: it orders losses. `outside` if every rival ahead of us left
+    the allowed side of the scene."""
+
+    row: Figure
+    rivals: tuple[tuple[str, float], ...]
+    factor: float
+    severity: float
+    outside: bool
+
+    @property
+    def best(self) -> float:
+        """The value that the rivals have."""
+        return self.rivals[0][1]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What was ranked: `pairs` of (scene, metric) in which ours and another engine stand, and those of them in which we are
+    behind, each in the seed in which we are furthest behind."""
+
+    pairs: frozenset[tuple[str, str]]
+    behind: tuple[Behind, ...]
+
+
+def compared(rows: Iterable[Figure], ours: str) -> Compared:
+    """Every ranked metric of every scene, ours against the other engines."""
+    grouped: dict[tuple[str, int], list[Figure]] = defaultdict(list)
+    for row in rows:
+        grouped[row.scenario, row.seed].append(row)
+    furthest: dict[tuple[str, str], Behind] = {}
+    pairs: set[tuple[str, str]] = set()
+    for (scene, _), own in grouped.items():
+        left = {row.run for row in own if row.metric == "wrong_side_frames" and row.value is not None and not row.value <= 0.0}
+        by_metric: dict[str, list[Figure]] = defaultdict(list)
+        for row in own:
+            if row.metric in RANKED:
+                by_metric[row.metric].append(row)
+        for metric, candidates in by_metric.items():
+            mine = next((row for row in candidates if row.run == ours), None)
+            theirs = rivals(candidates, ours)
+            if mine is None or not theirs:
+                continue
+            key = scene, metric
+            pairs.add(key)
+            found = _behind(mine, theirs, RANKED[metric], left)
+            if found is not None and (key not in furthest or furthest[key].severity < found.severity):
+                furthest[key] = found
+    return Compared(frozenset(pairs), tuple(furthest.values()))
+
+
+def rivals(rows: Iterable[Figure], ours: str) -> Mapping[str, float]:
+    """Values of the other engines by run; neither the raw tracker nor another preset of our engine is one."""
+    aside = {BASELINE, _engine(ours)}
+    return {row.run: row.value for row in rows if _engine(row.run) not in aside and row.value is not None}
+
+
+def _behind(row: Figure, theirs: Mapping[str, float], rule: Ranked, left: set[str]) -> Behind | None:
+    """How far `row` is behind the best of `theirs`; None if it is level or better. `left` are runs that left the scene."""
+    # a figure that ours has not got, or that is no number, is worse than any
+    mine = row.value if row.value is not None and math.isfinite(row.value) else math.inf
+    ahead = {run: value for run, value in theirs.items() if value < mine - rule.same}
+    if not ahead:
+        return None
+    inside = {run: value for run, value in ahead.items() if not (rule.stays_inside and run in left)}
+    least = min((inside or ahead).values())
+    best = tuple((run, value) for run, value in (inside or ahead).items() if value == least)
+    base = max(least, rule.same)
+    return Behind(row, best, mine / least if least > 0.0 else math.inf, mine / base if base > 0.0 else math.inf, not inside)
+
+
+def _engine(run: str) -> str:
+    """The engine of "engine/preset"."""
+    return run.partition("/")[0]
+
+
+@dataclass(frozen=True)
+class Lost:
+    """One metric in which ours is behind in a family: in how many of its scenes that were ranked, and the worst of them."""
+
+    family: str
+    worst: Behind
+    scenes: int
+    of: int
+
+
+@dataclass(frozen=True)
+class MetricLosses:
+    """One ranked metric: in how many families it was ranked, and where ours is behind, the largest factor first."""
+
+    metric: str
+    families: int
+    lost: tuple[Lost, ...]
+
+    @property
+    def said(self) -> str:
+        """"3 of 41 families"."""
+        return f"{len(self.lost)} of {self.families} {'family' if self.families == 1 else 'families'}"
+
+
+def by_family(found: Compared, family_of: Mapping[str, str]) -> tuple[MetricLosses, ...]:
+    """An entry per metric that was ranked anywhere, in the registry's order; scenes without a family are their own."""
+    behind: dict[tuple[str, str], list[Behind]] = defaultdict(list)
+    for one in found.behind:
+        behind[one.row.metric, family_of.get(one.row.scenario, one.row.scenario)].append(one)
+    sizes: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
+    for scene, metric in found.pairs:
+        sizes[metric][family_of.get(scene, scene)] += 1
+    made = []
+    for metric in (name for name in RANKED if name in sizes):
+        lost = [
+            Lost(family, max(own, key=lambda one: one.severity), len(own), size)
+            for family, size in sorted(sizes[metric].items()) if (own := behind.get((metric, family)))
+        ]
+        lost.sort(key=lambda one: -one.worst.severity)
+        made.append(MetricLosses(metric, len(sizes[metric]), tuple(lost)))
+    return tuple(made)

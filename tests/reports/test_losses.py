@@ -1,0 +1,84 @@
+"""The table of losses: factors end, nothing is divided by zero, and every state of a scene has its tile."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from reports import write_report
+from reports.load import load
+from reports.losses import beside, sentence
+from reports.summary import summary
+from reports.verdict import STATES, scenes_sentence, verdict
+from scenarios.behind import Behind, by_family, compared
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+OURS = "avatarsim/default"
+
+
+def changed(results: Json, **more: object) -> Json:
+    """The run with one more row, like its first but without a gate."""
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    return results | {"rows": [*rows, rows[0] | {"bound": None, "ceiling": None, "status": "info"} | more]}
+
+
+def lost(factor: float) -> Behind:
+    return Behind(None, (("a/b", 0.0),), factor, 1.0, False)  # type: ignore[arg-type]  # the row is not looked at
+
+
+def test_factors_end_and_none_stands_against_zero() -> None:
+    assert [beside(lost(value)) for value in (2.44, 999.0, 1e7, math.inf)] == ["×2.4", "×1,000", "more than ×1,000", ""]
+
+
+def test_a_figure_that_is_no_number_is_a_loss_without_a_factor(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    own = [r | ({"value": "NaN"} if r["engine"] == "avatarsim" and r["metric"] == "frame_time_p50" else {}) for r in rows]
+    found = load(run_dir(results | {"rows": own}))
+    text = summary(found, verdict(found))
+    assert "| NaN | mujoco/default" in text and "∞" not in text
+
+
+def test_the_sentence_counts_families(run_dir: Write, results: Json) -> None:
+    data = results | {"scenes": {name: {"title": "", "family": "walls"} for name in ("arm_wall", "hand_over_table")}}
+    for scene in ("arm_wall", "hand_over_table"):
+        for run, value in (("avatarsim", 0.2), ("mujoco", 0.0)):
+            data = changed(data, scenario=scene, engine=run, metric="root_jump_max", value=value)
+    found = load(run_dir(data))
+    said = sentence(by_family(compared(found.rows, OURS), found.families), OURS)
+    assert "root_jump_max in 1 of 1 family" in said and "restitution_error_max in 1 of 1 family" in said
+
+
+def test_the_page_shows_both_figures_the_rest_in_details_and_the_reasons(run_dir: Write, results: Json) -> None:
+    folder = run_dir(changed(changed(results, metric="root_jump_max", value=3.9e-3),
+                             engine="mujoco", metric="root_jump_max", value=0.0))
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    section = page[page.index('id="losses"'):page.index('id="ranking"')]
+    row = section[section.index("root_jump_max"):]
+    assert row.index("3.90 mm") < row.index("mujoco/default 0")
+    assert "frame_time_raw_p50" in section and "not ranked" in section and "∞" not in page and "×10" not in section
+
+
+def test_tiles_add_up_to_the_scenes(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    refused = rows[0] | {"scenario": "inside", "metric": "run", "value": None, "bound": None, "status": "refused", "note": "no"}
+    strange = rows[0] | {"scenario": "new", "engine": "mujoco", "bound": None, "status": "info"}
+    data = results | {"rows": [*rows, refused, strange]}
+    found = verdict(load(run_dir(data)))
+    assert dict(found.scenes) == {"held": 2, "failed": 1, "crashed": 0, "refused": 1, "not measured": 1}
+    assert sum(found.scenes.values()) == len({row["scenario"] for row in data["rows"]})  # type: ignore[index]
+    assert "2 held + 1 failed + 0 crashed + 1 refused + 1 not measured = 5" in scenes_sentence(found)
+    folder = run_dir(data)
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert all(f"<dt>{state}</dt>" in page for state in STATES)
+
+
+def test_a_scene_in_which_the_gated_run_crashed_is_no_scene_held(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    crashed = rows[0] | {"scenario": "gone", "metric": "run", "value": None, "bound": None, "status": "crashed"}
+    assert verdict(load(run_dir(results | {"rows": [*rows, crashed]}))).scenes["crashed"] == 1

@@ -1,0 +1,97 @@
+"""What is lost to other engines: nothing that is no rival is named, families count once, and no metric is forgotten."""
+
+import math
+
+import pytest
+
+from avatarsim.errors import UnknownName
+from scenarios import catalog
+from scenarios.behind import by_family, compared
+from scenarios.metrics import FAMILIES, METRICS
+from scenarios.ranked import RANKED, UNRANKED, ranked, why_not
+from scenarios.results import Row
+from scenarios.table import losing
+
+OURS = "avatarsim/default"
+GATED = frozenset({("avatarsim", "default")})
+
+
+def row(run: str, metric: str, value: float | None, seed: int = 0, scene: str = "s") -> Row:
+    engine, preset = run.split("/")
+    return Row(scene, engine, preset, seed, 1, metric, value, "", None, None, "info", "")
+
+
+def test_every_metric_ranks_or_says_why_not() -> None:
+    for name in METRICS:
+        assert (name in RANKED) != (name in UNRANKED), name
+    for name in FAMILIES:
+        assert name in UNRANKED, name
+    assert all(" " in reason and not reason.endswith(".") for reason in UNRANKED.values())
+
+
+def test_members_of_families_have_their_reason_and_strangers_none() -> None:
+    assert ranked("stage_share_posture") is None and "time itself is ranked" in why_not("stage_share_posture")
+    assert "units of its own" in why_not("pairs_per_frame")
+    for stranger in ("nonsense", "residual_overlap_max"):
+        with pytest.raises(UnknownName):
+            why_not(stranger)
+
+
+@pytest.mark.parametrize("metric", RANKED)
+@pytest.mark.parametrize("share", [-0.5, 0.5, 1.5])
+@pytest.mark.parametrize("mine", [0.7, None, math.nan])
+def test_only_a_rival_that_is_better_by_more_than_counts_as_equal_is_ahead(metric: str, share: float, mine: float | None) -> None:
+    """Theirs is better by a share of what counts as equal, beside a tracker and another preset that are better by far."""
+    same = RANKED[metric].same or 1e-9
+    rows = [row(OURS, metric, mine), row("mujoco/tuned", metric, 0.7 - share * same),
+            row("tracker/default", metric, 0.0), row("avatarsim/paper", metric, 0.0)]
+    found = compared(rows, OURS).behind
+    expected = mine is None or math.isnan(mine) or share > (1.0 if RANKED[metric].same else 0.0)
+    assert len(found) == expected == len(losing(rows, GATED, {}))
+    assert all(run == "mujoco/tuned" for lost in found for run, _ in lost.rivals)
+
+
+def test_one_bad_seed_is_a_loss_and_the_worst_one_is_told() -> None:
+    rows = [row(run, "frame_time_p50", value, seed) for seed, times in enumerate(((2.0, 1.0), (9.0, 3.0), (5.0, 6.0)))
+            for run, value in zip((OURS, "mujoco/tuned"), times, strict=True)]
+    (found,) = compared(rows, OURS).behind
+    assert (found.row.seed, found.factor) == (1, 3.0)
+
+
+def test_an_engine_that_left_the_room_is_named_as_such_and_only_if_none_inside_is_ahead() -> None:
+    rows = [row(OURS, "residual_overlap_max", 1e-3), row("a/b", "residual_overlap_max", 0.0),
+            row("a/b", "wrong_side_frames", 4.0)]
+    (found,) = compared(rows, OURS).behind
+    assert found.outside
+    (found,) = compared([*rows, row("c/d", "residual_overlap_max", 1e-4)], OURS).behind
+    assert not found.outside and found.rivals == (("c/d", 1e-4),)
+
+
+def test_variants_of_a_scene_count_once_and_the_worst_is_named() -> None:
+    family = {"x_30": "x", "x_240": "x"}
+    rows = [
+        row(run, "root_jump_max", value, scene=scene)
+        for scene, values in (("x", (0.1, 0.1)), ("x_30", (0.2, 0.1)), ("x_240", (0.4, 0.1)), ("y", (0.1, 0.3)))
+        for run, value in zip((OURS, "mujoco/tuned"), values, strict=True)
+    ]
+    (found,) = by_family(compared(rows, OURS), family)
+    assert found.said == "1 of 2 families"
+    (lost,) = found.lost
+    assert (lost.family, lost.worst.row.scenario, lost.scenes, lost.of) == ("x", "x_240", 2, 3)
+    (said,) = losing(rows, GATED, family)
+    assert said == "losing: root_jump_max in 1 of 2 families, worst x_240: 0.4 against 0.1  (mujoco/tuned)"
+
+
+def test_where_theirs_is_zero_the_factor_is_infinite_and_the_order_stays_finite() -> None:
+    (found,) = compared([row(OURS, "root_jump_max", 4e-3), row("a/b", "root_jump_max", 0.0)], OURS).behind
+    assert math.isinf(found.factor) and found.severity == pytest.approx(400.0)
+
+
+def test_every_scene_of_the_catalogue_has_a_family_that_one_of_its_scenes_explains() -> None:
+    families = {name: scenario.family for name, scenario in catalog.scenarios().items()}
+    assert all(families.values())
+    for rate in ("coupling_sweep", "coupling_sweep_30", "coupling_sweep_240"):
+        assert families[rate] == "coupling_sweep"
+    assert {families[name] for name in families if name.startswith("mocap_")} == {"mocap"}
+    assert families["hand_in_corner_rigid"] == families["hand_in_corner"] == "hand_in_corner"
+    assert families["limit_torture_hinges"] == "limit_torture" and families["zeno"] == "zeno"
