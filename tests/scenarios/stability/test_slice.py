@@ -26,8 +26,8 @@ def test_the_slice_is_part_of_the_long_form() -> None:
 
 
 def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: Path) -> None:
-    cases, presets = ("squeeze", "tunnelling", "ball_drop"), {"avatarsim": ("default",), "tracker": ("default",), "dies": ("a", "b")}
-    tasks = slice_tasks(request(tmp_path, cases, **presets))
+    presets = {"avatarsim": ("default",), "tracker": ("default",), "dies": ("a", "b")}
+    tasks = slice_tasks(request(tmp_path, ("squeeze", "tunnelling", "ball_drop"), **presets))
     runs = ("avatarsim/default", "dies/a", "dies/b")
     assert {(task.case, task.run) for task in tasks} == {("squeeze", run) for run in runs}
     assert len(tasks) == len(set(tasks)) == 3 * len(CHANGES)
