@@ -1,19 +1,16 @@
 """A second opinion on the judge: python-fcl's distance on the same pairs, and brute force where the two disagree.
 
-Only `fcl.distance` is asked: fcl's collide reports depths that are not minimal, or negative. The rate of disagreement
-is itself a result; with the decided depth beside it, it says which of the two was wrong.
+The rate of disagreement is itself a result; with the decided depth beside it, it says which of the two was wrong.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import fcl
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull as QuickHull
 
-from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
 from avatarsim.spatial import rotation
+from reference.in_fcl import fcl_distance, fcl_geometry
 from reference.judge import Judge
 
 Array = NDArray[np.float64]
@@ -67,35 +64,6 @@ class Opinion:
             f"pairs ({100 * self.rate:.3g} %), of which {self.overlapping} overlap; brute force sides with python-fcl on "
             f"{self.judge_wrong} of them"
         )
-
-
-def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
-    """`shape` as fcl's own kind of it; hulls vertex for vertex."""
-    if isinstance(shape, Sphere):
-        return fcl.Sphere(shape.radius)
-    if isinstance(shape, Capsule):
-        return fcl.Capsule(shape.radius, shape.length)
-    if isinstance(shape, Box):
-        return fcl.Box(*shape.size)
-    if isinstance(shape, Ellipsoid):
-        return fcl.Ellipsoid(*shape.radii)
-    hull = QuickHull(shape.vertices)
-    faces = []
-    for corners, plane in zip(hull.simplices, hull.equations, strict=True):
-        a, b, c = shape.vertices[corners]
-        outward = np.dot(np.cross(b - a, c - a), plane[:3]) > 0.0
-        faces.append([3, *(corners if outward else corners[::-1])])
-    return fcl.Convex(shape.vertices, len(faces), np.array(faces).flatten())
-
-
-def fcl_distance(
-    a: fcl.CollisionGeometry, turn_a: Array, at_a: Array, b: fcl.CollisionGeometry, turn_b: Array, at_b: Array
-) -> float:
-    """Signed distance [m] by fcl of two geometries at rotations (3, 3) and positions (3,) [m]."""
-    request = fcl.DistanceRequest(enable_signed_distance=True, gjk_solver_type=fcl.GJKSolverType.GST_LIBCCD)
-    first = fcl.CollisionObject(a, fcl.Transform(turn_a, at_a))
-    second = fcl.CollisionObject(b, fcl.Transform(turn_b, at_b))
-    return float(fcl.distance(first, second, request, fcl.DistanceResult()))
 
 
 def second_opinion(judge: Judge, states: Iterable[tuple[Array, Array]], reach: float = 0.0) -> Opinion:

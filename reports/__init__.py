@@ -27,6 +27,7 @@ def write_report(run_dir: Path) -> None:
         effects,
         figure_7,
         growth,
+        judge,
         law_map,
         narrow_phase,
         stability,
@@ -41,7 +42,7 @@ def write_report(run_dir: Path) -> None:
     extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness, effects)))
     extras = replace(
         extras, figure_7=figure_7.load(run_dir), sweep=sweep.load(run_dir), converging=convergence.load(run_dir),
-        law_map=law_map.load(run_dir), steady=stability.load(run_dir),
+        law_map=law_map.load(run_dir), steady=stability.load(run_dir), judge=judge.load(run_dir),
     )
     _replace(run_dir, _texts(run_dir, results, verdict(results), extras))
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -10,7 +11,12 @@ from typing import Any
 from avatarsim.errors import InvalidFile
 from reports.wording import MISSING, count, listed, quantity
 
-FILE, SCHEMA_VERSION, FORCED = "ablation.json", 1, "forced"
+FILE, SCHEMA_VERSION, FORCED = "ablation.json", 2, "forced"
+SHORT = "short"
+STAGES = {"posture": "overlap_removal", "motion": "dynamics", "coupling": "coupling"}
+"""The effect without which a stage of the frame has nothing to do."""
+FIRST = 6
+"""Scenes shown before the reader has to ask for the rest."""
 ROUNDING = 1e-12
 """Metres by which a forced effect may move a body; more is a change of the result."""
 NOISE = 0.05
@@ -40,14 +46,24 @@ class Line:
     moved: float | None
     broken: tuple[Broken, ...]
     note: str
+    repeats: int
+    frames: int
+
+    @property
+    def cost(self) -> float | None:
+        """What the effect takes of the median frame [us]; negative where a frame takes longer without it."""
+        return None if self.with_us is None or self.without_us is None else self.with_us - self.without_us
 
 
 @dataclass(frozen=True)
 class Ablation:
-    """All lines: those of single effects, and by scene that of all the others, forced."""
+    """All lines: those of single effects, and by scene that of all the others, forced; `idle`: by scene, the stages that were
+    called in no frame of the run as the scene is; `form`: whether a comparison asked, or the command."""
 
     lines: tuple[Line, ...]
     forced: tuple[Line, ...]
+    idle: Mapping[str, tuple[str, ...]]
+    form: str
 
     @property
     def scenes(self) -> tuple[str, ...]:
@@ -65,7 +81,7 @@ class Ablation:
 
 
 def load(run_dir: Path) -> Ablation | None:
-    """The file of a run; None when nobody asked. Raises InvalidFile for a file that is damaged or of another layout."""
+    """The file of a run; None when it was not asked. Raises InvalidFile for a file that is damaged or of another layout."""
     path = run_dir / FILE
     if not path.exists():
         return None
@@ -74,10 +90,11 @@ def load(run_dir: Path) -> Ablation | None:
         if found["schema_version"] != SCHEMA_VERSION:
             raise InvalidFile(f"schema_version of {path}", found["schema_version"], f"{SCHEMA_VERSION}; run again")
         lines = [_line(row) for row in found["lines"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        idle, form = {str(scene): tuple(map(str, stages)) for scene, stages in found["idle"].items()}, str(found["form"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that `ablate` wrote") from error
     return Ablation(
-        tuple(line for line in lines if line.effect != FORCED), tuple(line for line in lines if line.effect == FORCED)
+        tuple(line for line in lines if line.effect != FORCED), tuple(line for line in lines if line.effect == FORCED), idle, form
     )
 
 
@@ -86,7 +103,7 @@ def _line(row: dict[str, Any]) -> Line:
     called_by = tuple(map(str, row["called_by"]))
     return Line(
         str(row["scenario"]), str(row["effect"]), called_by, _real(row["with_us"]), _real(row["without_us"]), _real(row["share"]),
-        _real(row["moved"]), broken, str(row["note"]),
+        _real(row["moved"]), broken, str(row["note"]), int(row["repeats"]), int(row["frames"]),
     )
 
 
@@ -126,15 +143,58 @@ def forced_sentence(found: Ablation) -> str:
     return f"Forced on where nothing calls for them, all other effects together move no body {moved} {where}."
 
 
+def uncalled(found: Ablation) -> tuple[tuple[str, str], ...]:
+    """(scene, stage) of every stage that ran although no part of the scene calls for its effect."""
+    return tuple(
+        (line.scenario, stage) for line in found.forced for stage, effect in STAGES.items()
+        if effect in line.called_by and stage not in found.idle.get(line.scenario, ())
+    )
+
+
+def answer(found: Ablation) -> str:
+    """One sentence on whether only the effects are simulated that a scene calls for."""
+    ran = tuple(f"{stage} in {scene}" for scene, stage in uncalled(found))
+    if ran:
+        return f"Not only the effects are simulated that a scene calls for: nothing calls for {listed(ran)}, and it ran."
+    idle = [f"{' and '.join(stages)} in {scene}" for scene, stages in found.idle.items() if stages]
+    if not idle:
+        return "Every stage of the frame is called for in each of these scenes."
+    return f"Only what a scene calls for is simulated: zero calls of {listed(tuple(idle), 8)}."
+
+
 def cell(line: Line | None) -> str:
-    """Share of the frame in words; empty where the scene does not call for the effect."""
+    """Cost and share of the frame in words; empty where the scene does not call for the effect."""
     if line is None:
         return ""
-    return MISSING if line.share is None or math.isnan(line.share) else f"{100.0 * line.share:.0f} %"
+    if line.share is None or math.isnan(line.share):
+        return MISSING
+    # round() has no minus zero
+    return f"{quantity(line.cost, 'us')}, {round(100.0 * line.share)} %"
+
+
+def consequence(line: Line | None) -> str:
+    """What leaving the effect out changes, in a few words."""
+    if line is None:
+        return ""
+    if line.broken:
+        return f"{count(len(line.broken), 'bound')} lost"
+    if line.moved is None:
+        return "not measured"
+    return f"moves {quantity(line.moved, 'm')}" if line.moved > ROUNDING else "moves nothing"
+
+
+def protocol(found: Ablation) -> str:
+    """How the times were taken."""
+    frames = [line.frames for line in (*found.lines, *found.forced) if line.frames]
+    if not frames:
+        return "No times were taken."
+    repeats = min(line.repeats for line in (*found.lines, *found.forced) if line.frames)
+    span = f"{min(frames)} to {max(frames)}" if min(frames) < max(frames) else f"{frames[0]}"
+    return f"Median over {span} frames, each the least of {count(repeats, 'repeat')}, with and without taking turns."
 
 
 def broken_rows(found: Ablation) -> list[tuple[str, str, str, Broken]]:
-    """(effect, scene, who calls, bound) of every bound that is lost, effect by effect."""
+    """(effect, scene, what calls for it, bound) of every bound that is lost, effect by effect."""
     return [
         (_name(effect), line.scenario, listed(line.called_by, 2), lost)
         for effect in found.effects for line in found.lines if line.effect == effect for lost in line.broken
@@ -151,4 +211,6 @@ def section(found: Ablation) -> dict[str, object]:
         "effects_cost": cost_sentence(found), "effects_absence": absence_sentence(found),
         "effects_forced": forced_sentence(found), "effects_cell": cell, "effects_broken": broken_rows(found),
         "effects_name": _name, "effects_noise": 100.0 * NOISE,
+        "effects_answer": answer(found), "effects_consequence": consequence, "effects_protocol": protocol(found),
+        "effects_first": found.scenes[:FIRST], "effects_more": found.scenes[FIRST:], "effects_short": found.form == SHORT,
     }

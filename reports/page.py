@@ -13,6 +13,7 @@ from reports import (
     effects,
     first_contact,
     growth,
+    judge,
     law_map_chart,
     losses,
     paper_figures,
@@ -40,6 +41,7 @@ from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
 from reports.figure_7 import Trace
 from reports.growth import Growth
+from reports.judge import Trust
 from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
@@ -112,6 +114,7 @@ class Extras:
     converging: Converging | None = None
     law_map: LawMap | None = None
     steady: Stability | None = None
+    judge: Trust | None = None
 
 
 class Layout(NamedTuple):
@@ -172,6 +175,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         converging=extras.converging, **(convergence.section(extras.converging) if extras.converging else {}),
         law_map=extras.law_map, **(law_map_chart.section(extras.law_map) if extras.law_map else {}),
         stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
+        judge=extras.judge, **(judge.section(extras.judge) if extras.judge else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
 

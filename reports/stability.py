@@ -10,7 +10,8 @@ from reports.files import lines, number
 from reports.stability_chart import panels
 from reports.wording import count, listed, quantity
 
-ROWS = "stability.csv"
+ROWS, LONG, SLICE = "stability.csv", "long", "slice"
+COMMAND = "make stability"
 OURS = "avatarsim/default"
 SURVIVED, BAD, UNASKED = "survived", "not a number", ("cannot say", "not measured")
 SLACK = 1.05
@@ -19,7 +20,8 @@ SLACK = 1.05
 
 @dataclass(frozen=True)
 class Trial:
-    """One engine in one case under one change. Lengths [m] and energies [J] in a world of size 1; `moved` from its plain end."""
+    """One engine in one case under one change. Lengths [m] and energies [J] in a world of size 1; `moved` from its plain end;
+    `form` is SLICE in what a comparison tried."""
 
     case: str
     run: str
@@ -30,6 +32,7 @@ class Trial:
     overlap: float
     energy: float
     moved: float
+    form: str = LONG
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Line:
-    """One figure under one kind of change: a value per engine and preset, and whether somebody else's is better than ours."""
+    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours."""
 
     kind: str
     figure: Figure
@@ -57,7 +60,7 @@ class Line:
 
     @property
     def lost(self) -> bool:
-        """Whether ours is worse than somebody's by more than rounding; a figure that ours has not is lost as well."""
+        """Whether ours is worse than another engine's by more than rounding; a figure that ours has not is lost as well."""
         ours = self.values.get(OURS, math.nan)
         if math.isnan(self.best):
             return False
@@ -80,6 +83,24 @@ class Stability:
         """Kinds of change in the order of the file."""
         return tuple(dict.fromkeys(trial.kind for trial in self.trials))
 
+    @property
+    def cases(self) -> tuple[str, ...]:
+        """Cases in the order of the file."""
+        return tuple(dict.fromkeys(trial.case for trial in self.trials))
+
+    @property
+    def is_slice(self) -> bool:
+        """Whether the rows are those of the slice that a comparison tries, not of the long form."""
+        return all(trial.form == SLICE for trial in self.trials)
+
+    def levels(self, kind: str) -> tuple[str, ...]:
+        """What was tried of one kind of change."""
+        return tuple(dict.fromkeys(trial.level for trial in self.trials if trial.kind == kind))
+
+    def all_of(self, run: str) -> tuple[Trial, ...]:
+        """The trials of one engine that say anything."""
+        return tuple(trial for kind in self.kinds for trial in self.asked(run, kind))
+
     def asked(self, run: str, kind: str) -> tuple[Trial, ...]:
         """The trials of one engine under one kind of change that say anything."""
         return tuple(t for t in self.trials if t.run == run and t.kind == kind and t.state not in UNASKED)
@@ -92,8 +113,12 @@ def load(run_dir: Path) -> Stability | None:
 
 
 def _trial(row: Mapping[str, str]) -> Trial:
-    figures = [number(row[name]) for name in ("overlap", "energy", "moved")]
-    return Trial(row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], *figures)
+    overlap, energy, moved = (number(row[name]) for name in ("overlap", "energy", "moved"))
+    # a file from before there was a slice holds the long form
+    form = row.get("form") or LONG
+    return Trial(
+        row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], overlap, energy, moved, form
+    )
 
 
 def _share(trials: tuple[Trial, ...]) -> float:
@@ -122,7 +147,7 @@ def table(found: Stability) -> tuple[Line, ...]:
         Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs})
         for kind in found.kinds for figure in FIGURES
     ]
-    # nobody can move away from the plain end by the plain trial, nor say anything where nobody has a number
+    # the plain trial is where it is by definition, and a line without a number says nothing
     told = [line for line in made if any(v == v for v in line.values.values()) and not (
         line.kind == "plain" and line.figure.name.startswith("end moved"))]
     return tuple(sorted(told, key=lambda line: not line.lost))
@@ -137,20 +162,84 @@ def spread(found: Stability, run: str) -> str:
     return ", ".join(said)
 
 
+@dataclass(frozen=True)
+class Standing:
+    """One engine and preset over all its trials: how many it had and got through, and a figure per name in TOLD."""
+
+    run: str
+    tried: int
+    survived: int
+    values: Mapping[str, float]
+
+
+TOLD = ("deepest overlap", "largest gain of energy", "end moved, median", "end moved, most")
+"""Figures of the short table, after the count of trials."""
+BETTER = {
+    "trials lost": "loses fewer trials", "deepest overlap": "overlaps less", "largest gain of energy": "gains less energy",
+    "end moved, median": "spreads less in the median", "end moved, most": "spreads less at most",
+}
+"""What the engine that is ahead of ours in a figure does."""
+
+
+def standings(found: Stability) -> tuple[Standing, ...]:
+    """A line per engine and preset that was tried, ours first."""
+    made = []
+    for run in found.runs:
+        own = found.all_of(run)
+        if own:
+            # the plain end is what the others are held against, and no part of the spread
+            changed = tuple(trial for trial in own if trial.kind != "plain")
+            values = {f.name: f.of(changed if f.name.startswith("end moved") else own) for f in FIGURES}
+            made.append(Standing(run, len(own), sum(trial.state == SURVIVED for trial in own), values))
+    return tuple(made)
+
+
+def behind(found: Stability) -> tuple[str, ...]:
+    """Where another engine stands better than ours over all trials: figure by figure, by the best of them."""
+    standing = {line.run: line for line in standings(found)}
+    said = []
+    for figure in FIGURES:
+        line = Line("all", figure, {run: own.values[figure.name] for run, own in standing.items()})
+        if figure.name in BETTER and OURS in standing and line.lost:
+            best = next(run for run, value in line.values.items() if not run.startswith("avatarsim/") and value == line.best)
+            said.append(f"{best} {BETTER[figure.name]} ({cell(line, best)} against {cell(line, OURS)})")
+    return tuple(said)
+
+
+def answer(found: Stability) -> str:
+    """One sentence on whether hard cases stay numerically stable in our engine; losses stand before it."""
+    own = next((line for line in standings(found) if line.run == OURS), None)
+    if own is None:
+        return f"{OURS} was not tried, so this run does not say whether hard cases stay stable."
+    bad = sum(trial.state == BAD for trial in found.all_of(OURS))
+    ends = "none of them with a value that is no number" if not bad else f"{bad} of them with a value that is no number"
+    word = "Hard cases stay stable" if own.survived == own.tried else "Hard cases do not all stay stable"
+    return (
+        f"{word}: {OURS} gets through {own.survived} of {count(own.tried, 'trial')}, {ends}, overlaps by at most "
+        f"{_told(own, 'deepest overlap', 'm')} and gains at most {_told(own, 'largest gain of energy', 'J')} in a frame."
+    )
+
+
+def _told(line: Standing, name: str, unit: str) -> str:
+    value = line.values[name]
+    return quantity(None if math.isnan(value) else value, unit)
+
+
 def conclusion(found: Stability) -> str:
     """What to conclude, losses first."""
-    made = table(found)
-    lost = tuple(f"{line.figure.name} ({line.kind})" for line in made if line.lost)
-    parts = [f"Somebody is better than ours in {len(lost)} of {count(len(made), 'row')}: {listed(lost, 8)}." if lost
-             else f"Ours is best, or level, in all of {count(len(made), 'row')}."]
-    for run in found.runs:
-        own = [trial for kind in found.kinds for trial in found.asked(run, kind)]
-        if own:
-            lived, bad = sum(t.state == SURVIVED for t in own), sum(t.state == BAD for t in own)
-            parts.append(f"{run} gets through {lived} of {len(own)} trials" + (f", {bad} end in no number." if bad else "."))
-    parts += [f"A start that is off moves the end of {run}, in the median, from {said}." for run in found.runs[:1]
-              if (said := spread(found, run))]
-    return " ".join(parts)
+    lost = behind(found)
+    first = f"Another engine stands better than ours: {'; '.join(lost)}." if lost else \
+        "No other engine stands better than ours in any of these figures."
+    chaos = spread(found, OURS)
+    then = f" A start that is off moves its end, in the median, from {chaos}." if chaos else ""
+    return f"{first} {answer(found)}{then}"
+
+
+def tried(found: Stability) -> str:
+    """Which cases and changes the rows are of, and which command made them."""
+    changes = [f"{kind} ({listed(found.levels(kind), 4)})" for kind in found.kinds if kind != "plain"]
+    what = f"{count(len(found.cases), 'case')} ({listed(found.cases, 12)}), each as it is and under {'; '.join(changes)}"
+    return f"A slice, tried in this run: {what}." if found.is_slice else f"The long form, by {COMMAND}: {what}."
 
 
 def cell(line: Line, run: str) -> str:
@@ -163,7 +252,10 @@ def section(found: Stability) -> dict[str, object]:
     """What a page needs for its section."""
     made = table(found)
     values = {(line.figure.name, line.kind, run): value for line in made for run, value in line.values.items()}
+    units = {figure.name: figure.unit for figure in FIGURES}
     return {
         "stability_lines": made, "stability_cell": cell, "stability_conclusion": conclusion(found),
-        "stability_panels": panels(values, found.runs, found.kinds, {figure.name: figure.unit for figure in FIGURES}),
+        "stability_standings": standings(found), "stability_told": [(name, units[name]) for name in TOLD],
+        "stability_figure": _told, "stability_tried": tried(found), "stability_slice": found.is_slice,
+        "stability_panels": panels(values, found.runs, found.kinds, units),
     }

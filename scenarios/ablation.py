@@ -1,10 +1,15 @@
-"""What each effect costs and what leaving it out changes: every scene again without each of its effects, and with all others."""
+"""What each effect costs and what leaving it out changes: every scene again without each of its effects, and with all others.
+
+`python -m scenarios ablate` asks it of any scenes; STUDY, part of every comparison, of the everyday ones.
+"""
 
 import argparse
 import json
-from collections.abc import Iterable, Mapping, Sequence
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -16,9 +21,14 @@ from scenarios.commands import Plan, begun, finished, nothing, passes, scenes
 from scenarios.engines import GATED
 from scenarios.files import plain, point_latest, write_json
 from scenarios.gate import bounds_of
-from scenarios.harness import Run
+from scenarios.harness import outcomes
 from scenarios.job import Job, Outcome
+from scenarios.measure.timing import ADAPTER
+from scenarios.progress import Progress
 from scenarios.scenario import Scenario
+from scenarios.seats import Seats
+from scenarios.studies import Request, Study
+from scenarios.timing import MOST_FRAMES, REPEATS, Clocked, Turns, loaded
 
 ENGINE, PRESET = GATED
 """Only this engine has the switches."""
@@ -30,13 +40,18 @@ FORCED = "forced"
 """Preset of the run with every effect that nothing calls for."""
 
 
+LONG, SHORT = "long", "short"
+"""Forms of the file: of the command, and of the study that a comparison asks."""
+
+
 @dataclass(frozen=True)
 class Line:
     """One effect of one scene: frame time p50 [us] as the scene calls for it and without, and what changes without it.
 
-    `without_us` is None where the run without it ended early (`note` says why). `moved` [m] is how far any body is shown from
-    where it was with the effect, at most; `broken` are bounds that no longer hold: metric, value with, value without, bound.
-    The line of FORCED is the other way round: all effects that nothing calls for, forced on.
+    `without_us` is None where the run without it ended early (`note` says why). Each frame counts with the least of `repeats`
+    repeats of the same `frames`. `moved` [m] is how far any body is shown from where it was with the effect, at most; `broken`
+    are bounds that no longer hold: metric, value with, value without, bound. The line of FORCED is the other way round: all
+    effects that nothing calls for, forced on.
     """
 
     scenario: str
@@ -44,6 +59,8 @@ class Line:
     called_by: tuple[str, ...]
     with_us: float | None
     without_us: float | None
+    repeats: int
+    frames: int
     moved: float | None
     broken: tuple[tuple[str, float | None, float | None, float], ...]
     note: str
@@ -60,28 +77,54 @@ def jobs(name: str, scene: Scene, seed: int, full: bool, frames: int | None) -> 
     """The scene as it is, without each effect that can be left out, and with all that nothing calls for."""
     on = [effect.name for effect in fields(Effects) if getattr(scene.effects, effect.name)]
     off = tuple(effect.name for effect in fields(Effects) if not getattr(scene.derived_effects, effect.name))
-    plain = Job(name, ENGINE, PRESET, seed, full, frames, base=PRESET)
-    without = [replace(plain, preset=f"without-{effect}", narrow=(effect,)) for effect in on if effect not in KEPT]
-    return [plain, *without, replace(plain, preset=FORCED, force=off)]
+    plain = Job(name, ENGINE, PRESET, seed, full, frames)
+    without = [replace(plain, preset=f"without-{effect}", base=PRESET, narrow=(effect,)) for effect in on if effect not in KEPT]
+    return [plain, *without, replace(plain, preset=FORCED, base=PRESET, force=off)]
 
 
-def lines(ran: Run, scenes: Mapping[str, Scene]) -> list[Line]:
-    """What a finished run says, scene by scene."""
-    p50 = {(row.scenario, row.preset): row.value for row in ran.rows() if row.metric == "frame_time_p50"}
-    done = {(outcome.job.scenario, outcome.job.preset): outcome for outcome in ran.outcomes.values()}
+def lines(
+    planned: Sequence[Job], done: Mapping[str, Outcome], clocked: Mapping[str, Clocked], scenes: Mapping[str, Scene],
+    scenarios: Mapping[str, Scenario],
+) -> list[Line]:
+    """What `planned` jobs came to, scene by scene; outcomes and times by the job's stem."""
+    plain = {job.scenario: job for job in planned if job.preset == PRESET}
     found = []
-    for job in ran.jobs:
-        effect = (*job.narrow, FORCED)[0]
-        plain, other = done.get((job.scenario, PRESET)), done.get((job.scenario, job.preset))
-        if job.preset == PRESET or plain is None or other is None:
+    for job in planned:
+        there = plain[job.scenario]
+        if job is there or job.stem not in done or there.stem not in done:
             continue
+        one, other = done[there.stem], done[job.stem]
+        repeats, frames = _protocol(clocked, there, job)
         found.append(
             Line(
-                job.scenario, effect, scenes[job.scenario].calls.get(effect, job.force), p50.get((job.scenario, PRESET)),
-                p50.get((job.scenario, job.preset)), moved(plain, other), broken(plain, other, ran.scenarios[job.scenario]),
-                "" if other.state == "measured" else f"{other.state}: {other.note}",
+                job.scenario, (*job.narrow, FORCED)[0], scenes[job.scenario].calls.get((*job.narrow, FORCED)[0], job.force),
+                _p50(clocked, there), _p50(clocked, job), repeats, frames, moved(one, other),
+                broken(one, other, scenarios[job.scenario]), "" if other.state == "measured" else f"{other.state}: {other.note}",
             )
         )
+    return found
+
+
+def _p50(clocked: Mapping[str, Clocked], job: Job) -> float | None:
+    """Median frame [us], engine only; None where nothing was timed."""
+    found = clocked.get(job.stem)
+    return float(np.median(found.timed.best_us)) if found and found.timed else None
+
+
+def _protocol(clocked: Mapping[str, Clocked], *jobs: Job) -> tuple[int, int]:
+    """Repeats and frames that all of these jobs were timed with, at least."""
+    shapes = [found.timed.around_ns.shape for job in jobs if (found := clocked.get(job.stem)) and found.timed]
+    return (min(shape[0] for shape in shapes), min(shape[1] for shape in shapes)) if len(shapes) == len(jobs) else (0, 0)
+
+
+def idle(planned: Sequence[Job], clocked: Mapping[str, Clocked]) -> dict[str, tuple[str, ...]]:
+    """Stages of the frame that were called in no frame of a scene as it is. A stage that is not called takes no nanosecond, and
+    the clock's reading alone takes some of one that is."""
+    found = {}
+    for job in planned:
+        timed = clocked[job.stem].timed if job.preset == PRESET and job.stem in clocked else None
+        if timed is not None:
+            found[job.scenario] = tuple(name for name, ns in timed.stage_ns.items() if name != ADAPTER and not ns.any())
     return found
 
 
@@ -108,11 +151,11 @@ def broken(plain: Outcome, other: Outcome, scenario: Scenario) -> tuple[tuple[st
     return tuple(found)
 
 
-def write(found: Iterable[Line], folders: Sequence[Path]) -> None:
+def write(found: Sequence[Line], idle: Mapping[str, Sequence[str]], form: str, folders: Sequence[Path]) -> None:
     """The file for the report, in each folder."""
     rows = [asdict(line) | {"share": line.share} for line in found]
     for folder in folders:
-        write_json(folder / FILE, {"schema_version": 1, "lines": rows})
+        write_json(folder / FILE, {"schema_version": 2, "form": form, "idle": idle, "lines": rows})
 
 
 def table(found: Sequence[Line]) -> str:
@@ -145,11 +188,55 @@ def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
     made = Plan(found, planned, [], frozenset())
     ran = begun(asked, words, made, {})
     code = passes(asked, made, ran, timed=True)
-    told = lines(ran, built)
+    told = lines(planned, ran.outcomes, ran.clocked, built, ran.scenarios)
     beside = asked.out.resolve() / "latest"
-    write(told, [ran.folder, *([beside] if beside.is_dir() else [])])
+    write(told, idle(planned, ran.clocked), LONG, [ran.folder, *([beside] if beside.is_dir() else [])])
     if not beside.exists():
         # nothing was compared here before: the report is that of this run
         point_latest(ran.folder)
     print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else table(told))
     return finished(asked, made, ran, code)
+
+
+def ask(request: Request) -> list[str]:
+    """The everyday scenes of a comparison that brought a recording of our engine; nothing where there are none.
+
+    The run as the scene is has been recorded and judged, and is read again; its time is taken anew, in turn with the others."""
+    scenarios = {name: scenario for name, scenario in request.scenarios.items() if scenario.everyday}
+    if not scenarios or PRESET not in request.presets.get(ENGINE, ()):
+        return []
+    built = {name: scenario.as_run(request.full).build() for name, scenario in scenarios.items()}
+    planned = [job for name, scene in built.items() for job in jobs(name, scene, request.seed, request.full, None)]
+    with Progress("effects", 2 * len(planned), sys.stderr) as progress, TemporaryDirectory(dir=request.folder) as aside:
+        done = {}
+        for folder, as_it_is in ((request.folder, True), (Path(aside), False)):
+            for outcome in outcomes([job for job in planned if (job.preset == PRESET) is as_it_is], folder, request.jobs):
+                done[outcome.job.stem] = outcome
+                progress.step(f"{outcome.job.scenario} {outcome.job.preset} {outcome.state}")
+        clocked = {}
+        with Seats() as seats:
+            for name in built:
+                sound = [job for job in planned if job.scenario == name and done[job.stem].state == "measured"]
+                for found in timed_in_turn(sound, seats):
+                    clocked[found.job.stem] = found
+                    progress.step(f"{name} {found.job.preset} timed")
+        told = lines(planned, done, clocked, built, scenarios)
+    write(told, idle(planned, clocked), SHORT, [request.folder])
+    return []
+
+
+def timed_in_turn(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
+    """Time jobs of one scene in one process, turn by turn: what is compared then differs in the effect alone."""
+    table: list[Turns] = []
+    for _ in range(REPEATS):
+        for k, job in enumerate(jobs):
+            seat = seats.at(ENGINE)
+            if k == len(table):
+                table.append(Turns(job, seat))
+            table[k].seat = seat
+            for ready in loaded([table[k]], [MOST_FRAMES]):
+                ready.turn()
+    return [turns.clocked() for turns in table]
+
+
+STUDY = Study("effects", ask)

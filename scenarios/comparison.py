@@ -3,12 +3,14 @@
 import argparse
 from collections.abc import Sequence
 
+from scenarios import ablation, judge_trust
 from scenarios.commands import Plan, carried_out, plan
 from scenarios.engines import GATED, known
 from scenarios.harness import Run
+from scenarios.stability import slice as stability
 from scenarios.studies import Request, Study, asked_in_turn
 
-STUDIES: tuple[Study, ...] = ()
+STUDIES: tuple[Study, ...] = (stability.STUDY, ablation.STUDY, judge_trust.STUDY)
 """The studies of a comparison, in the order in which they run."""
 
 

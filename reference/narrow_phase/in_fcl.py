@@ -6,9 +6,9 @@ import fcl
 import numpy as np
 from numpy.typing import NDArray
 
+from reference.in_fcl import fcl_geometry
 from reference.narrow_phase.cells import Mode, Sequence
 from reference.narrow_phase.contender import Identity
-from reference.second_opinion import fcl_geometry
 
 Array = NDArray[np.float64]
 

@@ -5,6 +5,7 @@ folder. What is finished is kept beside all runs and not done again while no sou
 """
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,11 +23,9 @@ from scenarios.stability.finished import NAME as FINISHED
 from scenarios.stability.finished import Finished, stamp
 from scenarios.stability.outcome import UNASKED, Outcome, Task
 from scenarios.stability.plan import CASES, TOGETHER, trials
-from scenarios.stability.rows import Row, rows, table
-from scenarios.stability.side_by_side import PATIENCE, answers
+from scenarios.stability.rows import LONG, NAME, Row, rows, table
+from scenarios.stability.side_by_side import answers
 
-NAME = "stability.csv"
-"""The file of rows."""
 KEPT = OUT / "stability"
 """Folder of what is finished."""
 
@@ -67,11 +66,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--filter", default="*", metavar="GLOB,...", help="cases (default: all)")
     parser.add_argument("--draws", type=int, default=TOGETHER, metavar="N", help=f"changes of all at once ({TOGETHER})")
-    parser.add_argument("--jobs", type=int, default=-1, metavar="N", help="trials side by side (default: one per processor)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="trials side by side; 0: here")
     asked = parser.parse_args(argv)
     try:
-        if asked.draws < 0 or asked.jobs == 0:
-            raise InvalidInput("--draws, --jobs", (asked.draws, asked.jobs), "0 and up; 1 and up, or -1")
+        if asked.draws < 0 or asked.jobs < 0:
+            raise InvalidInput("--draws, --jobs", (asked.draws, asked.jobs), "0 at least")
         for name in asked.engine:
             if name not in known():
                 raise UnknownName("engine", name, known())
@@ -84,13 +83,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
-    except TimeoutError:
-        print(f"no answer within {PATIENCE:g} s: an endless loop; what was finished is kept", file=sys.stderr)
-        return 3
     except KeyboardInterrupt:
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
         return 130
-    found, path = rows(done), run_of(asked.run) / NAME
+    found, path = rows(done, LONG), run_of(asked.run) / NAME
     write_text(path, csv_text(found, Row))
     print(table(found))
     print(f"\n{path}")

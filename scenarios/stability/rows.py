@@ -9,11 +9,17 @@ import numpy as np
 from scenarios.stability.outcome import NOT_A_NUMBER, SURVIVED, UNASKED, Outcome, Task
 from scenarios.stability.plan import KINDS
 
+NAME = "stability.csv"
+"""The file of rows in a run's folder."""
+LONG, SLICE = "long", "slice"
+"""Which plan a row belongs to."""
+
 
 @dataclass(frozen=True)
 class Row:
     """A trial: what was changed, how it ended, and `moved` [m], how far the end of anything is from where the plain trial of the
-    same case and engine ended. Lengths and energies in a world of size 1; nan where there is nothing to compare."""
+    same case and engine ended. Lengths and energies in a world of size 1; nan where there is nothing to compare. `form` is
+    LONG for a row of `make stability`, SLICE for one of the slice that a comparison tries."""
 
     case: str
     run: str
@@ -33,6 +39,7 @@ class Row:
     moved: float
     seconds: float
     note: str
+    form: str
 
 
 def apart(end: Outcome, plain: Outcome | None) -> float:
@@ -42,7 +49,7 @@ def apart(end: Outcome, plain: Outcome | None) -> float:
     return float(np.max(np.linalg.norm(np.array(end.end) - np.array(plain.end), axis=1)))
 
 
-def rows(done: Mapping[Task, Outcome]) -> list[Row]:
+def rows(done: Mapping[Task, Outcome], form: str) -> list[Row]:
     """All trials, each beside its plain one."""
     plain = {(task.case, task.run): end for task, end in done.items() if task.trial.kind == "plain"}
     found = []
@@ -53,9 +60,9 @@ def rows(done: Mapping[Task, Outcome]) -> list[Row]:
         found.append(Row(
             task.case, task.run, trial.kind, trial.level, change.start, change.seed, change.user, change.dt, change.scale,
             change.far, end.state, end.frames, end.overlap, end.energy, end.bad, moved, end.seconds, end.note,
+            form,
         ))
     return found
-
 
 
 def worst(values: Sequence[float]) -> float:

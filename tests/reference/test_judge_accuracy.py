@@ -14,35 +14,13 @@ from reference.exact_depth import Polytope, box_signed_distance, polytope_signed
 from reference.judge import Judge
 from reference.judge_geometry import Outline, rounded_points
 from reference.judge_proof import by_directions
+from reference.known_pairs import box, capsule, hull, plate, sphere
 from reference.minkowski import separated_distance, signed_distance
 from reference.segments import segment_distance
 
 PROMISE = 1e-8
 PAIRS, ROUNDS, SPACING, REACH = 100, 20, 20.0, 3.0
 REGIMES = ("shallow", "deep", "apart")
-
-
-def sphere(rng):
-    return Sphere(rng.uniform(0.01, 0.3))
-
-
-def box(rng):
-    return Box(tuple(rng.uniform(0.02, 0.5, 3)))
-
-
-def capsule(rng):
-    return Capsule(rng.uniform(0.01, 0.1), rng.uniform(0.02, 0.5))
-
-
-def hull(rng):
-    return ellipsoid_hull(tuple(rng.uniform(0.02, 0.2, 3)))
-
-
-def plate(rng):
-    length = rng.uniform(0.1, 2.0)
-    return Box((length, length * rng.uniform(0.2, 1.0), length * 10.0 ** rng.uniform(-3.0, -1.0)))
-
-
 KINDS = {"spheres": sphere, "boxes": box, "capsules": capsule, "ellipsoid hulls": hull, "thin plates": plate}
 
 

@@ -9,8 +9,9 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
 from reference import second_opinion as module
+from reference.in_fcl import fcl_distance, fcl_geometry
 from reference.judge import Judge
-from reference.second_opinion import fcl_distance, fcl_geometry, second_opinion
+from reference.second_opinion import second_opinion
 
 CLUTTER = Scene("clutter", (
     fixed("table", (Piece(Box((1.0, 1.0, 0.06))),), "wood"),

@@ -10,14 +10,19 @@ from avatarsim.errors import InvalidFile
 from reports import write_report
 from reports.effects import (
     FILE,
+    FIRST,
     Ablation,
     absence_sentence,
+    answer,
     broken_rows,
     cell,
+    consequence,
     cost_sentence,
     forced_sentence,
     load,
+    protocol,
     section,
+    uncalled,
 )
 from tests.reports.test_page import Tree
 
@@ -30,7 +35,7 @@ def row(effect: str, share: float | None, broken: list | None = None, moved: flo
     return {
         "scenario": scene, "effect": effect, "called_by": ["ball"], "with_us": 3.0, "share": share, "moved": moved,
         "without_us": None if share is None else 3.0 * (1.0 - share), "broken": broken or [],
-        "note": "" if share is not None else "crashed",
+        "note": "" if share is not None else "crashed", "repeats": 3, "frames": 180,
     }
 
 
@@ -38,14 +43,15 @@ LOST = [["restitution_error_max", 1e-9, 0.3, 1e-6], ["apex_error_max", 0.0, None
 LINES = [row("restitution", 0.25, LOST), row("sleeping", -1.5), row("friction", 0.01), row("forced", -0.02)]
 
 
-def fill(folder: Path, lines: list[Json]) -> Ablation:
-    (folder / FILE).write_text(json.dumps({"schema_version": 1, "lines": lines}))
+def fill(folder: Path, lines: list[Json], idle: tuple[str, ...] = (), form: str = "short") -> Ablation:
+    told = {"schema_version": 2, "form": form, "idle": {"drop": idle}, "lines": lines}
+    (folder / FILE).write_text(json.dumps(told))
     found = load(folder)
     assert found is not None
     return found
 
 
-def test_nothing_when_nobody_asked(tmp_path: Path) -> None:
+def test_nothing_when_it_was_not_asked(tmp_path: Path) -> None:
     assert load(tmp_path) is None
 
 
@@ -85,11 +91,40 @@ def test_forced_effects_that_change_nothing_are_said_with_their_cost(tmp_path: P
 def test_a_cell_is_empty_where_nothing_calls_and_a_dash_where_nothing_was_measured(tmp_path: Path) -> None:
     found = fill(tmp_path, [*LINES, row("coupling", None, scene="other")])
     assert cell(found.at("drop", "coupling")) == "" and cell(found.at("other", "coupling")) == "—"
-    assert cell(found.at("drop", "restitution")) == "25 %"
+    assert cell(found.at("drop", "restitution")) == "750 ns, 25 %" and cell(found.at("drop", "sleeping")) == "-4.50 µs, -150 %"
+
+
+def test_what_leaving_an_effect_out_changes_is_told(tmp_path: Path) -> None:
+    moving = row("coupling", 0.1, moved=0.002)
+    found = fill(tmp_path, [*LINES, moving, row("limits", None, moved=None)])
+    effects = ("restitution", "coupling", "friction", "limits", "dynamics")
+    assert [consequence(found.at("drop", effect)) for effect in effects] == [
+        "2 bounds lost", "moves 2.00 mm", "moves nothing", "not measured", "",
+    ]
+
+
+def test_a_stage_that_ran_though_nothing_calls_for_it_is_named(tmp_path: Path) -> None:
+    forced = row("forced", 0.0) | {"called_by": ["overlap_removal", "coupling"]}
+    sound = fill(tmp_path, [forced], ("posture", "coupling"))
+    assert uncalled(sound) == ()
+    assert answer(sound) == "Only what a scene calls for is simulated: zero calls of posture and coupling in drop."
+    wrong = fill(tmp_path, [forced], ("coupling",))
+    assert uncalled(wrong) == (("drop", "posture"),)
+    assert answer(wrong) == (
+        "Not only the effects are simulated that a scene calls for: nothing calls for posture in drop, and it ran."
+    )
+
+
+def test_how_times_were_taken_is_said(tmp_path: Path) -> None:
+    assert protocol(fill(tmp_path, LINES)).startswith("Median over 180 frames, each the least of 3 repeats")
+    mixed = fill(tmp_path, [*LINES, row("limits", 0.1) | {"frames": 900, "repeats": 2}])
+    assert "180 to 900 frames, each the least of 2 repeats" in protocol(mixed)
+    assert protocol(fill(tmp_path, [row("limits", None) | {"frames": 0, "repeats": 0}])) == "No times were taken."
 
 
 @pytest.mark.parametrize("text", [
-    "{", '{"schema_version": 1}', '{"schema_version": 1, "lines": [{}]}', '{"schema_version": 2, "lines": []}',
+    "{", '{"schema_version": 2}', '{"schema_version": 2, "form": "short", "idle": {}, "lines": [{}]}',
+    '{"schema_version": 2, "form": "short", "idle": 3, "lines": []}', '{"schema_version": 1, "lines": []}',
 ])
 def test_a_file_that_cannot_be_used_is_said_so(tmp_path: Path, text: str) -> None:
     (tmp_path / FILE).write_text(text)
@@ -100,13 +135,18 @@ def test_a_file_that_cannot_be_used_is_said_so(tmp_path: Path, text: str) -> Non
 def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     write_report(folder)
-    assert 'id="effects"' not in (folder / "index.html").read_text()
-    assert set(section(fill(folder, [*LINES, row("coupling", None, scene="other")]))) <= {
-        "effects_cost", "effects_absence", "effects_forced", "effects_cell", "effects_broken", "effects_name", "effects_noise",
-    }
+    text = (folder / "index.html").read_text()
+    assert "This run has no everyday scene in our engine: <code>make ablate</code>" in text
+    fill(folder, [*LINES, row("coupling", None, scene="other")])
     write_report(folder)
     text = (folder / "index.html").read_text()
     tree = Tree()
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
     assert 'id="effects"' in text and "2 bounds lost" in text and "not measured" in text and "-150 %" in text
+    assert "This run has no everyday scene" not in text
+
+
+def test_many_scenes_are_folded_away(tmp_path: Path) -> None:
+    told = section(fill(tmp_path, [row("forced", 0.0, scene=f"scene{k}") for k in range(FIRST + 2)]))
+    assert len(told["effects_first"]) == FIRST and told["effects_more"] == (f"scene{FIRST}", f"scene{FIRST + 1}")

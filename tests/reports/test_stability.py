@@ -1,4 +1,4 @@
-"""The section on stability: who is lost is counted, who is better than ours comes first, and the page stays whole."""
+"""The section on stability: losses are counted, what is better than ours comes first, and the page stays whole."""
 
 import math
 from collections.abc import Callable
@@ -14,11 +14,12 @@ from tests.reports.test_page import Tree
 Json = dict[str, object]
 Write = Callable[[object], Path]
 
-HEAD = "case,run,kind,level,start,seed,user,dt,scale,far,state,frames,overlap,energy,bad,moved,seconds,note\n"
+HEAD = "case,run,kind,level,start,seed,user,dt,scale,far,state,frames,overlap,energy,bad,moved,seconds,note,form\n"
 
 
-def row(run: str, kind: str, state: str = "survived", overlap: str = "1e-7", moved: str = "0.001", start: str = "0") -> str:
-    return f"painleve,{run},{kind},x,{start},0,0,0.0166667,1,0,{state},36,{overlap},0,0,{moved},0.2,\n"
+def row(run: str, kind: str, state: str = "survived", overlap: str = "1e-7", moved: str = "0.001", start: str = "0",
+        form: str = "slice") -> str:
+    return f"painleve,{run},{kind},x,{start},0,0,0.0166667,1,0,{state},36,{overlap},0,0,{moved},0.2,,{form}\n"
 
 
 ROWS = HEAD + "".join([
@@ -30,8 +31,8 @@ ROWS = HEAD + "".join([
 ])
 
 
-def found(folder: Path) -> stability.Stability:
-    (folder / stability.ROWS).write_text(ROWS)
+def found(folder: Path, text: str = ROWS) -> stability.Stability:
+    (folder / stability.ROWS).write_text(text)
     loaded = stability.load(folder)
     assert loaded is not None
     return loaded
@@ -56,9 +57,34 @@ def test_rows_that_are_lost_come_first(tmp_path: Path) -> None:
 
 def test_the_conclusion_begins_with_what_is_lost(tmp_path: Path) -> None:
     said = stability.conclusion(found(tmp_path))
-    assert said.startswith("Somebody is better than ours in 4 of ")
-    assert "avatarsim/default gets through 4 of 5 trials, 1 end in no number." in said
+    assert said.startswith("Another engine stands better than ours: mujoco/tuned loses fewer trials (0 % against 20.0 %). Hard")
+    assert "Hard cases do not all stay stable: avatarsim/default gets through 4 of 5 trials, 1 of them with a value" in said
     assert "from 1.00 nm to 20.0 µm, 100 nm to 40.0 µm." in said
+
+
+def test_without_a_loss_it_says_so_and_answers(tmp_path: Path) -> None:
+    text = HEAD + row("avatarsim/default", "plain", moved="0") + row("mujoco/tuned", "plain", overlap="0.003", moved="0")
+    said = stability.conclusion(found(tmp_path, text))
+    assert said.startswith("No other engine stands better than ours in any of these figures. Hard cases stay stable: ")
+    assert "1 of 1 trial, none of them with a value that is no number, overlaps by at most 100 nm" in said
+    alone = found(tmp_path, HEAD + row("mujoco/tuned", "plain"))
+    assert stability.answer(alone).startswith("avatarsim/default was not tried")
+
+
+def test_an_engine_stands_by_all_its_trials_and_its_spread_by_those_that_are_changed(tmp_path: Path) -> None:
+    ours, theirs = stability.standings(found(tmp_path))
+    assert (ours.run, ours.survived, ours.tried) == ("avatarsim/default", 4, 5)
+    assert (theirs.run, theirs.survived, theirs.tried) == ("mujoco/tuned", 3, 3), "what was not asked does not count"
+    assert ours.values["end moved, most"] == pytest.approx(1e-3) and theirs.values["deepest overlap"] == pytest.approx(3e-3)
+    assert theirs.values["end moved, median"] == pytest.approx(0.5 * (1e-8 + 1e-3)), "the plain end is no part of it"
+
+
+def test_a_slice_is_told_from_the_long_form(tmp_path: Path) -> None:
+    assert stability.tried(found(tmp_path)).startswith("A slice, tried in this run: 1 case (painleve), each as it is and under ")
+    long = found(tmp_path, HEAD + row("avatarsim/default", "start", form="long"))
+    assert stability.tried(long) == "The long form, by make stability: 1 case (painleve), each as it is and under start (x)."
+    before = found(tmp_path, HEAD.replace(",form", "") + row("avatarsim/default", "start").replace(",slice", ""))
+    assert not before.is_slice
 
 
 def test_a_cell_is_darker_the_worse_it_is() -> None:
@@ -80,11 +106,12 @@ def test_without_a_file_there_is_no_section_and_a_damaged_one_says_so(tmp_path: 
 def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     write_report(folder)
-    assert 'id="stability"' not in (folder / "index.html").read_text()
+    assert "This run tried none of the hard cases: <code>make stability</code>" in (folder / "index.html").read_text()
     found(folder)
     write_report(folder)
     text = (folder / "index.html").read_text()
     tree = Tree()
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids)) and "stability" in tree.ids
+    assert "tried none of the hard cases" not in text and "takes the place of this slice" in text
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)

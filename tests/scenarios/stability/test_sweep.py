@@ -13,7 +13,8 @@ from scenarios.stability import side_by_side
 from scenarios.stability.finished import NAME, Finished
 from scenarios.stability.outcome import ABSENT, CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, TOO_LATE, Outcome, Task
 from scenarios.stability.plan import Trial
-from scenarios.stability.rows import Row, apart, rows, table
+from scenarios.stability.rows import LONG, Row, apart, rows, table
+from scenarios.stability.rows import NAME as ROWS
 from scenarios.stability.variation import Variation
 
 PLAIN, START = Trial("plain", "as it is", Variation()), Trial("start", "1e-09 m", Variation(start=1e-9))
@@ -56,7 +57,7 @@ def test_rows_go_to_the_last_run_or_beside_what_is_kept(tmp_path: Path, monkeypa
 
 
 def test_rows_say_how_far_an_end_is_from_the_plain_one() -> None:
-    found = rows({ONE: done(), OTHER: done(x=0.25)})
+    found = rows({ONE: done(), OTHER: done(x=0.25)}, LONG)
     assert [row.moved for row in found] == [0.0, 0.25] and found[1].start == 1e-9
     assert math.isnan(apart(done(), None)) and math.isnan(apart(Outcome(CRASHED), done()))
     line = csv_text(found, Row).splitlines()[1]
@@ -66,7 +67,7 @@ def test_rows_say_how_far_an_end_is_from_the_plain_one() -> None:
 def test_the_table_counts_what_was_lost_and_leaves_out_who_was_not_asked() -> None:
     bad = Task("painleve", 0.2, "avatarsim", "default", START)
     quiet = Task("tumbling_box", 0.2, "avatarsim", "default", START)
-    found = rows({ONE: done(), OTHER: done(x=0.25), bad: Outcome(NOT_A_NUMBER, 3, bad=2), quiet: Outcome(SILENT)})
+    found = rows({ONE: done(), OTHER: done(x=0.25), bad: Outcome(NOT_A_NUMBER, 3, bad=2), quiet: Outcome(SILENT)}, LONG)
     [line] = [line for line in table(found).splitlines() if " start " in line]
     assert line.split() == ["avatarsim/default", "start", "1/2", "1", "1e-07", "0", "0.25", "0.25"]
 
@@ -82,29 +83,20 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: p
 
     monkeypatch.setattr(side_by_side, "outcome", outcome)
     folders = ["--run", str(tmp_path), "--kept", str(tmp_path)]
-    words = [*folders, "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "1"]
+    words = [*folders, "--engine", "avatarsim", "--filter", "stack_ten", "--draws", "0", "--jobs", "0"]
     assert command.main(words) == 130
     assert len((tmp_path / NAME).read_text().splitlines()) == 2
     assert command.main(words) == 0
-    lines = (tmp_path / command.NAME).read_text().splitlines()
+    lines = (tmp_path / ROWS).read_text().splitlines()
     # the third was asked twice, and nobody else
     assert len(asked) == len(set(asked)) + 1 == len(lines)
     assert command.main(words) == 0 and len(asked) == len(lines)
-    assert command.main([*words[:-1], "0"]) == 2 and command.main([*words, "--engine", "abacus"]) == 2
+    assert command.main([*words[:-1], "-1"]) == 2 and command.main([*words, "--engine", "abacus"]) == 2
     assert scenarios_main(["stability", *words, "--filter", "nothing"]) == 5
 
 
-def test_of_a_process_that_dies_every_trial_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Pool:
-        def __init__(self, *_: object) -> None:
-            """Whatever runs here."""
-
-        def results(self, groups: list[tuple[Task, ...]]) -> list[tuple[tuple[Task, ...], object]]:
-            return [(g, Died("killed by signal 11" if g[-1] is OTHER else "no answer") if OTHER in g else [done()] * len(g))
-                    for g in groups]
-
-    monkeypatch.setattr(side_by_side, "Pool", Pool)
-    found = dict(side_by_side.in_own_processes([(ONE, OTHER)], 1))
-    assert found[ONE].state == SURVIVED and found[OTHER].state == CRASHED and "signal 11" in found[OTHER].note
-    sizes = [len(group) for group in side_by_side.chunks([ONE] * 9 + [Task("painleve", 0.2, "avatarsim", "default", PLAIN)])]
-    assert sizes == [8, 1, 1]
+def test_a_process_that_dies_costs_its_trial_only(site: Path) -> None:
+    tasks = [Task("stack_ten", 0.1, engine, "default", trial) for trial in (PLAIN, START) for engine in ("frozen", "dies")]
+    found = [(task.engine, end.state, end.note) for task, end in side_by_side.answers(tasks, 1)]
+    assert sorted(found) == [("dies", CRASHED, "its process was killed by signal 9")] * 2 + [("frozen", SURVIVED, "")] * 2
+    assert side_by_side.died(Died("no answer within 3 s")).state == TOO_LATE

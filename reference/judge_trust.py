@@ -1,0 +1,220 @@
+"""How far may the judge be trusted? `python -m reference.judge_trust [--pairs N] [--seed N] [--run FOLDER]`.
+
+Draws pairs of shapes whose signed distance is known exactly, asks the judge and, as a second opinion, python-fcl, and counts
+errors, disagreements, and verdicts on the wrong side of the bound of 1 um. Writes judge.json into the run's folder.
+"""
+
+import argparse
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, fields
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidInput
+from avatarsim.spatial import rotation
+from reference.in_fcl import Question, fcl_distances
+from reference.judge import Judge
+from reference.judge_proof import PROVEN
+from reference.known_pairs import KINDS, REACH, REGIMES, Gallery, Placed
+from reference.second_opinion import SAME
+
+Array = NDArray[np.float64]
+
+FILE, SCHEMA_VERSION = "judge.json", 1
+"""What is left in a run's folder, for the report, and its layout."""
+BOUND = 1e-6
+"""Depth [m] at which a verdict turns: the bound on residual overlap."""
+PAIRS = 2400
+"""Pairs of one examination, over all kinds and regimes: some eight seconds on two processors."""
+SEED = 1
+"""Seed of a command that names none."""
+GALLERY = 50
+"""Most pairs in one scene: near pairs are looked for among all of it."""
+COMMAND = "python -m reference.judge_trust"
+
+
+def command(pairs: int, seed: int) -> str:
+    """What asks the same again."""
+    return f"{COMMAND} --pairs {pairs} --seed {seed}"
+
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What came of the pairs of one kind.
+
+    overlapping                pairs whose exact depth is above 0
+    largest_error              [m] of the judge's signed distance, over all pairs; nan if it passed over one
+    largest_depth_error        [m] the same over those that overlap
+    unanswered                 pairs for which python-fcl had no number, since its process ended or it said nan
+    disagreements              pairs on which python-fcl and the judge differ by more than 1 um
+    overlapping_disagreements  those of them that overlap
+    judge_wrong                those of them on which the exact answer is nearer to python-fcl's
+    false_alarms               the judge says deeper than 1 um, and the exact depth is at most that
+    misses                     the other way round
+    at_the_bound               pairs so near to a depth of 1 um that the promised accuracy cannot tell
+    """
+
+    kind: str
+    pairs: int
+    overlapping: int
+    largest_error: float
+    largest_depth_error: float
+    unanswered: int
+    disagreements: int
+    overlapping_disagreements: int
+    judge_wrong: int
+    false_alarms: int
+    misses: int
+    at_the_bound: int
+
+
+@dataclass(frozen=True)
+class Trust:
+    """All kinds of one examination, and the seed of its draws."""
+
+    seed: int
+    kinds: tuple[Examined, ...]
+
+    @property
+    def whole(self) -> Examined:
+        """The kinds together: counts summed, errors the largest."""
+        figures: dict[str, Any] = {name: sum(getattr(kind, name) for kind in self.kinds) for name in COUNTS}
+        # a judge that gave no number has no error that could be called small, and numpy's max keeps nan
+        figures |= {name: float(np.max([getattr(kind, name) for kind in self.kinds])) for name in ERRORS}
+        return Examined("all", **figures)
+
+
+ERRORS = ("largest_error", "largest_depth_error")
+COUNTS = tuple(entry.name for entry in fields(Examined) if entry.name not in ("kind", *ERRORS))
+"""Figures of which the kinds together have the largest, and those of which they have the sum."""
+
+
+def trust(pairs: int = PAIRS, seed: int = SEED, done: Callable[[str], None] = lambda kind: None) -> Trust:
+    """Examine the judge on `pairs` over all kinds, rounded up to whole regimes; `done` hears of each kind that is judged.
+
+    Raises InvalidInput for fewer than one pair a kind, or a negative seed."""
+    if seed < 0:
+        raise InvalidInput("seed", seed, "0 at least")
+    if pairs < len(KINDS):
+        raise InvalidInput("pairs", pairs, f"{len(KINDS)} at least, one of each kind")
+    each = -(-pairs // (len(KINDS) * len(REGIMES)))
+    drawn = {kind: list(draws(kind, each, np.random.default_rng([seed, k]))) for k, kind in enumerate(KINDS)}
+    questions = [question for parts in drawn.values() for part in parts for question in part.questions]
+    with ThreadPoolExecutor(1) as beside:
+        # the second opinion has a process of its own, which works while the judge does
+        awaited = beside.submit(fcl_distances, questions)
+        judged: dict[str, Array] = {}
+        for kind, parts in drawn.items():
+            judged[kind] = np.concatenate([part.judged() for part in parts])
+            done(kind)
+        other = awaited.result()
+    ends = np.cumsum([len(found) for found in judged.values()])
+    return Trust(seed, tuple(
+        counted(kind, np.concatenate([part.placed.exact for part in drawn[kind]]), judged[kind], opinion)
+        for kind, opinion in zip(drawn, np.split(other, ends[:-1]), strict=True)
+    ))
+
+
+@dataclass(frozen=True, eq=False)
+class Draw:
+    """A gallery placed once, as the judge and as python-fcl are asked about it."""
+
+    gallery: Gallery
+    placed: Placed
+
+    @property
+    def questions(self) -> list[Question]:
+        """For python-fcl: pair by pair."""
+        n, at, turns = len(self.gallery.shapes), self.placed.positions, rotation.to_matrix(self.placed.orientations)
+        return [(a, turns[k], b, turns[n + k], at[k] - at[n + k]) for k, (a, b) in enumerate(self.gallery.shapes)]
+
+    def judged(self) -> Array:
+        """The judge's signed distances (n,) [m]; nan for a pair that it passed over, which so has no small error."""
+        first, second, found = Judge(self.gallery.scene).distances(self.placed.positions, self.placed.orientations, REACH)
+        answers = np.full(len(self.gallery.shapes), np.nan)
+        answers[np.minimum(first, second)] = found
+        return answers
+
+
+def draws(kind: str, each: int, random: np.random.Generator) -> Iterator[Draw]:
+    """`each` pairs of one kind in every regime, in galleries of at most GALLERY."""
+    for begun in range(0, each, GALLERY):
+        gallery = Gallery(kind, min(GALLERY, each - begun), random)
+        for regime in REGIMES:
+            yield Draw(gallery, gallery.placed(regime, random))
+
+
+def counted(kind: str, exact: Array, judged: Array, other: Array) -> Examined:
+    """The figures of (n,) exact, judged and python-fcl's signed distances [m]."""
+    errors, deep = np.abs(judged - exact), exact < 0.0
+    silent = np.isnan(other)
+    differ = ~silent & ~(np.abs(judged - other) <= SAME)
+    above = exact < -BOUND
+    return Examined(
+        kind, len(exact), int(deep.sum()), float(errors.max()), float(errors[deep].max(initial=0.0)), int(silent.sum()),
+        int(differ.sum()), int((differ & deep).sum()), int((differ & ~(errors <= np.abs(other - exact))).sum()),
+        int((~above & (judged < -BOUND)).sum()), int((above & ~(judged < -BOUND)).sum()),
+        int((np.abs(exact + BOUND) <= PROVEN).sum()),
+    )
+
+
+def sources() -> str:
+    """Sixteen hexadecimal digits of all source files beside this one: the judge, and what it is judged by."""
+    digest = hashlib.blake2b(digest_size=8)
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def write(found: Trust, folder: Path, asked_by: str) -> Path:
+    """judge.json in `folder`, whole or not at all; `asked_by` is the command that asks the same again."""
+    said: Mapping[str, object] = {
+        "schema_version": SCHEMA_VERSION, "command": asked_by, "ended": datetime.now(UTC).isoformat(timespec="seconds"),
+        "sources": sources(), "versions": {name: metadata.version(name) for name in ("coal", "python-fcl")},
+        "seed": found.seed, "bound_m": BOUND, "promise_m": PROVEN, "same_m": SAME, "regimes": REGIMES,
+        "all": asdict(found.whole), "kinds": [asdict(kind) for kind in found.kinds],
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / FILE
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    # a judge without a number leaves the word NaN, which the report reads
+    beside.write_text(json.dumps(said, indent=1), encoding="utf-8")
+    os.replace(beside, path)
+    return path
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Examine, print, write. 0: the judge keeps its promise; 1: it does not; 2: usage."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description=str(__doc__).splitlines()[0])
+    parser.add_argument("--pairs", type=int, default=PAIRS, metavar="N", help=f"pairs over all kinds ({PAIRS})")
+    parser.add_argument("--seed", type=int, default=SEED, metavar="N", help=f"seed of the draws ({SEED})")
+    latest = Path(__file__).resolve().parent.parent / "reports" / "out" / "latest"
+    parser.add_argument("--run", type=Path, default=latest, metavar="FOLDER", help="folder of the file (default: the last run's)")
+    asked = parser.parse_args(argv)
+    try:
+        found = trust(asked.pairs, asked.seed)
+    except InvalidInput as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 2
+    for line in (*found.kinds, found.whole):
+        print(
+            f"{line.kind:24} {line.pairs:6} pairs  {line.overlapping:6} overlap  error {line.largest_error:.2g} m  "
+            f"fcl differs {line.disagreements} (right {line.judge_wrong})  false alarms {line.false_alarms}  misses {line.misses}"
+        )
+    print(write(found, asked.run, command(asked.pairs, asked.seed)))
+    return 0 if found.whole.largest_error <= PROVEN else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
