@@ -118,6 +118,16 @@ class Judge:
             np.maximum.at(found, sound[linked.state], -self._where_deep(world, linked, False))
         return found
 
+    def link_gaps(self, positions: Array, orientations: Array, reach: float) -> Array:
+        """(F,) the smallest distance [m] of a pair in which a link takes part, negative where it overlaps; inf where the boxes of
+        no such pair are within `reach` [m] of each other, nan where the poses are no poses or a pair has no distance."""
+        link = self.pieces.owner >= len(self.scene.bodies)
+        found = np.where(self._sound(positions, orientations).all(axis=1), np.inf, np.nan)
+        for sound, world, near in self._blocks(positions, orientations, reach):
+            linked = near.at(link[near.first] | link[near.second])
+            np.minimum.at(found, sound[linked.state], self.between.each(*world, linked)[0])
+        return found
+
     def _all_faults(self, positions: Array, orientations: Array) -> list[Verdict]:
         """FREE for every state whose poses are poses, and why not for the others."""
         verdicts = [FREE] * len(positions)

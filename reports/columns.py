@@ -49,6 +49,8 @@ COLUMNS = (
            "the cell names the metric", is_truth_error, CLOSED_FORM),
     _column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
             "in which that posture is free of overlap: how closely the avatar stays with its user", "tracker_offset_rms_free"),
+    _column("chatter", "chatter", "%", 0.05, "frames in contact in which a link goes to and fro, faster than 0.18 m/s (3 mm at "
+            "60 Hz), while its target does not", "chatter_frames"),
     _column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "

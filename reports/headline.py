@@ -18,6 +18,7 @@ BEGINS, ENDS = "<!-- headline: written by `python -m reports headline` -->", "<!
 HEAD = ("scene", "measure", "unit", "run", "value", "best")
 MEASURES = {
     "overlap": "overlap", "truth": "error to closed form", "limits": "beyond joint limits", "offset": "offset from the user",
+    "chatter": "frames in contact that shake",
     "p50": "frame time, engine only", "python": "as called from Python",
 }
 """Columns of the verdict table that the README shows, and what they are called there."""

@@ -23,12 +23,12 @@ from scenarios.files import plain, point_latest, write_json
 from scenarios.gate import bounds_of
 from scenarios.harness import outcomes
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import ADAPTER
+from scenarios.measure.timing import ADAPTER, REPEATS
 from scenarios.progress import Progress
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
 from scenarios.studies import Request, Study
-from scenarios.timing import MOST_FRAMES, REPEATS, Clocked, Turns, loaded
+from scenarios.timing import MOST_FRAMES, Clocked, Turns, loaded
 
 ENGINE, PRESET = GATED
 """Only this engine has the switches."""

@@ -46,6 +46,15 @@ METRICS: dict[str, tuple[str, str]] = {
     "still_frames": ("%", "frames in which the tracker moves more than 1 mm and nothing shown of the avatar moves"),
     "pose_jump_max": ("deg", "largest change of a joint from frame to frame beyond the tracker's own largest"),
     "root_jump_max": ("m", "largest way of a free root from frame to frame beyond the tracker's own"),
+    "chatter_frames": ("%", "share of the frames in contact (raw posture not free, or a shown link at most 5 mm from what it may "
+                       "not overlap) in which a link shakes: in 3 of the last 4 frames its origin moved faster than 0.18 m/s (3 "
+                       "mm at 60 Hz) against its motion of the frame before, as fast, and its target did not turn back"),
+    "reversal_p95": ("m", "95th percentile over frames in contact of the largest displacement that a link took back while its "
+                     "target did not turn back: the smaller of the two displacements"),
+    "jerk_ratio": ("", "95th percentile of the third differences of link origins, shown over target; a target below 20 m/s^3 "
+                   "counts as that"),
+    "silent_offset_frames": ("frames", "the raw posture has been free for half a second, a link origin is shown more than 10 cm "
+                             "from it, and the engine reports no status; an engine without statuses has all such frames"),
     "energy_added_max": ("J", "largest gain of kinetic energy that nothing explains: of a frame with no driven link near, of an "
                          "impact, links included"),
     "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),

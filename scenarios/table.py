@@ -27,6 +27,7 @@ COLUMNS = (
     Column("overlap_frames", ("frames", "over %")),
     Column("tracker_offset_rms_free", ("offset", "free mm"), 1e3),
     Column("still_frames", ("still", "%")),
+    Column("chatter_frames", ("shakes", "%")),
     Column("joint_limit_excess_max", ("limits", "deg")),
     Column("restitution_error_max", ("restit.", "error")),
     Column("frame_time_p50", ("p50", "us")),
@@ -119,7 +120,8 @@ def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapp
         body += [rule, text] if k == 0 or (ruled and row[0]) else [text]
     legend = (
         "overlap: deepest penetration of a state shown; frames over: share above 0.001 mm; raw: the tracker's own posture;",
-        "offset free: from the tracker where the way is free; still: the user moves, the avatar does not;",
+        "offset free: from the tracker where the way is free; still: the user moves, the avatar does not; shakes: frames in",
+        "contact in which a link goes to and fro while its target does not;",
         "in brackets: information about engines that are not gated.",
     )
     behind = (text[:WIDTH] for text in losing(rows, gated, families))

@@ -22,6 +22,7 @@ from scenarios.measure.limits import limit_excess
 from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
 from scenarios.measure.side import wrong_side
 from scenarios.measure.sliding import stops
+from scenarios.measure.smoothness import smoothness
 from scenarios.measure.spinning import flips, pivots
 from scenarios.measure.stillness import still_frames
 from scenarios.measure.towers import towers
@@ -67,12 +68,14 @@ def measured(recording: Recording, known: Known, most_inside: int | None = INSID
         judge = known.judge
     except ImportError as error:
         absent = Missing(f"the judge needs the package {error.name}, which is not installed", "package")
-        values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free"), absent)
+        values |= dict.fromkeys(("residual_overlap_max", "tracker_offset_rms_free", "chatter_frames"), absent)
         return Measured(values, {}, np.zeros(0))
     verdicts = judge.over_time(recording.positions, recording.orientations)
     shown = np.array([verdict.deepest for verdict in verdicts], dtype=np.float64)
     values |= residual_overlap(shown)
     values["substep_overlap_max"], note = substep_overlap(recording, judge.deepest, most_inside)
-    values |= tracker_offset(recording, scene, known.free(recording))
+    free = known.free(recording)
+    values |= tracker_offset(recording, scene, free)
+    values |= smoothness(recording, scene, free, known.contact(recording))
     notes = {"substep_overlap_max": note} if note else {}
     return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from scenarios.measure.free import free_frames, raw_states
+from scenarios.measure.smoothness import NEAR
 from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
@@ -41,3 +42,14 @@ class Known:
         if self._free is None or self._free[0] != digest.digest():
             self._free = digest.digest(), free_frames(recording, self.scenario, self.scene, self.judge.link_depths)
         return self._free[1]
+
+    def contact(self, recording: Recording) -> Flags:
+        """(F+1,) True where something holds the avatar back or could: the raw posture is not free, or a link as it is shown has a
+        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines."""
+        contact = ~self.free(recording)
+        # where the target already answers, the judge need not be asked
+        asked = ~contact
+        if self.scene.links and asked.any():
+            gaps = self.judge.link_gaps(recording.positions[asked], recording.orientations[asked], NEAR)
+            contact[asked] = ~(gaps > NEAR)
+        return contact

@@ -178,3 +178,18 @@ def test_a_pair_without_a_distance_is_never_a_pass():
     assert np.isnan(verdict.deepest)
     assert "table" in verdict.faults[0]
     assert np.isnan(judge.depths(at[None], upright(at)[None])[0]) and np.isnan(judge.deepest(at[None], upright(at)[None]))
+
+
+def test_gaps_of_links_are_measured_up_to_the_reach_and_negative_inside():
+    judge = Judge(ROOM)
+    at = np.tile(FREE, (4, 1, 1))
+    # the arm's first link above the table's face, into it, far from all, and no number
+    at[:, 4] = (-0.3, 0.0, 0.054), (-0.3, 0.0, 0.04), (-2.0, 0.0, 1.0), (np.nan, 0.0, 1.0)
+    turned = np.tile(rotation.IDENTITY, (4, len(FREE), 1))
+    gaps = judge.link_gaps(at, turned, 5e-3)
+    assert gaps[:2] == pytest.approx([judge.overlaps(at[k], turned[k], 5e-3).gap for k in (0, 1)], abs=PROMISE)
+    assert 0.0 < gaps[0] < 5e-3 and gaps[1] < -5e-3 and gaps[2] == np.inf and np.isnan(gaps[3])
+    # the ball comes near the table without a link
+    at[2, 2] = 0.0, 0.3, 0.101
+    assert judge.link_gaps(at[2:3], turned[2:3], 5e-3)[0] == np.inf
+    assert judge.overlaps(at[2], turned[2], 5e-3).gap == pytest.approx(1e-3, abs=PROMISE)

@@ -16,6 +16,7 @@ ROD = "test_spinning.py::test_a_rod_is_judged_by_its_angle_until_it_is_down"
 HALT = "test_course.py::test_a_body_with_speed_that_stays_is_a_halt"
 TOWERS = "test_course.py::test_towers_stand_up_to_the_first_ratio_that_falls"
 FOLLOWS = "test_tracker_offset.py::test_an_injected_offset_comes_out_and_free_frames_apart"
+SHAKES = "test_smoothness.py::test_an_injected_shake_comes_out"
 TURNS = "test_tracker_offset.py::test_an_injected_turn_comes_out_over_joints"
 
 METRICS_GRADED = {
@@ -44,6 +45,9 @@ METRICS_GRADED = {
     "still_frames": "test_stillness.py::test_injected_stillness_comes_out",
     "pose_jump_max": "test_jumps.py::test_a_jump_of_a_joint_comes_out_in_degrees",
     "root_jump_max": "test_jumps.py::test_a_jump_of_the_root_counts_beyond_the_users_own_way",
+    "chatter_frames": SHAKES, "reversal_p95": SHAKES,
+    "jerk_ratio": "test_smoothness.py::test_the_jerk_of_a_cubic_is_its_third_derivative",
+    "silent_offset_frames": "test_smoothness.py::test_silent_are_frames_far_off_after_half_a_second_of_free_target",
     "energy_added_max": "test_energy.py::test_an_injected_kick_comes_out_in_joules",
     "lift_energy_max": "test_energy.py::test_an_injected_lift_is_lift_and_not_gain",
     "not_finite_frames": "test_finite.py::test_each_bad_frame_counts_once",
