@@ -7,8 +7,9 @@ from scenarios.commands import Plan, carried_out, plan
 from scenarios.engines import GATED, known
 from scenarios.harness import Run
 from scenarios.studies import Request, Study, asked_in_turn
+from scenarios.sweep import short
 
-STUDIES: tuple[Study, ...] = ()
+STUDIES: tuple[Study, ...] = (short.STUDY,)
 """The studies of a comparison, in the order in which they run."""
 
 
@@ -32,4 +33,5 @@ def request_of(asked: argparse.Namespace, ran: Run) -> Request:
         job = outcome.job
         if outcome.state == "measured" and not job.base and job.preset not in presets.get(job.engine, ()):
             presets[job.engine] = (*presets.get(job.engine, ()), job.preset)
-    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full)
+    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full,
+                   ran.outcomes, ran.clocked)
