@@ -127,7 +127,7 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
         code = STOPPED
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
     rows = ran.rows()
-    about = {"form": "long", "settings": len(ran.cells), "kept": ran.kept, "repeats": clock.REPEATS}
+    about = {"form": "long", "settings": len(ran.cells), "kept": ran.kept}
     files = {ROWS: csv_text(rows, Row), ABOUT: json.dumps(about) + "\n"}
     files |= {LIMITS: csv_text(limits, limit.Row)} if limits else {}
     written(folder, asked.out.resolve() / "latest", files)

@@ -45,25 +45,30 @@ ALSO: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
 SHORT: Mapping[str, tuple[str, ...]] = {
     "avatarsim": (
         "default", "paper", "default stand_off=1e-3", "default frame=1/120", "default stand_off=2e-5", "default steps=1",
-        "default sweeps=5", "default frame=1/240", "default continuous=off", "paper rounds=4",
+        "default sweeps=5", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned DISCRETE dt=1/240", "default dt=1/240", "tuned dt=1/480",
-        "tuned DISCRETE", "tuned motors DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/1920", "tuned iterations=10",
-        "default dt=1/60", "tuned dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned motors DISCRETE dt=1/240",
+        "tuned dt=1/120", "default dt=1/240", "tuned dt=1/480", "default dt=1/60", "tuned DISCRETE", "default dt=1/1920",
+        "tuned iterations=10", "tuned dt=1/1920",
     ),
     "pybullet": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "default dt=1/960", "tuned dt=1/120", "default dt=1/60",
-        "tuned dt=1/480", "tuned dt=1/960", "tuned solver_iterations=10", "tuned solver_iterations=200", "tuned dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "default dt=1/960",
+        "tuned solver_iterations=10", "tuned dt=1/480", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
     ),
 }
-"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them."""
+"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
+is cheap, since the question is which cheap setting is accurate enough, then what is accurate at any price. What leaves out an
+effect, and with it a promise, is not among them."""
 
 BUDGET = 55.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
 of steps have too few rungs to show where an engine's error stops falling."""
 LATEST = 2.0
 """Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
+ONCE = 300
+"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how many
+it had, and has no 99th percentile."""
 RECORDED = 1.5
 """Cost of a frame that is recorded and judged, in frames: what the accuracy pass of the everyday scenes took."""
 STARTED = 0.1
@@ -147,8 +152,13 @@ def cost(cell: Cell, request: Request) -> float:
     frames = frames_of(cell, request)
     per_frame, workers = frame_cost(cell, request), max(request.jobs, 1)
     recorded = 0.0 if known_errors(cell, request) else frames * per_frame * RECORDED / workers
-    timed = 0.0 if known_times(cell, request) else min(frames, cell.most) * per_frame * REPEATS
+    timed = 0.0 if known_times(cell, request) else min(frames, cell.most) * per_frame * repeats_of(min(frames, cell.most))
     return recorded + timed + (STARTED if recorded or timed else 0.0)
+
+
+def repeats_of(frames: int) -> int:
+    """How often so many rendered frames are timed."""
+    return 1 if frames >= ONCE else REPEATS
 
 
 def frames_of(cell: Cell, request: Request) -> int:
@@ -207,7 +217,7 @@ class ShortSweep:
         write_json(self.request.folder / ABOUT, {
             "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
             "estimated": round(choice.estimated, 1), "settings": len(choice.asked), "reused": reused,
-            "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late, "repeats": REPEATS,
+            "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late,
         })
         return list(self._untimed(choice.asked))
 
@@ -230,7 +240,8 @@ class ShortSweep:
                     self.late.append(scenario)
                     continue
                 scene = [cell for cell in todo if cell.scenario == scenario]
-                clock.times(scene, seats, self.times.__setitem__, REPEATS)
+                rendered = scene[0].timed_frames // scene[0].setting.cut
+                clock.times(scene, seats, self.times.__setitem__, repeats_of(rendered))
                 print(f"sweep: {scenario}, {len(scene)} settings timed", file=sys.stderr, flush=True)
         return reused
 
