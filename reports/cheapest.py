@@ -15,8 +15,8 @@ PROFILED = (1e-3, 1e-6)
 RELATIVE: Mapping[str, float] = {"stop_distance_error_max": 0.01}
 """Errors that are a share of a way, and the length [m] of one of their units if that way is a metre: 1 % counts as 10 mm."""
 NOISE = 0.03
-"""Share by which medians of the same frames differ from one process to the next: nearer times of an engine are not told apart, and
-the simplest of such settings is named. Smaller, and the name changes from run to run."""
+"""Share by which medians of the same frames differ from one process to the next: nearer times of an engine are not told apart,
+and the simplest of such settings is named. Smaller, and the name changes from run to run."""
 FOLLOWING = ("tracker_offset_rms", "tracker_offset_rms_free")
 """How far a posture is from its user's says how an engine follows, not how accurate it is: it stands beside the cell."""
 

@@ -186,7 +186,7 @@ def protocol(sweep: Sweep) -> str:
         left, late = about.get("left"), about.get("late")
         said = [
             f"Measured in this run by a short sweep of {about.get('seconds')} s: {about.get('settings')} cells, each a setting "
-            f"in a scene; {about.get('reused')} of them are presets timed over the same frames by the timing pass, whose times stand."
+            f"in a scene; {about.get('reused')} of them are presets whose times are those of the timing pass."
         ]
         if isinstance(left, list) and left:
             said.append(f"{count(len(left), 'further cell')} did not fit into the {figure(about.get('budget'))} s that were "

@@ -67,8 +67,8 @@ of steps have too few rungs to show where an engine's error stops falling."""
 LATEST = 2.0
 """Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
 ONCE = 300
-"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how many
-it had, and has no 99th percentile."""
+"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
+many it had, and has no 99th percentile."""
 RECORDED = 1.5
 """Cost of a frame that is recorded and judged, in frames: what the accuracy pass of the everyday scenes took."""
 STARTED = 0.1
