@@ -1,15 +1,17 @@
 """Accuracy against time, from what `scenarios sweep` left in the run: points, fronts, and whether the promised ratios hold."""
 
+import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from avatarsim.errors import InvalidFile
 from reports.files import lines, number
 from reports.wording import count, figures, limit, listed
 
-ROWS = "sweep.csv"
+ROWS, ABOUT = "sweep.csv", "sweep.json"
 OURS = ("avatarsim", "default")
 OVERLAP = "residual_overlap_max"
 RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
@@ -19,7 +21,8 @@ RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 @dataclass(frozen=True)
 class Point:
     """One setting in one scene: `error` in `unit`, frame time [us] median and 99th percentile; nan with the reason in `note`.
-    `reached`: the error that counts as none. `front`: all, own or empty."""
+    `reached`: the error that counts as none. `front`: all, own or empty. `base` is the preset beneath the setting, `options` its
+    text to copy, `repeats` and `frames` what its times stand on, 0 where the file does not say."""
 
     scenario: str
     engine: str
@@ -33,6 +36,20 @@ class Point:
     front: str
     reached: float
     note: str
+    base: str = ""
+    options: str = ""
+    repeats: int = 0
+    frames: int = 0
+
+    @property
+    def family(self) -> str:
+        """Engine and preset beneath."""
+        return f"{self.engine}/{self.base or self.setting.partition(' ')[0]}"
+
+    @property
+    def is_preset(self) -> bool:
+        """Whether the setting is one of the engine's own presets."""
+        return self.setting == (self.base or self.setting.partition(" ")[0])
 
     @property
     def run(self) -> str:
@@ -112,9 +129,10 @@ class Rivalry:
 
 @dataclass(frozen=True)
 class Sweep:
-    """All points of a run."""
+    """All points of a run, and how the sweep that found them says that it went."""
 
     points: tuple[Point, ...]
+    about: Mapping[str, object] = field(default_factory=dict)
 
     @cached_property
     def rivalries(self) -> tuple[Rivalry, ...]:
@@ -134,13 +152,26 @@ class Sweep:
 def load(run_dir: Path) -> Sweep | None:
     """The file of a run; None when there is none. Raises InvalidFile for a file that is damaged."""
     found = lines(run_dir / ROWS, _point)
-    return Sweep(found) if found else None
+    return Sweep(found, _about(run_dir / ABOUT)) if found else None
+
+
+def _about(path: Path) -> Mapping[str, object]:
+    if not path.exists():
+        return {}
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InvalidFile(str(path), str(error), "the whole file that one command wrote") from error
+    if not isinstance(found, dict):
+        raise InvalidFile(str(path), type(found).__name__, "an object")
+    return found
 
 
 def _point(row: Mapping[str, str]) -> Point:
     return Point(
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
+        row.get("base") or "", row.get("options") or "", int(row.get("repeats") or 0), int(row.get("frames") or 0),
     )
 
 

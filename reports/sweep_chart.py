@@ -1,41 +1,71 @@
-"""The charts of the sweep: error against time per scene, a front per engine, and lines at 60 and 30 frames per second."""
+"""Work-precision diagrams of the sweep: error against frame time per scene, a curve per engine and preset, and all fronts."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-import altair as alt
-
-from reports.charts import Panel
-from reports.conclusions import FRAME_30_HZ, FRAME_60_HZ
-from reports.marks import FONT, HEIGHT, WIDTH
-from reports.palette import ALARM, GRID, MUTED, Stroke, strokes
-from reports.picture import picture
+from reports.cheapest import FOLLOWING, LEVELS, PROFILED, Table, at_level, table
+from reports.cheapest import sentence as cheapest_sentence
+from reports.conclusions import FRAME_60_HZ
+from reports.log_log import LogLog, decades
+from reports.palette import MUTED, Stroke, strokes
+from reports.performance_profile import Steps, profiles
+from reports.performance_profile import sentence as profile_sentence
 from reports.sweep import OURS, Point, Rivalry, Sweep, conclusion
-from reports.wording import count, limit, listed, quantity
+from reports.wording import count, limit, listed, quantity, ratio
 
 LEAST = 0.3
 """Where an error of exactly nothing is drawn, as a share of the smallest one that counts, in units that count whole things."""
+FRAME_90_HZ = 1e6 / 90.0
+"""What a display of 90 Hz allows for a whole frame [us]."""
+PROFILE_HEIGHT = 104
+"""Height of a performance profile [px]."""
+
+
+@dataclass(frozen=True)
+class SweepPanel:
+    """One diagram: its `title`, the scene and error, an SVG with its text alternative, and what it says at 1 mm."""
+
+    scenario: str
+    title: str
+    svg: str
+    conclusion: str
 
 
 def inks(sweep: Sweep) -> dict[str, Stroke]:
-    """A stroke per engine."""
-    found = strokes(f"{engine}/default" for engine in sweep.engines)
-    return {run.split("/")[0]: stroke for run, stroke in found.items()}
+    """A stroke per engine and preset beneath, the engine's own default solid."""
+    return strokes(point.family for point in sweep.points)
 
 
-def panels(sweep: Sweep) -> list[Panel]:
-    """One panel per scene and error, those that lose first."""
+def panels(sweep: Sweep, found: Table | None = None) -> tuple[list[SweepPanel], list[SweepPanel]]:
+    """The first error of every scene, and its other errors; scenes in the order of the file."""
+    found = found or table(sweep)
     times = [p.p50 for p in sweep.points if p.p50 > 0.0]
     if not times:
-        return []
-    made = list[Panel]()
-    for rivalry in sweep.rivalries:
-        if any(p.p50 > 0.0 and p.floored == p.floored for p in rivalry.points):
-            text = f"{rivalry.scenario}. {rivalry.metric} against median frame time. {_front_words(rivalry)}"
-            spec = _spec(rivalry, inks(sweep), times)
-            title = f"{rivalry.scenario}: {rivalry.metric.removesuffix('_max').replace('_', ' ')}"
-            made.append(Panel(title, picture(spec, text, f"w{len(made)}"), _said(rivalry)))
-    return made
+        return [], []
+    span = 10.0 ** math.floor(math.log10(min(times))), max(2.0 * FRAME_60_HZ, 1.2 * max(times))
+    ink, firsts, others = inks(sweep), list[SweepPanel](), list[SweepPanel]()
+    told = {block.scenario: at_level(block, 1e-3, found.engines) for block in found.blocks}
+    by_place = {(r.scenario, r.metric): r for r in sweep.rivalries}
+    # the file names the error first that says most about its scene
+    for place in dict.fromkeys((p.scenario, p.metric) for p in sweep.points):
+        rivalry = by_place[place]
+        if any(_usable(p) for p in rivalry.points):
+            title = f"{rivalry.scenario}: {rivalry.metric.removesuffix('_max').removesuffix('_rms_free').replace('_', ' ')}"
+            first = all(panel.scenario != rivalry.scenario for panel in firsts)
+            said = told.get(rivalry.scenario, "") if first else f"Outcome: {rivalry.said}."
+            made = SweepPanel(rivalry.scenario, title, _drawn(rivalry, ink, span), said + _spoilt(rivalry))
+            (firsts if first else others).append(made)
+    return firsts, others
+
+
+def _usable(point: Point) -> bool:
+    return point.p50 > 0.0 and point.floored == point.floored
+
+
+def _spoilt(rivalry: Rivalry) -> str:
+    crossed = tuple(f"{p.run} ({p.state})" for p in rivalry.spoilt if p.state != "not-measured")
+    return f" Crosses: {listed(crossed, 3)}." if crossed else ""
 
 
 def _front_words(rivalry: Rivalry) -> str:
@@ -43,78 +73,156 @@ def _front_words(rivalry: Rivalry) -> str:
     return f"On the front: {listed(said, 9)}."
 
 
-def _said(rivalry: Rivalry) -> str:
-    ours = rivalry.ours
-    mine = "" if ours is None else f" Ours: {quantity(ours.error, ours.unit)} in {quantity(ours.p50, 'us')}."
-    spoilt = f" Crosses: {listed(tuple(f'{p.run} ({p.state})' for p in rivalry.spoilt), 3)}." if rivalry.spoilt else ""
-    return f"Outcome: {rivalry.said}.{mine}{spoilt}"
+def tooltip(point: Point) -> str:
+    """Everything about one point: run, error, time and what it stands on, options."""
+    stands = f", {point.repeats} × {point.frames} frames" if point.repeats else ""
+    time = f"{quantity(point.p50, 'us')} per frame (median{stands})" if point.p50 > 0.0 else "not timed"
+    error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
+    state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
+    return f"{point.run}: {error}, {time}{state}" + (f"\n{point.options}" if point.options else "")
 
 
-def _drawn(point: Point, floor: float) -> float:
-    return max(point.floored, floor)
+def short_name(point: Point) -> str:
+    """What a setting changes against the preset beneath, or the preset: the colour says the engine, the dash the preset."""
+    changed = point.setting.removeprefix(f"{point.base} ") if point.base else point.setting
+    return changed.replace("dt=", "").replace("motors DISCRETE", "motors")
 
 
-def _spec(rivalry: Rivalry, ink: Mapping[str, Stroke], times: Sequence[float]) -> dict[str, object]:
+def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float]) -> str:
     """Logarithmic both ways; time on one scale for all panels, error on the scene's own, the floor being what counts as none."""
-    usable = [p for p in rivalry.points if p.p50 > 0.0 and p.floored == p.floored]
+    usable = [p for p in rivalry.points if _usable(p)]
     floor = rivalry.points[0].reached or LEAST
-    low = math.floor(math.log10(floor) + 1e-9)
-    high = max(math.ceil(math.log10(max(_drawn(p, floor) for p in usable)) + 1e-9), low + 1)
-    left, right = math.floor(math.log10(min(times))), math.ceil(math.log10(max(*times, 1.2 * FRAME_30_HZ)))
-    dots = [
-        {"engine": p.engine, "us": float(f"{p.p50:.4g}"), "error": float(f"{_drawn(p, floor):.4g}"), "size": _size(p)}
-        for p in usable
-    ]
-    steps = [
-        {"engine": engine, "us": float(f"{us:.4g}"), "error": float(f"{error:.4g}"), "k": k}
-        for engine in ink for k, (us, error) in enumerate(_front(usable, engine, floor, 10.0**right))
-    ]
-    crosses = [
-        {"engine": p.engine, "us": p.p50 if p.p50 > 0.0 else 10.0**right, "error": 10.0**high} for p in rivalry.spoilt
-    ]
-    colour = alt.Color("engine:N", legend=None, scale=alt.Scale(domain=list(ink), range=[s.light for s in ink.values()]))
-    x = alt.X("us:Q", title=None, scale=alt.Scale(type="log", domain=[10.0**left, 10.0**right], clamp=True), axis=alt.Axis(
-        values=[10.0**k for k in range(left, right + 1)], labelExpr=_names(range(left, right + 1), "us", ""), grid=False))
-    every = max(1, (high - low + 3) // 4)
-    ticks = range(low, high + 1, every)
-    y = alt.Y("error:Q", title=None, scale=alt.Scale(type="log", domain=[10.0**low, 10.0**high], clamp=True), axis=alt.Axis(
-        values=[10.0**k for k in ticks], labelExpr=_names(ticks, rivalry.unit, "≤ ")))
-    layers = [
-        alt.Chart({"values": [{"us": FRAME_60_HZ}, {"us": FRAME_30_HZ}]}).mark_rule(
-            color=ALARM[0], strokeDash=[4, 3], strokeWidth=1).encode(x="us:Q"),
-        alt.Chart({"values": steps}).mark_line(interpolate="step-after", strokeWidth=1.4, opacity=0.7).encode(
-            x=x, y=y, color=colour, order="k:Q"),
-        alt.Chart({"values": dots}).mark_point(filled=True, opacity=0.85).encode(
-            x=x, y=y, color=colour, size=alt.Size("size:Q", scale=None)),
-        alt.Chart({"values": crosses}).mark_point(shape="cross", size=36, angle=45, filled=True).encode(x=x, y=y, color=colour),
-    ]
-    chart = alt.layer(*layers).properties(width=WIDTH, height=HEIGHT, background="transparent").configure(
-        font=FONT, padding={"left": 4, "top": 4, "right": 12, "bottom": 2}, view=alt.ViewConfig(stroke=None)
-    ).configure_axis(labelColor=MUTED[0], gridColor=GRID[0], domain=False, tickColor=GRID[0], labelFontSize=10, tickSize=3)
-    return dict(chart.to_dict())
+    low = 10.0 ** math.floor(math.log10(floor) + 1e-9)
+    high = 10.0 ** max(math.ceil(math.log10(max(max(p.floored, floor) for p in usable)) + 1e-9), round(math.log10(low)) + 1)
+    chart = LogLog(span, (low, high))
+    for k, value in enumerate(decades(*span)):
+        chart.x_tick(value, limit(value, "us") if k % 2 == 0 else "")
+    ticks = decades(low, high)
+    for k, value in enumerate(ticks):
+        every = max(1, (len(ticks) + 3) // 5)
+        if k % every == 0:
+            chart.y_tick(value, f"{'≤ ' if k == 0 else ''}{limit(value, rivalry.unit)}")
+    # the two stand close together: one name ends at its line, the other starts at its own
+    chart.x_limit(FRAME_90_HZ, "90", "end")
+    chart.x_limit(FRAME_60_HZ, "60 Hz", "start")
+    chart.line([(p.p50, max(p.floored, floor)) for p in rivalry.front] + _end(rivalry.front, floor, span[1]), MUTED[0], width=5.0,
+               opacity=0.25, steps=True)
+    for family, stroke in ink.items():
+        own = family_front([p for p in usable if p.family == family])
+        dash = "" if stroke.dash[1] == 0 else " ".join(map(str, stroke.dash))
+        chart.line([(p.p50, max(p.floored, floor)) for p in own], stroke.light, dash)
+    for point in sorted(usable, key=_rank, reverse=True):
+        preset = point.is_preset
+        ours = (point.engine, point.setting) == OURS
+        radius, filled = 4.5 if ours else 3.3 if preset else 2.3, bool(point.front) or preset
+        chart.dot(point.p50, max(point.floored, floor), ink[point.family].light, tooltip(point), radius, filled)
+    for point in rivalry.spoilt:
+        if point.state != "not-measured":
+            chart.cross(point.p50 if point.p50 > 0.0 else span[1], high, ink[point.family].light, tooltip(point))
+    for point in sorted(usable, key=_rank):
+        chart.label(point.p50, max(point.floored, floor), short_name(point), ink[point.family].light)
+    return chart.svg(f"{rivalry.scenario}. {rivalry.metric} against median frame time. {_front_words(rivalry)}")
 
 
-def _size(point: Point) -> int:
-    """Ours as it comes out of the box is the largest dot; presets are larger than what was turned."""
-    return 90 if (point.engine, point.setting) == OURS else 34 if " " not in point.setting else 16
+def _end(front: Sequence[Point], floor: float, right: float) -> list[tuple[float, float]]:
+    """The staircase of a front goes on to the right end of the chart."""
+    return [(right, max(front[-1].floored, floor))] if front else []
 
 
-def _names(powers: Sequence[int] | range, unit: str, first: str) -> str:
-    """A Vega expression that says powers of ten in a unit, the first of them with a word before it."""
-    said = ",".join(f"'{k}':'{first if k == powers[0] else ''}{limit(10.0**k, unit)}'" for k in powers)
-    return f"{{{said}}}[round(log(datum.value)/log(10))]"
+def _rank(point: Point) -> tuple[int, float]:
+    """Which points are labelled first: those on the front of all, presets, those on their engine's front."""
+    return {"all": 0, "own": 2}.get(point.front, 3) - (1 if point.is_preset and point.front != "all" else 0), point.p50
 
 
-def _front(points: Sequence[Point], engine: str, floor: float, end: float) -> list[tuple[float, float]]:
-    """The front of one engine as corners of a staircase, out to the longest time."""
-    own = sorted((p.p50, _drawn(p, floor)) for p in points if p.engine == engine and p.front)
-    return [*own, (end, own[-1][1])] if own else []
+def family_front(points: Sequence[Point]) -> list[Point]:
+    """The points of one family that no other of it beats in both time and error, fastest first."""
+    found, least = list[Point](), math.inf
+    for point in sorted(points, key=lambda p: (p.p50, p.floored)):
+        if point.floored < least:
+            found.append(point)
+            least = point.floored
+    return found
+
+
+@dataclass(frozen=True)
+class ProfilePanel:
+    """The performance profile at one accuracy."""
+
+    title: str
+    svg: str
+    conclusion: str
+
+
+def profile_panels(found: Table) -> list[ProfilePanel]:
+    """One chart per accuracy in PROFILED."""
+    ink = {run.split("/")[0]: stroke for run, stroke in strokes(f"{engine}/default" for engine in found.engines).items()}
+    made = []
+    for level in PROFILED:
+        steps = profiles(found, level)
+        said = profile_sentence(steps, level, len(found.blocks))
+        made.append(ProfilePanel(f"At most {limit(level, 'm')}", _profile(steps, ink, said), said))
+    return made
+
+
+def _profile(found: Mapping[str, Steps], ink: Mapping[str, Stroke], said: str) -> str:
+    most = max([10.0, *(factor for steps in found.values() for factor, _ in steps)])
+    right = 10.0 ** math.ceil(math.log10(most) + 1e-9)
+    chart = LogLog((1.0, right), (0.0, 1.0), PROFILE_HEIGHT, linear_y=True)
+    for value in decades(1.0, right):
+        chart.x_tick(value, f"×{value:,.0f}")
+    for share in (0.0, 0.5, 1.0):
+        chart.y_tick(share, f"{share:.0%}")
+    for engine, steps in found.items():
+        chart.line([*steps, (right, steps[-1][1])], ink[engine].light, width=2.0, steps=True)
+    for engine, steps in sorted(found.items(), key=lambda entry: -entry[1][-1][1]):
+        chart.end_label(steps[-1][1], engine, ink[engine].light)
+    return chart.svg(f"Share of scenes solved within a factor of the fastest engine. {said}")
+
+
+def protocol(sweep: Sweep) -> str:
+    """How the points were found, from what the sweep said of itself."""
+    about, form = sweep.about, sweep.about.get("form")
+    if form == "short":
+        left, late = about.get("left"), about.get("late")
+        said = [
+            f"Measured in this run by a short sweep of {about.get('seconds')} s: {about.get('settings')} cells, each a setting "
+            f"in a scene; {about.get('reused')} of them are presets whose times are those of the timing pass."
+        ]
+        if isinstance(left, list) and left:
+            said.append(f"{count(len(left), 'further cell')} did not fit into the {figure(about.get('budget'))} s that were "
+                        "planned; they are listed below, and make sweep measures them.")
+        if isinstance(late, list) and late:
+            said.append(f"Not timed, because time had run out: {listed(tuple(map(str, late)))}.")
+        return " ".join(said)
+    if form == "long":
+        return (f"Measured by the long sweep (make sweep): {about.get('settings')} cells, of which {about.get('kept')} were kept "
+                "from earlier sweeps with the same code on the same processor.")
+    return "The file does not say which sweep these points come from."
+
+
+def figure(value: object) -> str:
+    """A number of the file without idle digits."""
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+def left_out(sweep: Sweep) -> list[tuple[str, str]]:
+    """(scene, settings) of what did not fit."""
+    left = sweep.about.get("left")
+    found: dict[str, list[str]] = {}
+    for entry in left if isinstance(left, list) else ():
+        scene, _, run = str(entry).partition(": ")
+        found.setdefault(scene, []).append(run)
+    return [(scene, ", ".join(runs)) for scene, runs in found.items()]
 
 
 def section(sweep: Sweep) -> dict[str, object]:
     """What the section is made of."""
-    lost = sum(r.lost for r in sweep.rivalries)
+    lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
+    first, other = panels(sweep, found)
     return {
-        "sweep_conclusion": conclusion(sweep), "sweep_panels": panels(sweep), "sweep_inks": inks(sweep),
-        "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost",
+        "sweep_conclusion": conclusion(sweep), "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
+        "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
+        "cheapest_said": cheapest_sentence(found), "profile_panels": profile_panels(found) if found.blocks else [],
+        "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_ratio": ratio,
+        "following": FOLLOWING,
     }

@@ -9,8 +9,9 @@ from scenarios.engines import GATED, known
 from scenarios.harness import Run
 from scenarios.stability import slice as stability
 from scenarios.studies import Request, Study, asked_in_turn
+from scenarios.sweep import short
 
-STUDIES: tuple[Study, ...] = (stability.STUDY, ablation.STUDY, judge_trust.STUDY)
+STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, stability.STUDY, judge_trust.STUDY)
 """The studies of a comparison, in the order in which they run."""
 
 
@@ -34,4 +35,5 @@ def request_of(asked: argparse.Namespace, ran: Run) -> Request:
         job = outcome.job
         if outcome.state == "measured" and not job.base and job.preset not in presets.get(job.engine, ()):
             presets[job.engine] = (*presets.get(job.engine, ()), job.preset)
-    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full)
+    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full,
+                   ran.outcomes, ran.clocked)

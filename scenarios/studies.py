@@ -6,12 +6,14 @@ A study is the short form of a command of its own (`sweep`, `stability`, `ablate
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
+from scenarios.job import Outcome
 from scenarios.run import described
 from scenarios.scenario import Scenario
+from scenarios.timing import Clocked
 
 
 @dataclass(frozen=True)
@@ -19,7 +21,8 @@ class Request:
     """What a study may ask about: `scenarios` by name and `presets` by engine (those that took part and could be opened).
 
     `folder` is the run's own, `out` that of all runs, in which a store may live; `seed` that of motions and engines; `jobs` how
-    many processes may run side by side; `full` asks for full lengths.
+    many processes may run side by side; `full` asks for full lengths. `outcomes` and `clocked` are what both passes of the run
+    gave, by the stem of the job.
     """
 
     folder: Path
@@ -29,6 +32,8 @@ class Request:
     jobs: int
     seed: int
     full: bool
+    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
+    clocked: Mapping[str, Clocked] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from scenarios.sweep import finer
 from scenarios.sweep.grid import Setting
 
 TIMED = 240
-"""Rendered frames that are timed, four seconds: all scenes come into contact within them."""
+"""Rendered frames that the long sweep times, four seconds: all of its scenes come into contact within them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +25,8 @@ class Cell:
     full: bool = False
     frames: int | None = None
     catalogue: str = CATALOGUE
+    most: int = TIMED
+    """Rendered frames that are timed at most."""
 
     @cached_property
     def job(self) -> Job:
@@ -37,7 +39,7 @@ class Cell:
     @property
     def timed_frames(self) -> int:
         """Frames that are timed, as the engine is advanced."""
-        limit = TIMED if self.frames is None else min(TIMED, self.frames)
+        limit = self.most if self.frames is None else min(self.most, self.frames)
         return self.setting.cut * min(limit, catalog.get(self.scenario).as_run(self.full).frames)
 
     @cached_property

@@ -15,6 +15,8 @@ compared were timed further apart."""
 REPEATS = 2
 """How often the frames of a cell are run. One could not tell a disturbance from a frame's own cost; a third would be a quarter of
 the time a sweep takes and tells less: two threes of six repeats differ as much as the three pairs do."""
+TAIL_FRAMES, TAIL_REPEATS = 200, 3
+"""A 99th percentile is stated from so many frames and repeats on: with fewer, it is a frame or two, and what disturbed these."""
 
 
 def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
@@ -30,26 +32,32 @@ def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
     return [dealt[k : k + AT_ONE_TABLE] for k in range(0, len(dealt), AT_ONE_TABLE)]
 
 
-def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None]) -> None:
-    """Time all `cells` of one scene; `done` gets the entry of each as soon as its group has ended."""
+def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None], repeats: int = REPEATS) -> None:
+    """Time all `cells` of one scene, `repeats` times each; `done` gets the entry of each as soon as its group has ended."""
     for group in tables(cells):
         # the first of an engine at a table has one process at all tables, the second another: starting takes longer than timing
         engines = [cell.setting.engine for cell in group]
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         clocked = timed_pass(
             [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
-            seats=[seats.at(chair) for chair in chairs], repeats=REPEATS,
+            seats=[seats.at(chair) for chair in chairs], repeats=repeats,
         )
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut))
 
 
 def time_entry(found: Clocked, cut: int) -> Entry:
-    """Median and 99th percentile of a rendered frame [us], engine only, each frame the least of its repeats; None and why."""
+    """Median and 99th percentile of a rendered frame [us], engine only, each frame the least of its `repeats`; None and why. A
+    percentile that too few `frames` or repeats stand behind is None as well."""
     if found.timed is None:
-        return {"run": found.job.run, "p50": None, "p99": None, "note": found.note}
-    p50, p99 = np.percentile(rendered(found.timed.best_us, cut), (50, 99))
-    return {"run": found.job.run, "p50": float(p50), "p99": float(p99), "note": found.note}
+        return {"run": found.job.run, "p50": None, "p99": None, "repeats": 0, "frames": 0, "note": found.note}
+    whole, repeats = rendered(found.timed.best_us, cut), len(found.timed.around_ns)
+    p50, p99 = np.percentile(whole, (50, 99))
+    enough = len(whole) >= TAIL_FRAMES and repeats >= TAIL_REPEATS
+    return {
+        "run": found.job.run, "p50": float(p50), "p99": float(p99) if enough else None, "repeats": repeats, "frames": len(whole),
+        "note": found.note,
+    }
 
 
 def rendered(parts_us: Iterable[float], cut: int) -> list[float]:

@@ -26,10 +26,11 @@ from scenarios.sweep.grid import applicable, settings_of
 from scenarios.sweep.limits_run import converge
 from scenarios.sweep.limits_run import table as limits_table
 from scenarios.sweep.rows import Row, rows_of, with_fronts
+from scenarios.sweep.short import ABOUT, ROWS
 from scenarios.sweep.table import table
 from scenarios.sweep.telling import errors_of, swept, swept_engines
 
-FOLDER, ROWS, LIMITS = "sweep", "sweep.csv", "convergence.csv"
+FOLDER, LIMITS = "sweep", "convergence.csv"
 """Folder of all sweeps below `--out`, which keeps what was found for ever, and the files of rows."""
 ERRORS, TIMES = "errors", "times"
 """Kinds of entries in the store."""
@@ -61,6 +62,8 @@ class Sweep:
                 self.errors[cell] = found
             if (found := store.get(TIMES, cell.time_key)) is not None:
                 self.times[cell] = found
+        self.kept = len(self.times)
+        """Settings whose times were known before, kept by the hash of the code and the processor."""
 
     def measure(self, workers: int) -> None:
         """Find the errors that are not known."""
@@ -124,7 +127,9 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
         code = STOPPED
         print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
     rows = ran.rows()
-    files = {ROWS: csv_text(rows, Row), **({LIMITS: csv_text(limits, limit.Row)} if limits else {})}
+    about = {"form": "long", "settings": len(ran.cells), "kept": ran.kept}
+    files = {ROWS: csv_text(rows, Row), ABOUT: json.dumps(about) + "\n"}
+    files |= {LIMITS: csv_text(limits, limit.Row)} if limits else {}
     written(folder, asked.out.resolve() / "latest", files)
     text = "\n".join(part for part in (table(rows), limits_table(limits)) if part)
     print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else text)

@@ -79,7 +79,7 @@ DISCRETE = {"integrator": "DISCRETE", "refsafe": False, "contact": "soft", "cont
 MUJOCO = (
     Setting("mujoco", "default", "default"),
     Setting("mujoco", "tuned", "tuned"),
-    *_steps("mujoco", "default", (60, 240)),
+    *_steps("mujoco", "default", (60, 240, 1920)),
     *_steps("mujoco", "tuned", (60, 120, 240, 480, 1920)),
     _mujoco("iterations=10", iterations=10),
     _mujoco("cone=PYRAMIDAL", cone="PYRAMIDAL"),

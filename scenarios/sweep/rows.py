@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from scenarios.found.store import Entry
 from scenarios.metrics import unit
 from scenarios.sweep.cell import Cell
+from scenarios.sweep.copyable import copyable
 from scenarios.sweep.pareto import front
 
 WRONG_SIDE, NOT_FINITE = "wrong_side_frames", "not_finite_frames"
@@ -22,7 +23,8 @@ class Row:
 
     `state`: measured; wrong-side (the error is small because something went through a wall), not-finite, crashed, cannot-say,
     not-measured, refused. `front`: "all" on the front of all engines, "own" on that of its own engine only, else empty.
-    `reached`: the error that counts as none.
+    `reached`: the error that counts as none. `base` is the preset beneath the setting, `options` the setting as text to copy,
+    `repeats` and `frames` what its times stand on.
     """
 
     scenario: str
@@ -37,11 +39,16 @@ class Row:
     front: str
     reached: float
     note: str
+    base: str = ""
+    options: str = ""
+    repeats: int = 0
+    frames: int = 0
 
 
 def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Entry | None) -> list[Row]:
     """The rows of one cell: a row per error that applies, or one with the reason where nothing was measured."""
     p50, p99 = (_number(clocked, name) for name in ("p50", "p99"))
+    repeats, frames = (0 if clocked is None else int(clocked.get(name, 0)) for name in ("repeats", "frames"))
     state, note = ("not-measured", "not run yet") if found is None else (found["state"], found["note"])
     values = {} if found is None else found["values"]
     missing = {} if found is None else found["missing"]
@@ -53,7 +60,10 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Ent
         why = _state(state, metric, values)
         said = note or missing.get(metric, "") or ("" if clocked is None or clocked["p50"] else clocked["note"])
         engine, name, of = cell.setting.engine, cell.setting.name, unit(metric)
-        rows.append(Row(cell.scenario, engine, name, metric, of, error, p50, p99, why, "", REACHED.get(of, 0.0), said))
+        rows.append(Row(
+            cell.scenario, engine, name, metric, of, error, p50, p99, why, "", REACHED.get(of, 0.0), said, cell.setting.base,
+            copyable(cell.setting), repeats, frames,
+        ))
     return rows
 
 

@@ -21,8 +21,16 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     timed = Timed(np.array([[4000, 2000, 8000, 1000], [3000, 5000, 6000, 1000]], dtype=np.int64))
     found = time_entry(Clocked(job, timed, "2 repeats"), 2)
     # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
-    assert found["p50"] == pytest.approx(6.0) and found["p99"] == pytest.approx(6.98)
-    assert time_entry(Clocked(job, None, "it died"), 1) == {"run": job.run, "p50": None, "p99": None, "note": "it died"}
+    assert found["p50"] == pytest.approx(6.0) and (found["repeats"], found["frames"]) == (2, 2)
+    none = {"run": job.run, "p50": None, "p99": None, "repeats": 0, "frames": 0, "note": "it died"}
+    assert time_entry(Clocked(job, None, "it died"), 1) == none
+
+
+@pytest.mark.parametrize(("repeats", "frames", "stated"), [(3, 200, True), (2, 200, False), (3, 199, False)])
+def test_a_tail_needs_frames_and_repeats_behind_it(repeats: int, frames: int, stated: bool) -> None:
+    timed = Timed(np.full((repeats, frames), 4000, dtype=np.int64))
+    found = time_entry(Clocked(Job("stop_distance", "mujoco", "tuned"), timed), 1)
+    assert found["p50"] == 4.0 and found["p99"] == (4.0 if stated else None)
 
 
 def test_every_group_has_every_engine() -> None:

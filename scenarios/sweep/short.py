@@ -1,0 +1,271 @@
+"""The short sweep of a comparison: a few settings of every engine in the everyday scenes and in scenes with a closed form.
+
+All figures are of the run itself: errors of presets, and times of those whose every frame was timed, are taken from its two
+passes; everything else is measured here. The store of the long sweep is not read. A budget of time decides what is asked.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from scenarios.csv_rows import csv_text
+from scenarios.engines import BASELINE
+from scenarios.files import write_json, write_text
+from scenarios.found.store import Entry
+from scenarios.harness import tidy
+from scenarios.job import Outcome
+from scenarios.own_settings import OwnSettings
+from scenarios.scenario import Scenario
+from scenarios.seats import Seats
+from scenarios.side_by_side import side_by_side
+from scenarios.studies import Request, Study
+from scenarios.sweep import clock, measure
+from scenarios.sweep.cell import Cell
+from scenarios.sweep.grid import Setting, applicable, settings_of
+from scenarios.sweep.rows import Row, rows_of, with_fronts
+from scenarios.sweep.telling import OFFSET, OVERLAP
+from scenarios.timing import MOST_FRAMES, REPEATS
+
+ROWS, ABOUT = "sweep.csv", "sweep.json"
+"""Points, and how they came about: which sweep, how long it took, what was left out."""
+
+PHENOMENA: Mapping[str, tuple[str, ...]] = {
+    "bounce_ladder": ("apex_error_max", OVERLAP),
+    "stop_distance": ("stop_distance_error_max", OVERLAP),
+    "slide_to_roll": ("course_error_max", OVERLAP),
+    "coupling_sweep": ("course_error_max", OVERLAP),
+    "stack_ten": (OVERLAP, "drift_max"),
+    "driven_10cm_wall": (OVERLAP, OFFSET),
+}
+"""Scene -> its errors, the first is drawn: bounce, stop by friction, roll, spring of eq. 6, rest, a driven body at a wall."""
+ALSO: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
+"""Everyday scenes with a closed form; of all others the penetration counts, and the offset from the tracker stands beside it."""
+
+SHORT: Mapping[str, tuple[str, ...]] = {
+    "avatarsim": (
+        "default", "paper", "default stand_off=1e-3", "default frame=1/120", "default stand_off=2e-5", "default steps=1",
+        "default sweeps=5", "default frame=1/240", "paper rounds=4",
+    ),
+    "mujoco": (
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned motors DISCRETE dt=1/240",
+        "tuned dt=1/120", "default dt=1/240", "tuned dt=1/480", "default dt=1/60", "tuned DISCRETE", "default dt=1/1920",
+        "tuned iterations=10", "tuned dt=1/1920",
+    ),
+    "pybullet": (
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "default dt=1/960",
+        "tuned solver_iterations=10", "tuned dt=1/480", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
+    ),
+}
+"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
+is cheap, since the question is which cheap setting is accurate enough, then what is accurate at any price. What leaves out an
+effect, and with it a promise, is not among them."""
+
+BUDGET = 55.0
+"""Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
+of steps have too few rungs to show where an engine's error stops falling."""
+LATEST = 2.0
+"""Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
+ONCE = 300
+"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
+many it had, and has no 99th percentile."""
+RECORDED = 1.5
+"""Cost of a frame that is recorded and judged, in frames: what the accuracy pass of the everyday scenes took."""
+STARTED = 0.1
+"""Time [s] that a setting costs in a scene besides its frames: loads, and the judge's start."""
+UNKNOWN = 2e-3
+"""Time of a frame [s] of an engine of which nothing is known in a scene."""
+COARSE = 0.25
+"""Least share of a frame's cost that is left when the steps are coarser: what does not go with their number."""
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """What is asked and what is left out, with the estimated time [s] of all that is asked."""
+
+    asked: tuple[Cell, ...]
+    left: tuple[tuple[Cell, float], ...]
+    estimated: float
+
+
+def errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
+    """The errors of a scene in the short sweep; none for a scene that is not in it."""
+    if name in PHENOMENA:
+        return PHENOMENA[name]
+    return ALSO.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()
+
+
+def cells_of(request: Request) -> list[Cell]:
+    """Every setting of the short grid, and every row of the user's own, in every scene in which it changes anything, in the order
+    of the budget: first of each engine's list in all scenes, then the second, and so on."""
+    own: dict[str, list[OwnSettings]] = {}
+    for outcome in request.outcomes.values():
+        job = outcome.job
+        if job.base:
+            own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
+    ranked: list[tuple[int, Cell]] = []
+    for name, scenario in request.scenarios.items():
+        if not errors_of(name, scenario):
+            continue
+        scene = scenario.as_run(request.full).build()
+        for engine, presets in request.presets.items():
+            if engine == BASELINE:
+                continue
+            rows = own.get(name, ())
+            rank = {named: k for k, named in enumerate(SHORT.get(engine, presets))} | {row.name: 0 for row in rows}
+            for setting in settings_of(engine, presets, rows):
+                if setting.name in rank and setting.base in presets and applicable(setting, scene):
+                    cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
+                    ranked.append((rank[setting.name], cell))
+    return [cell for _, cell in sorted(ranked, key=lambda entry: entry[0])]
+
+
+def recorded_as(cell: Cell) -> str:
+    """The stem under which the run's own passes know a cell: presets and the user's rows only."""
+    setting = cell.setting
+    return f"{cell.scenario}.{setting.engine}.{setting.name}.{cell.seed}"
+
+
+def frame_cost(cell: Cell, request: Request) -> float:
+    """Estimated time [s] of a rendered frame: what the preset beneath took in the accuracy pass, by how much finer it steps."""
+    setting = cell.setting
+    base = request.outcomes.get(f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}")
+    if base is None or not base.frame_seconds > 0.0:
+        known = [o.frame_seconds for o in request.outcomes.values() if o.job.engine == setting.engine]
+        return max(known, default=UNKNOWN) * setting.cut
+    return base.frame_seconds * setting.cut * _finer(setting, base)
+
+
+def _finer(setting: Setting, base: Outcome) -> float:
+    """How many times as many steps a frame has as with the preset beneath; 1 where that is not known."""
+    settings = base.about.get("settings")
+    found = settings.get("dt") if isinstance(settings, Mapping) else None
+    before = found[0] if isinstance(found, list | tuple) else found
+    after = setting.options.get("dt")
+    if not isinstance(before, int | float) or not isinstance(after, int | float) or not before > 0.0 or not after > 0.0:
+        return 1.0
+    return max(COARSE, before / after)
+
+
+def cost(cell: Cell, request: Request) -> float:
+    """Estimated time [s] of what is still to be measured of a cell."""
+    frames = frames_of(cell, request)
+    per_frame, workers = frame_cost(cell, request), max(request.jobs, 1)
+    recorded = 0.0 if known_errors(cell, request) else frames * per_frame * RECORDED / workers
+    timed = 0.0 if known_times(cell, request) else min(frames, cell.most) * per_frame * repeats_of(min(frames, cell.most))
+    return recorded + timed + (STARTED if recorded or timed else 0.0)
+
+
+def repeats_of(frames: int) -> int:
+    """How often so many rendered frames are timed."""
+    return 1 if frames >= ONCE else REPEATS
+
+
+def frames_of(cell: Cell, request: Request) -> int:
+    """Rendered frames of the cell's scene at the length that is run."""
+    return request.scenarios[cell.scenario].as_run(request.full).frames
+
+
+def known_errors(cell: Cell, request: Request) -> Entry | None:
+    """What the accuracy pass of the run measured of a cell: the same job by the same judge."""
+    outcome = request.outcomes.get(recorded_as(cell))
+    return None if outcome is None else measure.entry_of(outcome)
+
+
+def known_times(cell: Cell, request: Request) -> Entry | None:
+    """What the timing pass of the run says of a cell, if it timed all the frames that are timed here."""
+    clocked = request.clocked.get(recorded_as(cell))
+    if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
+        return None
+    return clock.time_entry(clocked, cell.setting.cut)
+
+
+def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
+    """Each cell in turn that still fits into `budget` [s]; what does not fit is left out, and a cheaper one after it may fit."""
+    asked, left, spent = list[Cell](), list[tuple[Cell, float]](), 0.0
+    for cell in cells:
+        each = cost(cell, request)
+        if spent + each <= budget:
+            asked.append(cell)
+            spent += each
+        else:
+            left.append((cell, each))
+    return Choice(tuple(asked), tuple(left), spent)
+
+
+@dataclass(eq=False)
+class ShortSweep:
+    """One short sweep; `now` is a clock [s]."""
+
+    request: Request
+    budget: float = BUDGET
+    now: Callable[[], float] = time.monotonic
+    errors: dict[Cell, Entry] = field(default_factory=dict)
+    times: dict[Cell, Entry] = field(default_factory=dict)
+    late: list[str] = field(default_factory=list)
+
+    def ask(self) -> list[str]:
+        """Measure what was chosen and write both files; returns a sentence for each time that could not be taken."""
+        begun, cells = self.now(), cells_of(self.request)
+        if not cells:
+            return []
+        choice = chosen(cells, self.request, self.budget)
+        self._measure(choice.asked)
+        reused = self._clock(choice.asked, begun)
+        rows = with_fronts([row for cell in cells for row in self._rows(cell, dict(choice.left))])
+        write_text(self.request.folder / ROWS, csv_text(rows, Row))
+        write_json(self.request.folder / ABOUT, {
+            "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
+            "estimated": round(choice.estimated, 1), "settings": len(choice.asked), "reused": reused,
+            "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late,
+        })
+        return list(self._untimed(choice.asked))
+
+    def _measure(self, cells: Sequence[Cell]) -> None:
+        self.errors = {cell: entry for cell in cells if (entry := known_errors(cell, self.request)) is not None}
+        todo = {cell.job.stem: cell for cell in cells if cell not in self.errors}
+        # scene by scene: a process finds the scene again that it had before
+        jobs = sorted((cell.job for cell in todo.values()), key=lambda job: job.scenario)
+        for job, entry in measure.told(side_by_side(measure.errors, jobs, self.request.jobs, tidy)):
+            self.errors[todo[job.stem]] = entry
+
+    def _clock(self, cells: Sequence[Cell], begun: float) -> int:
+        """Time what ran through, scene by scene; returns of how many cells the run's own times were taken."""
+        ran = [cell for cell in cells if self.errors[cell]["state"] == "measured"]
+        self.times = {cell: entry for cell in ran if (entry := known_times(cell, self.request)) is not None}
+        reused, todo = len(self.times), [cell for cell in ran if cell not in self.times]
+        with Seats() as seats:
+            for scenario in dict.fromkeys(cell.scenario for cell in todo):
+                if self.now() - begun > LATEST * self.budget:
+                    self.late.append(scenario)
+                    continue
+                scene = [cell for cell in todo if cell.scenario == scenario]
+                rendered = scene[0].timed_frames // scene[0].setting.cut
+                clock.times(scene, seats, self.times.__setitem__, repeats_of(rendered))
+                print(f"sweep: {scenario}, {len(scene)} settings timed", file=sys.stderr, flush=True)
+        return reused
+
+    def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
+        errors = errors_of(cell.scenario, self.request.scenarios[cell.scenario])
+        found = self.errors.get(cell)
+        if cell in left:
+            note = f"left out: an estimated {left[cell]:.1f} s did not fit into the {self.budget:g} s of the short sweep"
+            found = {"state": "not-measured", "note": note, "values": {}, "missing": {}}
+        timed = self.times.get(cell)
+        if timed is None and cell.scenario in self.late:
+            timed = {"p50": None, "p99": None, "note": f"not timed: more than {LATEST * self.budget:g} s had passed"}
+        return rows_of(cell, errors, found, timed)
+
+    def _untimed(self, cells: Sequence[Cell]) -> Iterator[str]:
+        for cell in cells:
+            timed = self.times.get(cell)
+            if timed is not None and timed["p50"] is None:
+                yield f"{cell.scenario} {cell.setting.run} was not timed: {timed['note']}"
+
+
+def ask(request: Request) -> Sequence[str]:
+    """The short sweep over the scenes of `request` that belong to it."""
+    return ShortSweep(request).ask()
+
+
+STUDY = Study("sweep", ask)

@@ -1,0 +1,184 @@
+"""The short sweep: which scenes and settings it takes, what it takes from the run, and that it keeps to its budget."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios import catalog
+from scenarios.found.store import Entry
+from scenarios.job import Job, Outcome
+from scenarios.measure.timing import Timed
+from scenarios.studies import Request
+from scenarios.sweep import clock, measure, short
+from scenarios.sweep.cell import Cell
+from scenarios.sweep.grid import BY_ENGINE
+from scenarios.timing import Clocked
+
+PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
+VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_error_max": 0.5}
+
+
+def outcome(scenario: str, preset: str, seconds: float = 1e-3, **more: object) -> Outcome:
+    """What the accuracy pass of a run says of one preset of MuJoCo."""
+    job = Job(scenario, "mujoco", preset, base=str(more.pop("base", "")), options={"dt": 0.5} if "row" in preset else {})
+    return Outcome(job, "measured", values=VALUES, frame_seconds=seconds, about={"settings": {"dt": [0.01, "a reason"]}})
+
+
+def request(
+    folder: Path, scenes: Sequence[str] = ("stop_distance",), outcomes: Sequence[Outcome] = (),
+    clocked: Mapping[str, Clocked] | None = None,
+) -> Request:
+    """A run of these scenes by MuJoCo and the tracker, measured in this process."""
+    return Request(
+        folder, folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
+        {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
+    )
+
+
+class Fakes:
+    """Stand in for both passes and the clock; each timed cell takes `each` seconds."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, each: float = 0.0) -> None:
+        self.asked: list[str] = []
+        self.timed: list[str] = []
+        self.time, self.each, self.dead = 0.0, each, ""
+        patch.setattr(measure, "errors", self.errors)
+        patch.setattr(clock, "timed_pass", self.clock)
+
+    def errors(self, job: Job) -> Entry:
+        self.asked.append(f"{job.scenario} {job.preset}")
+        return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
+
+    def clock(self, jobs: Sequence[Job], full: bool, frames: Sequence[int], seats: object, repeats: int) -> list[Clocked]:
+        self.timed += [f"{job.scenario} {job.preset}" for job in jobs]
+        self.time += self.each * len(jobs)
+        timed = [Timed(np.full((repeats, count), 5000, dtype=np.int64)) for count in frames]
+        return [
+            Clocked(job, None if job.preset == self.dead else found, "it died" if job.preset == self.dead else "")
+            for job, found in zip(jobs, timed, strict=True)
+        ]
+
+
+@pytest.fixture
+def fakes(monkeypatch: pytest.MonkeyPatch) -> Fakes:
+    return Fakes(monkeypatch)
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / short.ROWS).open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def about(folder: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads((folder / short.ABOUT).read_text())
+    return found
+
+
+def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
+    for engine, names in short.SHORT.items():
+        grid = [setting.name for setting in BY_ENGINE[engine]]
+        assert set(names) <= set(grid) and list(names[:2]) == grid[:2] and len(set(names)) == len(names)
+        assert not any(setting.narrow for setting in BY_ENGINE[engine] if setting.name in names)
+
+
+def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
+    scenes = catalog.scenarios()
+    taken = {name for name, scenario in scenes.items() if short.errors_of(name, scenario)}
+    everyday = {name for name, scenario in scenes.items() if scenario.everyday}
+    assert taken == everyday | set(short.PHENOMENA) and len(everyday) == 5 and len(short.PHENOMENA) == 6
+
+
+def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
+    ran = request(tmp_path, ("stop_distance", "free_flight"), [outcome("stop_distance", "my_row", base="tuned")])
+    cells = short.cells_of(ran)
+    assert {cell.scenario for cell in cells} == {"stop_distance"} and {cell.setting.engine for cell in cells} == {"mujoco"}
+    assert "my_row" in [cell.setting.name for cell in cells[:2]]
+    without = Request(tmp_path, tmp_path, ran.scenarios, {"mujoco": ("default",)}, 0, 0, False)
+    assert {cell.setting.base for cell in short.cells_of(without)} == {"default"}
+
+
+def test_the_cost_of_a_setting_goes_with_its_steps(tmp_path: Path) -> None:
+    ran = request(tmp_path, outcomes=[outcome("stop_distance", "tuned", 1e-3)])
+    by_name = {cell.setting.name: cell for cell in short.cells_of(ran)}
+    # the preset steps by 0.01 s
+    assert short.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx(4.8e-3)
+    assert short.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx(1e-3 * 0.6)
+    assert short.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx(1e-3)
+    nothing_known = request(tmp_path)
+    assert short.frame_cost(by_name["tuned"], nothing_known) == short.UNKNOWN
+
+
+def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_path: Path) -> None:
+    ran = request(tmp_path, outcomes=[outcome("stop_distance", name, 0.02) for name in ("default", "tuned")])
+    cells = short.cells_of(ran)
+    for budget in (0.0, 3.0, 20.0, 60.0, 1e6):
+        choice = short.chosen(cells, ran, budget)
+        assert choice.estimated <= budget and len(choice.asked) + len(choice.left) == len(cells)
+        assert sum(short.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
+        # each that was left out would not have fitted when its turn came, so none fits now
+        assert all(choice.estimated + each > budget for _, each in choice.left)
+    assert not short.chosen(cells, ran, 0.0).asked and not short.chosen(cells, ran, 1e6).left
+    some = short.chosen(cells, ran, 20.0)
+    order = {cell: k for k, cell in enumerate(cells)}
+    assert max(order[cell] for cell in some.asked) > min(order[cell] for cell, _ in some.left)
+
+
+def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
+    frames = catalog.get("stop_distance").as_run(False).frames
+    known = [outcome("stop_distance", name) for name in ("default", "tuned")]
+    timed = {
+        known[0].job.stem: Clocked(known[0].job, Timed(np.full((2, frames), 7000, dtype=np.int64))),
+        known[1].job.stem: Clocked(known[1].job, Timed(np.full((2, frames - 1), 7000, dtype=np.int64))),
+    }
+    assert short.ShortSweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask() == []
+    assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.asked) and len(fakes.asked) >= 8
+    # the second preset was timed over other frames than all the others
+    assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
+    found = {row["setting"]: row for row in rows(tmp_path)}
+    assert (found["default"]["p50"], found["default"]["repeats"], found["default"]["frames"]) == ("7", "2", str(frames))
+    assert (found["tuned"]["p50"], found["tuned"]["repeats"]) == ("5", str(short.REPEATS))
+    assert about(tmp_path)["form"] == "short" and about(tmp_path)["reused"] == 1
+
+
+def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -> None:
+    known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
+    short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
+    left = [row for row in rows(tmp_path) if "left out" in row["note"]]
+    assert left and {row["state"] for row in left} == {"not-measured"} and all(not row["error"] for row in left)
+    names = {f"stop_distance: mujoco/{row['setting']}" for row in left}
+    assert set(about(tmp_path)["left"]) == names  # type: ignore[call-overload]
+    assert not {name.partition("/")[2] for name in names} & {said.partition(" ")[2] for said in fakes.asked}
+
+
+def test_no_scene_is_timed_once_twice_the_budget_has_passed(tmp_path: Path, fakes: Fakes) -> None:
+    fakes.each = 20.0
+    scenes = ("stop_distance", "slide_to_roll")
+    short.ShortSweep(request(tmp_path, scenes), budget=50.0, now=lambda: fakes.time).ask()
+    assert {said.partition(" ")[0] for said in fakes.timed} == {"stop_distance"} and about(tmp_path)["late"] == ["slide_to_roll"]
+    late = [row for row in rows(tmp_path) if row["scenario"] == "slide_to_roll" and row["state"] == "measured"]
+    assert late and all(not row["p50"] and "not timed" in row["note"] for row in late)
+
+
+def test_a_time_that_could_not_be_taken_is_said(tmp_path: Path, fakes: Fakes) -> None:
+    fakes.dead = "tuned"
+    troubles = short.ShortSweep(request(tmp_path), now=lambda: 0.0).ask()
+    assert troubles == ["stop_distance mujoco/tuned was not timed: it died"]
+    assert all(not row["front"] for row in rows(tmp_path) if row["setting"] == "tuned")
+
+
+def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path, fakes: Fakes) -> None:
+    assert short.ask(request(tmp_path, ("free_flight",))) == [] and not list(tmp_path.iterdir()) and not fakes.asked
+
+
+def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
+    assert short.repeats_of(short.ONCE) == 1 and short.repeats_of(short.ONCE - 1) == short.REPEATS == 3
+
+
+def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
+    whole = Cell("stop_distance", BY_ENGINE["avatarsim"][0], most=short.MOST_FRAMES)
+    cut = next(s for s in BY_ENGINE["avatarsim"] if s.cut == 2)
+    assert Cell("stop_distance", cut, most=short.MOST_FRAMES).timed_frames == 2 * whole.timed_frames
