@@ -13,8 +13,8 @@ class PostureSettings(NamedTuple):
     move_cap        [m] largest translation of a root in one step; larger widens the swept boxes and the slowest frame.
     stray_turn      [rad] how far a contact may throw a joint off its own way in one step; infinite, and wrists spin.
     stray_move      [m] the same for the translation of a root.
-    steps           steps per frame; 1 halves the top speed, 3 only costs time. So many times `turn_cap` and `move_cap`, beside what
-                    the user did in that frame, is the motion budget of a frame, along a planned path too.
+    steps           steps per frame; 1 halves the top speed, 3 only costs time. So many times `turn_cap` and `move_cap`, beside
+                    what the user did in that frame, is the motion budget of a frame, along a planned path too.
     corrections     rounds of new contact rows per attempt; 8 makes the slowest frames 2.5 times slower.
     attempts        attempts per step; the second one aims at softer gaps.
     sweeps          sweeps of the dual solver per round.
