@@ -46,7 +46,7 @@ def is_time_to_look(skel: Skeleton, settings: PostureSettings, memory: Memory) -
 @kernel
 def tracker_is_free(geo: Geometry, skel: Skeleton, settings: PostureSettings, goal: Goal, way_out: Way) -> bool:
     """Whether the posture way.goal, whose poses are the trial of the unseen avatar, keeps the gap that a certified step keeps,
-    `least_gap`, for those that are led: a target that touches something is none to which a path could end.
+    `least_gap`, for those that are led: no path could end at a target that touches something.
 
     So boxes are asked with that gap too: those of a palm that lies flat on a table from below are 1e-17 m apart."""
     memory, state, least = way_out.memory, way_out.state, settings.least_gap
