@@ -101,11 +101,12 @@ look: $(READY)  ## the report in a headless Chromium: nothing on the console, no
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py
 
 # Everything runs, whatever fails; the exit status is then 1.
-fuzz: $(READY)  ## a million pairs of shapes, a million impacts, hostile motion, 500 returns (PAIRS=, IMPACTS=, FRAMES=, SEED=)
+fuzz: $(READY)  ## a million pairs of shapes, a million impacts, hostile motion, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, SEED=)
 	@$(COMPILED)
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
 	$(VENV_PYTHON) -m tests.impact.random_impacts --impacts $(or $(IMPACTS),1000000) --seed $(or $(SEED),1) || failed=1; \
+	$(VENV_PYTHON) -m tests.posture.test_pushed_through --pushes $(or $(PUSHES),1000) --seed $(or $(SEED),1) || failed=1; \
 	for avatar in hinged humanoid two; do \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \

@@ -18,13 +18,13 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 
-def lower_loop(world: World, method: str, chosen: Chosen, seed: int) -> CheckedLoop | PaperLoop | TrackedLoop:
+def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: bool) -> CheckedLoop | PaperLoop | TrackedLoop:
     """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-    return CheckedLoop(world, chosen.posture, chosen.coupling, seed)
+    return CheckedLoop(world, chosen.posture, chosen.coupling, seed, record=record)
 
 
 class Frames:
@@ -32,11 +32,12 @@ class Frames:
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
-        self.begun, self.time, self.driven = 0.0, 0.0, bool(world.scene.avatars)
+        self.time, self.driven, self.record = 0.0, bool(world.scene.avatars), record
+        self.passed: tuple[Snapshot, ...] = ()
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
         if self.driven:
             self.target = Target(world)
-            self.lower = lower_loop(world, method, chosen, seed)
+            self.lower = lower_loop(world, method, chosen, seed, record)
         if self.effects.dynamics:
             kept = (chosen.paper if method == "paper" else chosen.posture).stand_off
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
@@ -47,17 +48,24 @@ class Frames:
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
         self.clock.frame()
+        self.passed = ()
         if self.driven:
             self.target.read(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target, dt)
+            if self.record:
+                self.passed += self.lower.passed(self.time)
         if self.effects.dynamics:
             with self.clock.stage("motion"):
                 self.upper.advance(dt)
+            if self.record:
+                self.passed += self.upper.inside(self.time)
             if self.effects.coupling and self.driven:
                 with self.clock.stage("coupling"):
                     self.lower.receive(self.upper.memory.received, self.upper.memory.moving, self.target)
-        self.begun, self.time = self.time, self.time + dt
+                if self.record:
+                    self.passed += self.lower.passed(self.time + dt)
+        self.time += dt
 
     def counts(self) -> Tally:
         """Work done in the last frame."""
@@ -68,7 +76,3 @@ class Frames:
         """What did not end well in the last frame."""
         statuses = self.lower.statuses() if self.driven else {}
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
-
-    def inside(self) -> tuple[Snapshot, ...]:
-        """Events of the last frame, if they are recorded."""
-        return self.upper.inside(self.begun) if self.effects.dynamics else ()

@@ -15,7 +15,8 @@ class PostureSettings(NamedTuple):
     move_cap        [m] largest translation of a root in one step; larger widens the swept boxes and the slowest frame.
     stray_turn      [rad] how far a contact may throw a joint off its own way in one step; infinite, and wrists spin.
     stray_move      [m] the same for the translation of a root.
-    steps           steps per frame; 1 halves the top speed, 3 only costs time.
+    steps           steps per frame; 1 halves the top speed, 3 only costs time. So many times `turn_cap` and `move_cap`, beside
+                    what the user did in that frame, is the motion budget of a frame, along a planned path too.
     corrections     rounds of new contact rows per attempt; 8 makes the slowest frames 2.5 times slower.
     attempts        attempts per step; the second one aims at softer gaps.
     sweeps          sweeps of the dual solver per round.
@@ -38,7 +39,7 @@ class PostureSettings(NamedTuple):
                     go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 8 to
                     25 ms.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
-                    a hand without any that is pushed through a table is to lie on it. 2: for all.
+                    a hand without any that is pushed through a table is to lie on it: it is led nowhere. 2: for all.
     trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say; not before
                     `search_after`, since until then nobody has looked.
     trapped_jump    frames of this kind after which a trapped avatar is shown at the tracker's posture, whatever lies between:

@@ -74,6 +74,11 @@ def frame_time(dt: float) -> None:
         raise InvalidInput("frame time [s]", dt, "a number above 0 and at most 1")
 
 
+def same_poses(one: Snapshot, other: Snapshot) -> bool:
+    """Whether all bodies are at the same places, to the last bit."""
+    return np.array_equal(one.positions, other.positions) and np.array_equal(one.orientations, other.orientations)
+
+
 def number(name: str, value: object, kind: type[float] | type[int]) -> float:
     """`value` as a number of `kind`, within the range of option `name`."""
     found, least, most = as_number(value), LEAST.get(name, 0.0), CHOICES.get(name, MOST)
@@ -149,7 +154,7 @@ class AvatarsimEngine:
         frame_time(dt)
         # a whole number would compile every kernel again, for integers
         frames.frame(sample, float(dt))
-        return self._record(frames.counts(), frames.statuses(), frames.inside())
+        return self._record(frames.counts(), frames.statuses(), frames.passed)
 
     def close(self) -> None:
         """Forget the world."""
@@ -171,6 +176,9 @@ class AvatarsimEngine:
         position, orientation = shown_again(world, self._before, world.skeleton.first if self._still else 0)
         linear, angular = self._still or (world.velocities.linear.copy(), world.velocities.angular.copy())
         shown = Snapshot(frames.time, position, orientation, linear, angular)
-        # the state at the end is itself the frame's last sub-step; before it stand the events of the upper loop
+        # the state at the end is itself the frame's last sub-step; before it stand the steps and events of the loops
+        if inside and inside[-1].event == "step" and same_poses(inside[-1], shown):
+            # nothing has moved since the last step
+            inside = inside[:-1]
         steps = (*inside, shown) if self._settings.record_inside else ()
         return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, frames.clock.ns, steps)

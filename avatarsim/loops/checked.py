@@ -4,19 +4,24 @@ from operator import itemgetter
 
 import numpy as np
 
+from avatarsim.engine import Snapshot
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
-from avatarsim.posture.at_once import seek
+from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.posture.follow import follow
+from avatarsim.posture.leap_round import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import (
+    ADOPTED,
     BAD_QUERIES,
     COUNT,
     COUNT_NAMES,
     CROSSINGS,
     DROPPED,
     LEAP,
+    LEAPS,
+    LED_STEPS,
     RESYNCS,
     SLOW,
     TRAPPED_FRAMES,
@@ -37,8 +42,12 @@ from avatarsim.world.opened import (
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
-BAD = (BAD_QUERIES, DROPPED, RESYNCS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS)
-"""Places of the counts that say that something did not end well."""
+BAD = (BAD_QUERIES, DROPPED, RESYNCS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS, LED_STEPS, LEAPS)
+"""Places of the counts that say that something did not end well, or that an avatar went elsewhere than straight to its user."""
+
+STEPS_KEPT = 256
+"""Most steps of one frame whose poses a recording keeps; more are counted. The longest leap takes a hundred, and as many more
+along a way round."""
 
 BAD_OF, ALL_WELL = itemgetter(*BAD), (0,) * len(BAD)
 """These of a list of counts, and what they are in nearly every frame."""
@@ -97,9 +106,12 @@ def seek_opened(world: Index, kept: Index, way: Index) -> None:
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
-    def __init__(self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0) -> None:
+    def __init__(
+        self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
+    ) -> None:
         self.world, self._moving, self._noticed = world, NOBODY, NOBODY
-        memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings)
+        kept_steps = STEPS_KEPT if record else 0
+        memory = ready_memory(world.geometry, world.skeleton, world.posture, world.poses, settings, kept_steps)
         # without dynamics nobody gives back what pressing took, and the spring would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         springs = (
@@ -110,12 +122,13 @@ class CheckedLoop:
         self._kept, (_, _, _, self.memory) = packed(kept)
         way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
         self._way, self.way = packed(way)
-        self._search_after = settings.search_after
+        self._search_after, self._told = settings.search_after, 0
         # nobody is slow yet: it does nothing, and no frame has to wait for the compiler
         seek_opened(world.words, self._kept, self._way)
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the springs displace by their offsets."""
+        self._told = 0
         follow_opened(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._noticed)
         # everybody has been looked at once
         self._noticed = self._moving
@@ -130,6 +143,12 @@ class CheckedLoop:
         """Impulses (nb, 3) [N s] go into the springs; a driven body held by what is `moving` (nb) now goes on."""
         follow_opened(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """The states after the steps of this frame that were taken since this was last asked, at `time` [s], if the frame is
+        recorded: links as they were left then, all else as it is now."""
+        told, self._told = self._told, self.memory.counts.item(ADOPTED)
+        return trail_snapshots(self.world, self.memory.trail[told : self._told], time)
+
     def counts(self) -> Tally:
         """Work done in the last frame."""
         return Tally(COUNT_NAMES, self.memory.counts.tolist())
@@ -139,4 +158,7 @@ class CheckedLoop:
         counts = self.memory.counts.tolist()
         if BAD_OF(counts) == ALL_WELL:
             return {}
-        return {COUNT_NAMES[place]: counts[place] for place in BAD if counts[place]}
+        found = {COUNT_NAMES[place]: counts[place] for place in BAD if counts[place]}
+        if (kept := len(self.memory.trail)) and (lost := counts[ADOPTED] - kept) > 0:
+            found["steps not recorded"] = lost
+        return found

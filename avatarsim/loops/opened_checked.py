@@ -46,7 +46,7 @@ def opened_goal(o: Opening) -> Goal:
     return Goal(
         line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o), line(o)[0],
         opened_posture(o), line(o)[0], opened_closeness(o), opened_posture(o), opened_posture(o),
-        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], line(o)[0],
+        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], line(o)[0], grid(o)[0],
     )
 
 
@@ -73,7 +73,7 @@ def opened_memory(o: Opening) -> Memory:
     """The next Memory of the posture solver."""
     return Memory(
         opened_poses(o), vectors(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], line(o)[0], opened_goal(o), opened_rows(o),
-        opened_pairs(o), flag_line(o)[0], line(o)[0], index_line(o)[0], opened_scratch(o),
+        opened_pairs(o), flag_line(o)[0], line(o)[0], index_line(o)[0], opened_scratch(o), cube(o)[0],
     )
 
 

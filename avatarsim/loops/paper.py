@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.engine import Snapshot
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give_to_roots, tracked_velocities
 from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
@@ -66,6 +67,10 @@ class PaperLoop:
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """Nothing: what the rounds pass through on the way overlaps, and is not shown."""
+        return ()
 
     def counts(self) -> Tally:
         """Work done in the last frame."""

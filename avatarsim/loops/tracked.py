@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.engine import Snapshot
 from avatarsim.posture.kinematics import forward
 from avatarsim.tally import Tally
 from avatarsim.world.target import Target
@@ -32,6 +33,10 @@ class TrackedLoop:
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] change nothing: the user does not give way."""
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """Nothing: there is one step."""
+        return ()
 
     def counts(self) -> Tally:
         """No work worth counting."""

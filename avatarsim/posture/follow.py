@@ -56,6 +56,7 @@ def follow(
         flags[RESTED] = 0.0 if changed else flags[RESTED]
     else:
         place_bodies(skel, memory_out.goal)
+        memory_out.goal.gone[:] = 0.0
         copy_posture(posture_out, memory_out.goal.begun)
         moved = meet_the_tracker(geo, skel, changed, memory_out)
     everybody = flags[LED] > 0.0 and all_are_led(skel, memory_out.goal)

@@ -23,10 +23,10 @@ NOTHING, INSIDE, BETWEEN = range(3)
 
 
 @kernel
-def boxes_are_near(boxes: Boxes, a: int, b: int) -> bool:
-    """Whether the boxes around two pieces are no farther apart than FAR_OFF along any axis."""
+def boxes_are_near(boxes: Boxes, a: int, b: int, within: float) -> bool:
+    """Whether two axis-aligned boxes are no farther apart than `within` [m] along any axis."""
     for k in range(3):
-        if boxes[a, k] > boxes[b, 3 + k] + FAR_OFF or boxes[b, k] > boxes[a, 3 + k] + FAR_OFF:
+        if boxes[a, k] > boxes[b, 3 + k] + within or boxes[b, k] > boxes[a, 3 + k] + within:
             return False
     return True
 
@@ -54,6 +54,6 @@ def what_holds_off(
                     if boxes_meet(memory.swept, a, b) and not certify_pair(geo, skel, poses, a, b, settings, memory):
                         if apart_at_trial(geo, a, b, settings.least_gap, memory):
                             return BETWEEN
-                        if boxes_are_near(poses.boxes, a, b):
+                        if boxes_are_near(poses.boxes, a, b, FAR_OFF):
                             found = INSIDE
     return found

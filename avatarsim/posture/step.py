@@ -15,6 +15,7 @@ from avatarsim.posture.kinematics import forward, place_links, take
 from avatarsim.posture.leap import steps_of_leap
 from avatarsim.posture.limit_row import beyond_limits
 from avatarsim.posture.nearest_step import nearest_step
+from avatarsim.posture.trail import note_step
 from avatarsim.posture.wanted_step import hindered, keep_limits, loses_merit, scale_step, seek_the_nearest
 from avatarsim.posture.workspace import (
     ADDING,
@@ -227,6 +228,7 @@ def stay(geo: Geometry, skel: Skeleton, posture: Posture, memory_out: Memory) ->
 def adopt(geo: Geometry, skel: Skeleton, posture_out: Posture, poses_out: Poses, memory_out: Memory) -> None:
     """Make the trial the checked state."""
     memory_out.pairs.marks[NOW] += 1
+    note_step(skel, memory_out)
     take(skel, posture_out, memory_out.rows.x)
     trial, here = memory_out.trial, memory_out.goal.closeness.here
     for b in range(skel.first, trial.position.shape[0]):

@@ -9,9 +9,9 @@ frame that they last, the time included in which the avatar is led out.
 from avatarsim.kernel import kernel
 from avatarsim.posture.behind import copy_led, count_slow, hold, set_slow, speed_of_led, way_of_led
 from avatarsim.posture.goal import aim, measure_way
-from avatarsim.posture.jointed import has_joints
-from avatarsim.posture.look import is_time_to_look, look, stay_as_the_tree_began
+from avatarsim.posture.look import is_time_to_look, look, only_waits, stay_as_the_tree_began
 from avatarsim.posture.meet_tracker import CALM_SPEED
+from avatarsim.posture.motion_budget import is_spent
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.untie import forget
 from avatarsim.posture.way_lead import REFUSALS, lead
@@ -64,6 +64,10 @@ well, an avatar stands still while its user sways."""
 CREEPING_TRIES = 2
 """Walks during which an avatar that still moves is not made to wait; 0 stops limbs short of the wall that they press on."""
 
+PLACES = 12
+"""Steps along a way for each step of any frame: a path bends, and short steps have as far to go as long ones. Fewer: a leg on the
+wrong side of the other, whose way is short, is there frames late; more: such a frame takes many milliseconds."""
+
 LONGEST_REST = 960
 """Most frames that the search rests: a tracker may stay beyond a wall for good, and a trap may open at any time."""
 
@@ -109,10 +113,11 @@ def hold_if_at_rest(skel: Skeleton, memory_out: Memory, way: Way) -> None:
 
 @kernel
 def may_search(skel: Skeleton, settings: PostureSettings, memory: Memory) -> bool:
-    """Whether a way is searched at all: not without work, and around what walls the avatar off only as `around` says."""
-    if settings.search_work == 0 or settings.around == 2 or memory.flags[WALLED] == 0.0:
-        return settings.search_work > 0
-    return settings.around == 1 and has_joints(skel)
+    """Whether a way is searched at all: not without work, nor for those that are never led, and around what walls the avatar off
+    only as `around` says."""
+    if settings.search_work == 0 or only_waits(skel, settings, memory.goal):
+        return False
+    return settings.around > 0 or memory.flags[WALLED] == 0.0
 
 
 @kernel
@@ -158,14 +163,18 @@ def go_on_searching(
 def go_on_leading(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
 ) -> None:
-    """The steps of one frame along the way; at its end the tracker is followed, and a way that is blocked is searched anew."""
+    """As far along the way as the motion budget of a frame goes; at its end the tracker is followed, and a way that is blocked is
+    searched anew."""
     s, user = way_out, way_out.memory.goal.tracker
     # steps go to nodes of the way, and whoever asks afterwards means the user's posture; nobody walks unseen meanwhile
     copy_posture(memory_out.goal.tracker, user)
-    for _ in range(settings.steps):
+    for k in range(PLACES * settings.steps):
+        if is_spent(skel, settings, memory_out.goal):
+            break
         lead(geo, skel, settings, s, posture, poses, memory_out)
         memory_out.counts[LED_STEPS] += 1
-        if s.state[AT] == s.state[LAST] or s.state[REFUSED] > REFUSALS:
+        refused = s.state[REFUSED]
+        if s.state[AT] == s.state[LAST] or refused > REFUSALS or (refused > 0 and k + 1 >= settings.steps):
             break
     copy_posture(user, memory_out.goal.tracker)
     measure_way(skel, posture, memory_out.goal)
@@ -194,10 +203,10 @@ def seek_once(
             flags[PRESSED], flags[SOUGHT], flags[TRAVELS] = 1.0, 0.0, 0.0
         else:
             flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
-        if not has_joints(skel) and not may_search(skel, settings, memory_out):
+        if only_waits(skel, settings, memory_out.goal):
             # it waits where it is nearest, and has no limbs that could get caught there
             flags[SOUGHT] = 0.0
-        if mode == IDLE:
+        if s.state[MODE] == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:
         return

@@ -34,10 +34,10 @@ MERIT_WINDOW = 8
 
 # counts of one frame, by place in Memory.counts
 QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
-LED_STEPS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS, LEAPS = range(13, 18)
+LED_STEPS, TRAPPED_FRAMES, WALLED_FRAMES, CROSSINGS, LEAPS, ADOPTED = range(13, 19)
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "resyncs", "bad_queries", "led", "trapped", "walled", "crossings", "leaps",
+    "resyncs", "bad_queries", "led", "trapped", "walled", "crossings", "leaps", "adopted",
 )
 
 
@@ -91,7 +91,8 @@ class Goal(NamedTuple):
     one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
     (`leap.py`, `again.py`); slow (nl) frames in which each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led
     (nl) 1 for roots for which a way is sought (`behind.py`); stood (nl, 3) link origins [m] where the frame began, stride (nl)
-    how far each root's links may go from there [m], both kept in a crowd alone (`crowd.py`)
+    how far each root's links may go from there [m], both kept in a crowd alone (`crowd.py`); gone (nl, 2) how far each
+    root [m] and each joint [rad] has gone along its path in this frame (`motion_budget.py`)
     """
 
     full: Array
@@ -115,6 +116,7 @@ class Goal(NamedTuple):
     led: Array
     stood: Array
     stride: Array
+    gone: Array
 
 
 class Rows(NamedTuple):
@@ -169,7 +171,8 @@ NOW, LISTED, FAILED, NEARBY, ASKED, NEAR_BODIES = range(6)
 
 
 class Memory(NamedTuple):
-    """Everything the posture solver keeps: trial poses, world axes of the checked and the trial state, and the parts above.
+    """Everything the posture solver keeps: trial poses, world axes of the checked and the trial state, and the parts above; trail
+    (K, nl, 12) positions [m] and rotations of links after each of the first K adopted steps of a frame (`trail.py`).
 
     Modes and counts that vary from call to call stand in `flags` and `rows.size` and not in arguments: the compiler makes a
     version of a kernel, and of all it calls, for every constant argument that it sees.
@@ -188,6 +191,7 @@ class Memory(NamedTuple):
     flags: Array
     counts: Index
     scratch: Scratch
+    trail: Array
 
 
 # places in Rows.size
@@ -233,14 +237,15 @@ def _closeness(skel: Skeleton) -> Closeness:
     )
 
 
-def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
-    """Fresh memory for a world whose bodies stand at `poses`."""
+def make_memory(geo: Geometry, skel: Skeleton, poses: Poses, kept: int = 0) -> Memory:
+    """Fresh memory for a world whose bodies stand at `poses`, with room for the poses of `kept` steps of a frame."""
     nl, nd, ns, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.body), len(geo.first_shape) - 1
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
         np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
         np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl), np.zeros((nl, 3)), np.zeros(nl),
+        np.zeros((nl, 2)),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
@@ -259,12 +264,15 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses) -> Memory:
     return Memory(
         trial, np.zeros((nd, 3)), np.zeros((nd, 3)), poses.boxes.copy(), poses.hulls.copy(), np.zeros(6), goal, rows, pairs,
         np.zeros(nl, dtype=np.bool_), np.zeros(LEAP + 1), np.zeros(len(COUNT_NAMES), dtype=np.int64), make_scratch(),
+        np.zeros((kept, nl, 12)),
     )
 
 
-def ready_memory(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings) -> Memory:
-    """Memory for a world at its first posture, with the metric of that posture."""
-    memory = make_memory(geo, skel, poses)
+def ready_memory(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, kept: int = 0
+) -> Memory:
+    """Memory for a world at its first posture, with the metric of that posture and room for `kept` steps of a frame."""
+    memory = make_memory(geo, skel, poses, kept)
     forward(geo, skel, posture, memory.rows.x, poses, memory.axes)
     memory.goal.inverse_weight[:] = 1.0 / metric(geo, skel, poses, memory.axes, settings)
     for before, now in zip(memory.goal.before, posture, strict=True):

@@ -10,8 +10,8 @@ from avatarsim.loops.simulated import SimulatedLoop
 from avatarsim.loops.upper import advance
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
-from avatarsim.posture.at_once import seek
 from avatarsim.posture.follow import follow
+from avatarsim.posture.leap_round import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import COUNT, LEAP, SLOW, ready_memory
 from avatarsim.scene.scene import Scene

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from avatarsim.posture.motion_budget import is_spent
 from avatarsim.posture.way_lead import AHEAD, lead, straight_to
 from avatarsim.posture.way_memory import AT, LAST, REFUSED, Way, add_node, make_way
 from avatarsim.posture.way_path import trace
@@ -37,9 +38,28 @@ def test_a_free_way_is_gone_to_its_end_with_no_step_longer_than_allowed() -> Non
     geo, skel, posture, poses = found.parts
     places = [place(found)]
     while way.state[AT] < way.state[LAST]:
+        # each in a frame of its own
+        found.memory.goal.gone[:] = 0.0
         lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
         places.append(place(found))
     assert np.diff(places).max() <= SETTINGS.move_cap + 1e-12 and places[-1] == pytest.approx(11 * STEP, abs=1e-12)
+
+
+def test_steps_of_one_frame_end_where_its_motion_budget_ends_and_the_next_goes_on_from_there() -> None:
+    found, way = way_along_x(12, wall=9.0)
+    geo, skel, posture, poses = found.parts
+    goal = found.memory.goal
+    # the user has moved by half a node's distance
+    goal.leapt[0, 0] = 0.5 * STEP
+    budget = goal.leapt[0, 0] + SETTINGS.steps * SETTINGS.move_cap
+    assert not is_spent(skel, SETTINGS, goal)
+    for _ in range(4):
+        lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
+    assert place(found) == pytest.approx(budget, abs=1e-12) and way.state[AT] == 3 and way.state[REFUSED] == 0
+    assert is_spent(skel, SETTINGS, goal) and goal.gone[0] == pytest.approx((budget, 0.0), abs=1e-12)
+    goal.gone[:] = 0.0
+    lead(geo, skel, SETTINGS, way, posture, poses, found.memory)
+    assert place(found) == pytest.approx(4 * STEP, abs=1e-12) and way.state[AT] == 4
 
 
 def test_several_nodes_are_skipped_where_they_are_close() -> None:

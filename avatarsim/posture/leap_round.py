@@ -1,28 +1,16 @@
-"""What of a way is gone in the frame in which it is found: all of it after a leap, or to where a frame could go."""
+"""After a tracker that leaps: a way round what stands between is searched and gone in that frame, as in several frames."""
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.behind import copy_led, set_slow
-from avatarsim.posture.goal import largest_part, root_way
 from avatarsim.posture.leap import has_leapt, is_too_far, steps_of_leap
 from avatarsim.posture.step import adopt, try_step
 from avatarsim.posture.trapped import seek_once, set_free
 from avatarsim.posture.untie import forget
 from avatarsim.posture.way_memory import AT, LEADING, MODE, REFUSED, SEARCHING, Way, copy_posture
-from avatarsim.posture.workspace import LED, SLOW, UNDER_WAY, Goal, Memory
+from avatarsim.posture.workspace import LEAP, LED, SLOW, UNDER_WAY, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
-
-AT_ONCE, HARDLY = 12, 0.1
-"""Frames' worth of steps along a way to where a frame could go, and how far [m] a root may be from there: a leg on the wrong side
-of the other, when the user's is found free, is there in that frame and not after three."""
-
-
-@kernel
-def is_near(skel: Skeleton, settings: PostureSettings, goal: Goal) -> bool:
-    """Whether the way `full` to the tracker's posture is no longer than a frame's steps turn, and hardly moves a root."""
-    turns = settings.steps * settings.turn_cap
-    return bool(largest_part(goal.full) <= turns and root_way(skel, goal.full) <= HARDLY)
 
 
 @kernel
@@ -49,31 +37,23 @@ def go_back(
 
 
 @kernel
-def seek(
+def leap_round(
     geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
 ) -> None:
-    """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of `trapped.py`.
+    """Search, and go, until the avatar is as far as its user has leapt, each time with the motion budget of a frame.
 
-    After a leap a way is sought and gone as in several frames, until the avatar is as far as its user has leapt. A way round
-    something to where a frame could go, were nothing there, is gone in the frame in which it is found. Of either the last place
-    is shown that is no farther from where the frame began than one may be suddenly: nobody is shown in the middle of a detour.
+    The last place is shown that is no farther from where the frame began than the user went and the steps of any frame go: a
+    detour of the way may lead beyond, and is not shown halfway.
     """
-    flags = memory_out.flags
-    if flags[SLOW] <= 1.0:
-        # after a leap something may still be under way to where the tracker was
-        set_free(memory_out, way_out)
-    if flags[SLOW] == 0.0:
-        return
-    near = way_out.state[MODE] != LEADING and is_near(skel, settings, memory_out.goal)
-    seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
     kept, at, searches, too_far = way_out.memory.goal.begun, 0, settings.leap_search, False
     copy_posture(posture, kept)
-    for _ in range(searches + max(steps_of_leap(settings, memory_out), AT_ONCE)):
+    for _ in range(searches + steps_of_leap(settings, memory_out)):
         leapt = has_leapt(skel, posture, memory_out)
-        leads = way_out.state[MODE] == LEADING and (near or not leapt)
+        leads = way_out.state[MODE] == LEADING and not leapt
         if not leads and (way_out.state[MODE] != SEARCHING or searches == 0 or leapt):
             break
         searches -= 0 if leads else 1
+        memory_out.goal.gone[:] = 0.0
         seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
         if leads:
             too_far = is_too_far(skel, settings, posture, memory_out)
@@ -82,3 +62,25 @@ def seek(
                 at = way_out.state[AT]
     if too_far:
         go_back(geo, skel, kept, at, posture, poses, memory_out, way_out)
+
+
+@kernel
+def seek(
+    geo: Geometry, skel: Skeleton, settings: PostureSettings, posture: Posture, poses: Poses, memory_out: Memory, way_out: Way
+) -> None:
+    """After `follow`, in a frame in which the avatar came no nearer or is led: see the head of `trapped.py`.
+
+    A way that is found is begun in that frame, with what the frame has left of its motion budget.
+    """
+    flags = memory_out.flags
+    if flags[SLOW] <= 1.0:
+        # after a leap something may still be under way to where the tracker was
+        set_free(memory_out, way_out)
+    if flags[SLOW] == 0.0:
+        return
+    led = way_out.state[MODE] == LEADING
+    seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
+    if flags[LEAP] > 0.0:
+        leap_round(geo, skel, settings, posture, poses, memory_out, way_out)
+    elif way_out.state[MODE] == LEADING and not led:
+        seek_once(geo, skel, settings, posture, poses, memory_out, way_out)
