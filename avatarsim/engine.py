@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ NOTHING = Tally()
 """Nothing counted, nothing timed."""
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(eq=False, init=False, slots=True)
 class Snapshot:
     """The world at one instant inside a frame: a sub-step or an event.
 
@@ -31,27 +31,28 @@ class Snapshot:
     Steps of driven bodies take no time: they stand where the frame begins, or, after loose bodies have moved on, where it ends.
     """
 
-    time: float
-    positions: Array
-    orientations: Array
-    velocities: Array
-    angular_velocities: Array
-    event: str
+    time: Final[float]
+    positions: Final[Array]
+    orientations: Final[Array]
+    velocities: Final[Array]
+    angular_velocities: Final[Array]
+    event: Final[str]
 
     def __init__(
         self, time: float, positions: Array, orientations: Array, velocities: Array, angular_velocities: Array,
         event: str = "step",
     ) -> None:
-        # what dataclasses write for a frozen class takes twice as long, in every frame
-        own = self.__dict__
-        own["time"], own["event"] = time, event
-        own["positions"], own["orientations"] = positions, orientations
-        own["velocities"], own["angular_velocities"] = velocities, angular_velocities
+        self.time, self.event = time, event
+        self.positions, self.orientations = positions, orientations
+        self.velocities, self.angular_velocities = velocities, angular_velocities
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@dataclass(eq=False, init=False, slots=True)
 class FrameRecord:
-    """What an engine shows at the end of one rendered frame, and what it cost.
+    """What an engine shows at the end of one rendered frame, and what it cost. Nothing is assigned to after it is made.
+
+    Kept in thousands, records are few objects and flat ones, for Python's cyclic collector goes through all that it tracks:
+    slots instead of a dictionary each, arrays (which it does not track), and one shared mapping where nothing was counted.
 
     angles       (hinges,) [rad], as in TrackerSample; NaN-free; empty when there are none
     counts       work done in this frame, by name (pairs, queries, iterations, joints, contacts, segments, ...)
@@ -60,20 +61,20 @@ class FrameRecord:
     inside       sub-steps and events inside the frame, in order; empty unless recording
     """
 
-    shown: Snapshot
-    angles: Array
-    counts: Mapping[str, int]
-    statuses: Mapping[str, int]
-    stage_ns: Mapping[str, int]
-    inside: tuple[Snapshot, ...]
+    shown: Final[Snapshot]
+    angles: Final[Array]
+    counts: Final[Mapping[str, int]]
+    statuses: Final[Mapping[str, int]]
+    stage_ns: Final[Mapping[str, int]]
+    inside: Final[tuple[Snapshot, ...]]
 
     def __init__(
         self, shown: Snapshot, angles: Array, counts: Mapping[str, int] = NOTHING, statuses: Mapping[str, int] = NOTHING,
         stage_ns: Mapping[str, int] = NOTHING, inside: tuple[Snapshot, ...] = (),
     ) -> None:
-        own = self.__dict__
-        own["shown"], own["angles"], own["inside"] = shown, angles, inside
-        own["counts"], own["statuses"], own["stage_ns"] = counts, statuses, stage_ns
+        self.shown, self.angles, self.inside = shown, angles, inside
+        # an empty dictionary of its own would be one more object in every frame
+        self.counts, self.statuses, self.stage_ns = counts, statuses or NOTHING, stage_ns or NOTHING
 
     def state_hash(self) -> str:
         """Sixteen hexadecimal digits of all shown numbers; equal bits give equal hashes."""

@@ -44,6 +44,7 @@ class Frames:
             moving = self.upper.memory.moving
         if self.driven:
             self.lower.watch(moving)
+        self._counted = (*self.lower.counts(), *self.upper.counts()) if self.driven and self.effects.dynamics else ()
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
@@ -69,10 +70,17 @@ class Frames:
 
     def counts(self) -> Tally:
         """Work done in the last frame."""
-        counts = self.lower.counts() if self.driven else Tally()
-        return counts.beside(self.upper.counts()) if self.effects.dynamics else counts
+        if not self.driven:
+            return self.upper.counts() if self.effects.dynamics else Tally()
+        counts = self.lower.counts()
+        return counts.beside(self.upper.counts(), self._counted) if self.effects.dynamics else counts
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
         statuses = self.lower.statuses() if self.driven else {}
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
+
+    def parts(self) -> tuple[object, ...]:
+        """Everything whose attributes and arrays a frame changes."""
+        loops = (*((self.target, self.lower) if self.driven else ()), *((self.upper,) if self.effects.dynamics else ()))
+        return self, self.world, *loops, *self.clock.stages.values()

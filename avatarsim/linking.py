@@ -21,7 +21,7 @@ import importlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import Any, ClassVar, NamedTuple, cast
 
 import llvmlite.binding as llvm
 from numba.core import config, sigutils, types
@@ -53,6 +53,9 @@ _CALLEES: dict[str, Callee] = {}
 class CalledKernel(CPUDispatcher):
     """A kernel as other kernels call it: numba's dispatcher, but sealed where the compiled code is large."""
 
+    made: ClassVar[int] = 0
+    """Kernels that this process has compiled or read from disk, each once per signature."""
+
     def keep_in_cache(self, folder: Path) -> None:
         """Keep the compiled code on disk in a folder."""
         kept = config.CACHE_DIR
@@ -70,6 +73,7 @@ class CalledKernel(CPUDispatcher):
             return super().compile(sig)
         with global_compiler_lock, self._cache.turn():
             entry = super().compile(sig)
+        CalledKernel.made += 1
         self._seal(self.overloads[arguments], Callee(self.py_func.__module__, self.py_func.__qualname__, arguments))
         return entry
 

@@ -156,31 +156,34 @@ def answer(found: Ablation) -> str:
     ran = tuple(f"{stage} in {scene}" for scene, stage in uncalled(found))
     if ran:
         return f"Not only the effects are simulated that a scene calls for: nothing calls for {listed(ran)}, and it ran."
-    idle = [f"{' and '.join(stages)} in {scene}" for scene, stages in found.idle.items() if stages]
-    if not idle:
+    together: dict[tuple[str, ...], list[str]] = {}
+    for scene, stages in found.idle.items():
+        if stages:
+            together.setdefault(stages, []).append(scene)
+    if not together:
         return "Every stage of the frame is called for in each of these scenes."
-    return f"Only what a scene calls for is simulated: zero calls of {listed(tuple(idle), 8)}."
+    idle = "; ".join(f"{' and '.join(stages)} in {listed(tuple(scenes))}" for stages, scenes in together.items())
+    return f"Only what a scene calls for is simulated: zero calls of {idle}."
 
 
 def cell(line: Line | None) -> str:
-    """Cost and share of the frame in words; empty where the scene does not call for the effect."""
+    """What the effect takes of the median frame, in words; empty where the scene does not call for the effect."""
     if line is None:
         return ""
-    if line.share is None or math.isnan(line.share):
-        return MISSING
-    # round() has no minus zero
-    return f"{quantity(line.cost, 'us')}, {round(100.0 * line.share)} %"
+    return MISSING if line.cost is None or math.isnan(line.cost) else quantity(line.cost, "us")
 
 
 def consequence(line: Line | None) -> str:
-    """What leaving the effect out changes, in a few words."""
+    """Its share of the frame, and what leaving the effect out changes, in a few words."""
     if line is None:
         return ""
+    # round() has no minus zero
+    share = "" if line.share is None or math.isnan(line.share) else f"{round(100.0 * line.share)} %, "
     if line.broken:
-        return f"{count(len(line.broken), 'bound')} lost"
+        return f"{share}breaks {len(line.broken)}"
     if line.moved is None:
-        return "not measured"
-    return f"moves {quantity(line.moved, 'm')}" if line.moved > ROUNDING else "moves nothing"
+        return f"{share}not measured"
+    return f"{share}moves {quantity(line.moved, 'm')}" if line.moved > ROUNDING else f"{share}no change"
 
 
 def protocol(found: Ablation) -> str:

@@ -21,7 +21,7 @@ SLACK = 1.05
 @dataclass(frozen=True)
 class Trial:
     """One engine in one case under one change. Lengths [m] and energies [J] in a world of size 1; `moved` from its plain end;
-    `form` is SLICE in what a comparison tried."""
+    `form` is SLICE in what a comparison tried, `scale` the size of the world that was simulated."""
 
     case: str
     run: str
@@ -33,6 +33,7 @@ class Trial:
     energy: float
     moved: float
     form: str = LONG
+    scale: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,8 @@ def _trial(row: Mapping[str, str]) -> Trial:
     # a file from before there was a slice holds the long form
     form = row.get("form") or LONG
     return Trial(
-        row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], overlap, energy, moved, form
+        row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], overlap, energy, moved, form,
+        number(row["scale"]),
     )
 
 
@@ -164,12 +166,14 @@ def spread(found: Stability, run: str) -> str:
 
 @dataclass(frozen=True)
 class Standing:
-    """One engine and preset over all its trials: how many it had and got through, and a figure per name in TOLD."""
+    """One engine and preset over all its trials: how many it had and got through, and a figure per name in TOLD; `simulated` [m]
+    is its deepest overlap in the world as it was simulated, which the promise is about."""
 
     run: str
     tried: int
     survived: int
     values: Mapping[str, float]
+    simulated: float
 
 
 TOLD = ("deepest overlap", "largest gain of energy", "end moved, median", "end moved, most")
@@ -190,7 +194,8 @@ def standings(found: Stability) -> tuple[Standing, ...]:
             # the plain end is what the others are held against, and no part of the spread
             changed = tuple(trial for trial in own if trial.kind != "plain")
             values = {f.name: f.of(changed if f.name.startswith("end moved") else own) for f in FIGURES}
-            made.append(Standing(run, len(own), sum(trial.state == SURVIVED for trial in own), values))
+            deepest = _known([trial.overlap * trial.scale for trial in own], max)
+            made.append(Standing(run, len(own), sum(trial.state == SURVIVED for trial in own), values, deepest))
     return tuple(made)
 
 
@@ -213,10 +218,12 @@ def answer(found: Stability) -> str:
         return f"{OURS} was not tried, so this run does not say whether hard cases stay stable."
     bad = sum(trial.state == BAD for trial in found.all_of(OURS))
     ends = "none of them with a value that is no number" if not bad else f"{bad} of them with a value that is no number"
+    energy = _told(own, "largest gain of energy", "J")
     word = "Hard cases stay stable" if own.survived == own.tried else "Hard cases do not all stay stable"
     return (
         f"{word}: {OURS} gets through {own.survived} of {count(own.tried, 'trial')}, {ends}, overlaps by at most "
-        f"{_told(own, 'deepest overlap', 'm')} and gains at most {_told(own, 'largest gain of energy', 'J')} in a frame."
+        f"{quantity(None if math.isnan(own.simulated) else own.simulated, 'm')} as simulated "
+        f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame."
     )
 
 
@@ -239,7 +246,7 @@ def tried(found: Stability) -> str:
     """Which cases and changes the rows are of, and which command made them."""
     changes = [f"{kind} ({listed(found.levels(kind), 4)})" for kind in found.kinds if kind != "plain"]
     what = f"{count(len(found.cases), 'case')} ({listed(found.cases, 12)}), each as it is and under {'; '.join(changes)}"
-    return f"A slice, tried in this run: {what}." if found.is_slice else f"The long form, by {COMMAND}: {what}."
+    return f"In this run, a slice: {what}." if found.is_slice else f"The long form, by {COMMAND}: {what}."
 
 
 def cell(line: Line, run: str) -> str:

@@ -2,6 +2,7 @@
 
 import pickle
 
+import numpy as np
 import pytest
 
 from avatarsim.tally import Tally
@@ -23,7 +24,16 @@ def test_an_empty_one_counts_nothing() -> None:
 
 
 def test_two_stand_beside_each_other() -> None:
-    assert Tally(NAMES, NUMBERS).beside(Tally(("islands",), [2])) == {"queries": 3, "steps": 0, "held": 7, "islands": 2}
+    both = Tally(NAMES, NUMBERS).beside(Tally(("islands",), [2]), (*NAMES, "islands"))
+    assert both == {"queries": 3, "steps": 0, "held": 7, "islands": 2}
+
+
+def test_the_bytes_of_an_array_are_its_numbers() -> None:
+    """What the array becomes later is not what was counted."""
+    counted = np.array(NUMBERS)
+    tally = Tally(NAMES, counted.tobytes())
+    counted[:] = 0
+    assert tally == Tally(NAMES, NUMBERS) and tally["held"] == 7
 
 
 def test_it_goes_from_process_to_process() -> None:

@@ -151,7 +151,7 @@ class CheckedLoop:
 
     def counts(self) -> Tally:
         """Work done in the last frame."""
-        return Tally(COUNT_NAMES, self.memory.counts.tolist())
+        return Tally(COUNT_NAMES, self.memory.counts.tobytes())
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""

@@ -74,7 +74,7 @@ class PaperLoop:
 
     def counts(self) -> Tally:
         """Work done in the last frame."""
-        return Tally(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tolist())
+        return Tally(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tobytes())
 
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""

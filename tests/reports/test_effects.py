@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -91,7 +92,7 @@ def test_forced_effects_that_change_nothing_are_said_with_their_cost(tmp_path: P
 def test_a_cell_is_empty_where_nothing_calls_and_a_dash_where_nothing_was_measured(tmp_path: Path) -> None:
     found = fill(tmp_path, [*LINES, row("coupling", None, scene="other")])
     assert cell(found.at("drop", "coupling")) == "" and cell(found.at("other", "coupling")) == "—"
-    assert cell(found.at("drop", "restitution")) == "750 ns, 25 %" and cell(found.at("drop", "sleeping")) == "-4.50 µs, -150 %"
+    assert cell(found.at("drop", "restitution")) == "750 ns" and cell(found.at("drop", "sleeping")) == "-4.50 µs"
 
 
 def test_what_leaving_an_effect_out_changes_is_told(tmp_path: Path) -> None:
@@ -99,7 +100,7 @@ def test_what_leaving_an_effect_out_changes_is_told(tmp_path: Path) -> None:
     found = fill(tmp_path, [*LINES, moving, row("limits", None, moved=None)])
     effects = ("restitution", "coupling", "friction", "limits", "dynamics")
     assert [consequence(found.at("drop", effect)) for effect in effects] == [
-        "2 bounds lost", "moves 2.00 mm", "moves nothing", "not measured", "",
+        "25 %, breaks 2", "10 %, moves 2.00 mm", "1 %, no change", "not measured", "",
     ]
 
 
@@ -108,6 +109,8 @@ def test_a_stage_that_ran_though_nothing_calls_for_it_is_named(tmp_path: Path) -
     sound = fill(tmp_path, [forced], ("posture", "coupling"))
     assert uncalled(sound) == ()
     assert answer(sound) == "Only what a scene calls for is simulated: zero calls of posture and coupling in drop."
+    both = replace(sound, idle={"drop": ("posture", "coupling"), "fall": ("posture", "coupling"), "push": ("coupling",), "x": ()})
+    assert answer(both).endswith("zero calls of posture and coupling in drop, fall; coupling in push.")
     wrong = fill(tmp_path, [forced], ("coupling",))
     assert uncalled(wrong) == (("drop", "posture"),)
     assert answer(wrong) == (
@@ -143,7 +146,7 @@ def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json)
     tree = Tree()
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
-    assert 'id="effects"' in text and "2 bounds lost" in text and "not measured" in text and "-150 %" in text
+    assert 'id="effects"' in text and "25 %, breaks 2" in text and "not measured" in text and "-150 %" in text
     assert "This run has no everyday scene" not in text
 
 

@@ -66,7 +66,10 @@ def test_without_a_loss_it_says_so_and_answers(tmp_path: Path) -> None:
     text = HEAD + row("avatarsim/default", "plain", moved="0") + row("mujoco/tuned", "plain", overlap="0.003", moved="0")
     said = stability.conclusion(found(tmp_path, text))
     assert said.startswith("No other engine stands better than ours in any of these figures. Hard cases stay stable: ")
-    assert "1 of 1 trial, none of them with a value that is no number, overlaps by at most 100 nm" in said
+    assert "1 of 1 trial, none of them with a value that is no number, " in said
+    assert "overlaps by at most 100 nm as simulated (100 nm at size 1)" in said
+    small = found(tmp_path, text.replace(",1,0,survived,36,1e-7", ",0.01,0,survived,36,1e-5"))
+    assert "at most 100 nm as simulated (10.0 µm at size 1)" in stability.answer(small)
     alone = found(tmp_path, HEAD + row("mujoco/tuned", "plain"))
     assert stability.answer(alone).startswith("avatarsim/default was not tried")
 
@@ -80,7 +83,7 @@ def test_an_engine_stands_by_all_its_trials_and_its_spread_by_those_that_are_cha
 
 
 def test_a_slice_is_told_from_the_long_form(tmp_path: Path) -> None:
-    assert stability.tried(found(tmp_path)).startswith("A slice, tried in this run: 1 case (painleve), each as it is and under ")
+    assert stability.tried(found(tmp_path)).startswith("In this run, a slice: 1 case (painleve), each as it is and under ")
     long = found(tmp_path, HEAD + row("avatarsim/default", "start", form="long"))
     assert stability.tried(long) == "The long form, by make stability: 1 case (painleve), each as it is and under start (x)."
     before = found(tmp_path, HEAD.replace(",form", "") + row("avatarsim/default", "start").replace(",slice", ""))
@@ -113,5 +116,5 @@ def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json)
     tree = Tree()
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids)) and "stability" in tree.ids
-    assert "tried none of the hard cases" not in text and "takes the place of this slice" in text
+    assert "tried none of the hard cases" not in text and "In this run, a slice" in text
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
