@@ -171,7 +171,7 @@ def sentence(found: Table) -> str:
         )
         parts.append(f"A rival is cheaper than ours in {len(lost)} of {count(total, 'case')} (scene × accuracy): {listed(said)}.")
     else:
-        parts.append(f"In none of {count(total, 'case')} (scene × accuracy) is a rival cheaper than ours.")
+        parts.append(f"In none of {count(total, 'case')} (scene × accuracy) is any setting of a rival cheaper than all of ours.")
     neither = [pair for pair in found.pairs if pair[2] != pair[2] and pair[4] != pair[4]]
     if neither:
         said = tuple(f"{block.scenario} at {limit(LEVELS[level], 'm')}" for block, level, *_ in neither)

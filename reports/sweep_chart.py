@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from reports.cheapest import FOLLOWING, LEVELS, PROFILED, Table, at_level, table
+from reports.cheapest import LEVELS, PROFILED, Table, at_level, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
@@ -219,10 +219,12 @@ def section(sweep: Sweep) -> dict[str, object]:
     """What the section is made of."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
+    # what is lost is read first
+    said = [cheapest_sentence(found), conclusion(sweep)]
+    said = said[::-1] if lost and not found.lost else said
     return {
-        "sweep_conclusion": conclusion(sweep), "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
+        "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
-        "cheapest_said": cheapest_sentence(found), "profile_panels": profile_panels(found) if found.blocks else [],
+        "profile_panels": profile_panels(found) if found.blocks else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_ratio": ratio,
-        "following": FOLLOWING,
     }

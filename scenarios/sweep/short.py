@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE
 from scenarios.files import write_json, write_text
@@ -69,8 +71,8 @@ LATEST = 2.0
 ONCE = 300
 """Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
 many it had, and has no 99th percentile."""
-RECORDED = 1.5
-"""Cost of a frame that is recorded and judged, in frames: what the accuracy pass of the everyday scenes took."""
+JUDGED = 1.2
+"""Cost of a frame that is measured, in frames that are only recorded: the judge's share in the everyday scenes."""
 STARTED = 0.1
 """Time [s] that a setting costs in a scene besides its frames: loads, and the judge's start."""
 UNKNOWN = 2e-3
@@ -104,7 +106,7 @@ def cells_of(request: Request) -> list[Cell]:
         if job.base:
             own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
     ranked: list[tuple[int, Cell]] = []
-    for name, scenario in request.scenarios.items():
+    for name, scenario in sorted(request.scenarios.items(), key=lambda entry: not entry[1].everyday):
         if not errors_of(name, scenario):
             continue
         scene = scenario.as_run(request.full).build()
@@ -126,14 +128,19 @@ def recorded_as(cell: Cell) -> str:
     return f"{cell.scenario}.{setting.engine}.{setting.name}.{cell.seed}"
 
 
-def frame_cost(cell: Cell, request: Request) -> float:
-    """Estimated time [s] of a rendered frame: what the preset beneath took in the accuracy pass, by how much finer it steps."""
+def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
+    """Estimated time [s] of a rendered frame, recorded and bare: what the preset beneath took in both passes, by how much finer
+    the setting steps."""
     setting = cell.setting
-    base = request.outcomes.get(f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}")
+    stem = f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}"
+    base, clocked = request.outcomes.get(stem), request.clocked.get(stem)
     if base is None or not base.frame_seconds > 0.0:
         known = [o.frame_seconds for o in request.outcomes.values() if o.job.engine == setting.engine]
-        return max(known, default=UNKNOWN) * setting.cut
-    return base.frame_seconds * setting.cut * _finer(setting, base)
+        both = max(known, default=UNKNOWN) * setting.cut
+        return both, both
+    factor = setting.cut * _finer(setting, base)
+    bare = base.frame_seconds if clocked is None or clocked.timed is None else float(np.mean(clocked.timed.around_ns)) * 1e-9
+    return base.frame_seconds * factor, bare * factor
 
 
 def _finer(setting: Setting, base: Outcome) -> float:
@@ -150,10 +157,11 @@ def _finer(setting: Setting, base: Outcome) -> float:
 def cost(cell: Cell, request: Request) -> float:
     """Estimated time [s] of what is still to be measured of a cell."""
     frames = frames_of(cell, request)
-    per_frame, workers = frame_cost(cell, request), max(request.jobs, 1)
-    recorded = 0.0 if known_errors(cell, request) else frames * per_frame * RECORDED / workers
-    timed = 0.0 if known_times(cell, request) else min(frames, cell.most) * per_frame * repeats_of(min(frames, cell.most))
-    return recorded + timed + (STARTED if recorded or timed else 0.0)
+    (recorded, bare), workers = frame_cost(cell, request), max(request.jobs, 1)
+    few = min(frames, cell.most)
+    measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
+    timed = 0.0 if known_times(cell, request) else few * bare * repeats_of(few)
+    return measured + timed + (STARTED if measured or timed else 0.0)
 
 
 def repeats_of(frames: int) -> int:
@@ -212,7 +220,9 @@ class ShortSweep:
         choice = chosen(cells, self.request, self.budget)
         self._measure(choice.asked)
         reused = self._clock(choice.asked, begun)
-        rows = with_fronts([row for cell in cells for row in self._rows(cell, dict(choice.left))])
+        order, left = list(dict.fromkeys(cell.scenario for cell in cells)), dict(choice.left)
+        by_scene = sorted(cells, key=lambda cell: order.index(cell.scenario))
+        rows = with_fronts([row for cell in by_scene for row in self._rows(cell, left)])
         write_text(self.request.folder / ROWS, csv_text(rows, Row))
         write_json(self.request.folder / ABOUT, {
             "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
