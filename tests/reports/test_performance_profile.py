@@ -27,7 +27,9 @@ def test_it_counts_what_its_definition_counts(seed: int) -> None:
     rng = random.Random(seed)
     scenes, engines = [f"scene {k}" for k in range(rng.randint(1, 9))], ["a", "b", "c"]
     times = {
-        engine: {name: NAN if rng.random() < 0.3 else float(rng.choice((1, 2, 2, 5, 30))) for name in scenes if rng.random() < 0.9}
+        engine: {
+            name: NAN if rng.random() < 0.3 else rng.choice((1.0, 2.0, 2.0, 5.0, 30.0)) for name in scenes if rng.random() < 0.9
+        }
         for engine in engines
     }
     times["a"] |= {scenes[0]: 3.0}
