@@ -188,6 +188,9 @@ def protocol(sweep: Sweep) -> str:
             f"Measured in this run by a short sweep of {about.get('seconds')} s: {about.get('settings')} cells, each a setting "
             f"in a scene; {about.get('reused')} of them are presets whose times are those of the timing pass."
         ]
+        if "repeats" in about and "once" in about:
+            said.append(f"A time is the median over frames, each the least of its repeats: {about['repeats']} of them, in the "
+                        f"sweep 1 where a scene has {about['once']} frames or more; each tooltip says which.")
         if isinstance(left, list) and left:
             said.append(f"{count(len(left), 'further cell')} did not fit into the {figure(about.get('budget'))} s that were "
                         "planned; they are listed below, and make sweep measures them.")

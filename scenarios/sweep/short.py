@@ -228,6 +228,7 @@ class ShortSweep:
             "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
             "estimated": round(choice.estimated, 1), "settings": len(choice.asked), "reused": reused,
             "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late,
+            "repeats": REPEATS, "once": ONCE,
         })
         return list(self._untimed(choice.asked))
 

@@ -136,11 +136,12 @@ def test_a_family_is_drawn_along_the_settings_that_no_other_of_it_beats(tmp_path
 def test_the_page_says_which_sweep_ran_and_what_did_not_fit(tmp_path: Path) -> None:
     assert "does not say" in sweep_chart.protocol(loaded(tmp_path, WON))
     about = {"form": "short", "seconds": 41.5, "budget": 55.0, "settings": 7, "reused": 2, "left": ["wall: m/a b", "wall: m/c"],
-             "late": ["stack"]}
+             "late": ["stack"], "repeats": 3, "once": 300}
     (tmp_path / sweep.ABOUT).write_text(json.dumps(about))
     short = loaded(tmp_path, WON)
     said = sweep_chart.protocol(short)
     assert "a short sweep of 41.5 s: 7 cells" in said and "2 further cells did not fit into the 55 s" in said and "stack." in said
+    assert "3 of them, in the sweep 1 where a scene has 300 frames or more" in said
     assert sweep_chart.left_out(short) == [("wall", "m/a b, m/c")]
     (tmp_path / sweep.ABOUT).write_text(json.dumps({"form": "long", "settings": 9, "kept": 4}))
     assert "9 cells, of which 4 were kept" in sweep_chart.protocol(loaded(tmp_path, WON))
