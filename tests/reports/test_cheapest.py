@@ -33,6 +33,8 @@ def test_times_that_are_not_told_apart_name_the_preset_then_the_more_accurate() 
     assert cheapest(tried(turned, preset), 1e-3) == tried(preset)[0]
     better, worse = point("m/tuned b=1", 1e-7, 10.2), point("m/tuned a=1", 1e-4, 10.0)
     assert cheapest(tried(worse, better), 1e-3) == tried(better)[0]
+    none, less = point("m/default", 2.5e-7, 10.0), point("m/paper", 2.4e-7, 9.9)
+    assert cheapest(tried(less, none), 1e-3) == tried(none)[0]
     same = point("m/tuned b=1", 1e-4, 10.0)
     assert cheapest(tried(same, worse), 1e-3) == tried(worse)[0]
     assert cheapest(tried(worse, point("m/tuned", 1e-4, 11.0)), 1e-3) == tried(worse)[0]
