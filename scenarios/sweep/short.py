@@ -27,7 +27,7 @@ from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
 from scenarios.sweep.rows import Row, rows_of, with_fronts
 from scenarios.sweep.telling import OFFSET, OVERLAP
-from scenarios.timing import MOST_FRAMES, REPEATS
+from scenarios.timing import MOST_FRAMES, REPEATS, WARM_FRAMES
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""
@@ -50,13 +50,13 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "default sweeps=5", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned motors DISCRETE dt=1/240",
-        "tuned dt=1/120", "default dt=1/240", "tuned dt=1/480", "default dt=1/60", "tuned DISCRETE", "default dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned dt=1/60",
+        "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60", "default dt=1/1920",
         "tuned iterations=10", "tuned dt=1/1920",
     ),
     "pybullet": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "default dt=1/960",
-        "tuned solver_iterations=10", "tuned dt=1/480", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "tuned dt=1/480",
+        "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
     ),
 }
 """Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
@@ -73,8 +73,8 @@ ONCE = 300
 many it had, and has no 99th percentile."""
 JUDGED = 1.2
 """Cost of a frame that is measured, in frames that are only recorded: the judge's share in the everyday scenes."""
-STARTED = 0.1
-"""Time [s] that a setting costs in a scene besides its frames: loads, and the judge's start."""
+STARTED = 0.15
+"""Time [s] that a setting costs in a scene besides its frames: a load for each repeat, and the judge's start."""
 UNKNOWN = 2e-3
 """Time of a frame [s] of an engine of which nothing is known in a scene."""
 COARSE = 0.25
@@ -160,7 +160,7 @@ def cost(cell: Cell, request: Request) -> float:
     (recorded, bare), workers = frame_cost(cell, request), max(request.jobs, 1)
     few = min(frames, cell.most)
     measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
-    timed = 0.0 if known_times(cell, request) else few * bare * repeats_of(few)
+    timed = 0.0 if known_times(cell, request) else (few * repeats_of(few) + WARM_FRAMES) * bare
     return measured + timed + (STARTED if measured or timed else 0.0)
 
 
