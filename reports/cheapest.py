@@ -70,11 +70,11 @@ def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
 
 def cheapest(tried: Sequence[Attempt], level: float) -> Attempt | None:
     """The fastest that reaches `level` [m]; of those within NOISE of it a preset before what was turned, then the more accurate,
-    then the first by name."""
+    then the first by name. Errors below the finest of LEVELS are not told apart either."""
     able = [attempt for attempt in tried if attempt.reaches(level)]
     least = min((attempt.p50 for attempt in able), default=math.nan)
     near = [attempt for attempt in able if attempt.p50 <= (1.0 + NOISE) * least]
-    return min(near, key=lambda a: (not a.any_point.is_preset, a.error, a.any_point.setting), default=None)
+    return min(near, key=lambda a: (not a.any_point.is_preset, max(a.error, LEVELS[-1]), a.any_point.setting), default=None)
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def sentence(found: Table) -> str:
         )
         parts.append(f"A rival is cheaper than ours in {len(lost)} of {count(total, 'case')} (scene × accuracy): {listed(said)}.")
     else:
-        parts.append(f"In none of {count(total, 'case')} (scene × accuracy) is a rival cheaper than ours.")
+        parts.append(f"In none of {count(total, 'case')} (scene × accuracy) is any setting of a rival cheaper than all of ours.")
     neither = [pair for pair in found.pairs if pair[2] != pair[2] and pair[4] != pair[4]]
     if neither:
         said = tuple(f"{block.scenario} at {limit(LEVELS[level], 'm')}" for block, level, *_ in neither)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from reports.cheapest import FOLLOWING, LEVELS, PROFILED, Table, at_level, table
+from reports.cheapest import LEVELS, PROFILED, Table, at_level, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
@@ -188,6 +188,9 @@ def protocol(sweep: Sweep) -> str:
             f"Measured in this run by a short sweep of {about.get('seconds')} s: {about.get('settings')} cells, each a setting "
             f"in a scene; {about.get('reused')} of them are presets whose times are those of the timing pass."
         ]
+        if "repeats" in about and "once" in about:
+            said.append(f"A time is the median over frames, each the least of its repeats: {about['repeats']} of them, in the "
+                        f"sweep 1 where a scene has {about['once']} frames or more; each tooltip says which.")
         if isinstance(left, list) and left:
             said.append(f"{count(len(left), 'further cell')} did not fit into the {figure(about.get('budget'))} s that were "
                         "planned; they are listed below, and make sweep measures them.")
@@ -219,10 +222,12 @@ def section(sweep: Sweep) -> dict[str, object]:
     """What the section is made of."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
+    # what is lost is read first
+    said = [cheapest_sentence(found), conclusion(sweep)]
+    said = said[::-1] if lost and not found.lost else said
     return {
-        "sweep_conclusion": conclusion(sweep), "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
+        "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
-        "cheapest_said": cheapest_sentence(found), "profile_panels": profile_panels(found) if found.blocks else [],
+        "profile_panels": profile_panels(found) if found.blocks else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_ratio": ratio,
-        "following": FOLLOWING,
     }

@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE
 from scenarios.files import write_json, write_text
@@ -26,7 +28,7 @@ from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
 from scenarios.sweep.rows import Row, rows_of, with_fronts
 from scenarios.sweep.telling import OFFSET, OVERLAP
-from scenarios.timing import MOST_FRAMES
+from scenarios.timing import MOST_FRAMES, WARM_FRAMES
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""
@@ -49,13 +51,13 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "default sweeps=5", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned motors DISCRETE dt=1/240",
-        "tuned dt=1/120", "default dt=1/240", "tuned dt=1/480", "default dt=1/60", "tuned DISCRETE", "default dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned dt=1/60",
+        "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60", "default dt=1/1920",
         "tuned iterations=10", "tuned dt=1/1920",
     ),
     "pybullet": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "default dt=1/960",
-        "tuned solver_iterations=10", "tuned dt=1/480", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
+        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "tuned dt=1/480",
+        "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
     ),
 }
 """Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
@@ -70,10 +72,10 @@ LATEST = 2.0
 ONCE = 300
 """Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
 many it had, and has no 99th percentile."""
-RECORDED = 1.5
-"""Cost of a frame that is recorded and judged, in frames: what the accuracy pass of the everyday scenes took."""
-STARTED = 0.1
-"""Time [s] that a setting costs in a scene besides its frames: loads, and the judge's start."""
+JUDGED = 1.2
+"""Cost of a frame that is measured, in frames that are only recorded: the judge's share in the everyday scenes."""
+STARTED = 0.15
+"""Time [s] that a setting costs in a scene besides its frames: a load for each repeat, and the judge's start."""
 UNKNOWN = 2e-3
 """Time of a frame [s] of an engine of which nothing is known in a scene."""
 COARSE = 0.25
@@ -105,7 +107,7 @@ def cells_of(request: Request) -> list[Cell]:
         if job.base:
             own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
     ranked: list[tuple[int, Cell]] = []
-    for name, scenario in request.scenarios.items():
+    for name, scenario in sorted(request.scenarios.items(), key=lambda entry: not entry[1].everyday):
         if not errors_of(name, scenario):
             continue
         scene = scenario.as_run(request.full).build()
@@ -127,14 +129,19 @@ def recorded_as(cell: Cell) -> str:
     return f"{cell.scenario}.{setting.engine}.{setting.name}.{cell.seed}"
 
 
-def frame_cost(cell: Cell, request: Request) -> float:
-    """Estimated time [s] of a rendered frame: what the preset beneath took in the accuracy pass, by how much finer it steps."""
+def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
+    """Estimated time [s] of a rendered frame, recorded and bare: what the preset beneath took in both passes, by how much finer
+    the setting steps."""
     setting = cell.setting
-    base = request.outcomes.get(f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}")
+    stem = f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}"
+    base, clocked = request.outcomes.get(stem), request.clocked.get(stem)
     if base is None or not base.frame_seconds > 0.0:
         known = [o.frame_seconds for o in request.outcomes.values() if o.job.engine == setting.engine]
-        return max(known, default=UNKNOWN) * setting.cut
-    return base.frame_seconds * setting.cut * _finer(setting, base)
+        both = max(known, default=UNKNOWN) * setting.cut
+        return both, both
+    factor = setting.cut * _finer(setting, base)
+    bare = base.frame_seconds if clocked is None or clocked.timed is None else float(np.mean(clocked.timed.around_ns)) * 1e-9
+    return base.frame_seconds * factor, bare * factor
 
 
 def _finer(setting: Setting, base: Outcome) -> float:
@@ -151,10 +158,11 @@ def _finer(setting: Setting, base: Outcome) -> float:
 def cost(cell: Cell, request: Request) -> float:
     """Estimated time [s] of what is still to be measured of a cell."""
     frames = frames_of(cell, request)
-    per_frame, workers = frame_cost(cell, request), max(request.jobs, 1)
-    recorded = 0.0 if known_errors(cell, request) else frames * per_frame * RECORDED / workers
-    timed = 0.0 if known_times(cell, request) else min(frames, cell.most) * per_frame * repeats_of(min(frames, cell.most))
-    return recorded + timed + (STARTED if recorded or timed else 0.0)
+    (recorded, bare), workers = frame_cost(cell, request), max(request.jobs, 1)
+    few = min(frames, cell.most)
+    measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
+    timed = 0.0 if known_times(cell, request) else (few * repeats_of(few) + WARM_FRAMES) * bare
+    return measured + timed + (STARTED if measured or timed else 0.0)
 
 
 def repeats_of(frames: int) -> int:
@@ -213,12 +221,15 @@ class ShortSweep:
         choice = chosen(cells, self.request, self.budget)
         self._measure(choice.asked)
         reused = self._clock(choice.asked, begun)
-        rows = with_fronts([row for cell in cells for row in self._rows(cell, dict(choice.left))])
+        order, left = list(dict.fromkeys(cell.scenario for cell in cells)), dict(choice.left)
+        by_scene = sorted(cells, key=lambda cell: order.index(cell.scenario))
+        rows = with_fronts([row for cell in by_scene for row in self._rows(cell, left)])
         write_text(self.request.folder / ROWS, csv_text(rows, Row))
         write_json(self.request.folder / ABOUT, {
             "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
             "estimated": round(choice.estimated, 1), "settings": len(choice.asked), "reused": reused,
             "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late,
+            "repeats": REPEATS, "once": ONCE,
         })
         return list(self._untimed(choice.asked))
 

@@ -1,5 +1,6 @@
 """The sections of the sweep, of convergence and of the map: from files alone, what is lost first."""
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -98,12 +99,55 @@ def test_without_our_own_figure_nothing_holds(tmp_path: Path) -> None:
     assert sweep.conclusion(both).endswith("Ours was not measured in stack.")
 
 
-def test_a_panel_per_scene_and_error(tmp_path: Path) -> None:
-    panels = sweep_chart.panels(loaded(tmp_path, WON + SHORT + BEATEN))
-    assert [panel.scene for panel in panels] == ["stack: residual overlap", "drop: apex error", "wall: residual overlap"]
-    assert all(panel.svg.startswith("<svg role=") and "stroke-dasharray" in panel.svg for panel in panels)
-    assert "Crosses: pybullet/default (crashed)." in panels[2].conclusion and "Ours: 0 in 10.0 µs" in panels[2].conclusion
-    assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == []
+def test_a_panel_per_scene_and_the_other_errors_apart(tmp_path: Path) -> None:
+    second = line("wall", "avatarsim/default", 1e-3, 10, metric="tracker_offset_rms_free")
+    firsts, others = sweep_chart.panels(loaded(tmp_path, WON + SHORT + BEATEN + second))
+    assert [panel.title for panel in firsts] == ["wall: residual overlap", "stack: residual overlap", "drop: apex error"]
+    assert [panel.title for panel in others] == ["wall: tracker offset"]
+    assert all(panel.svg.startswith("<svg role=") and "stroke-dasharray" in panel.svg for panel in firsts)
+    assert all("60 Hz" in panel.svg and ">90<" in panel.svg for panel in firsts)
+    assert "Crosses: pybullet/default (crashed)." in firsts[0].conclusion
+    assert "avatarsim 10.0 µs (default), mujoco 35.0 µs (tuned)" in firsts[0].conclusion
+    assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == ([], [])
+
+
+def test_points_have_labels_and_tooltips_with_the_options(tmp_path: Path) -> None:
+    (tmp_path / sweep.ROWS).write_text(
+        HEAD.replace("note\n", "note,base,options,repeats,frames\n")
+        + "wall,avatarsim,default,residual_overlap_max,m,0,10,,measured,all,1e-06,,default,--engine avatarsim,3,180\n"
+        + "wall,mujoco,tuned dt=1/60,residual_overlap_max,m,0.002,8,,measured,all,1e-06,,tuned,mujoco.x = {dt = 0.1},1,300\n"
+        + "wall,mujoco,tuned dt=1/120,residual_overlap_max,m,0,8,,wrong-side,,1e-06,,tuned,,1,300\n"
+    )
+    found = sweep.load(tmp_path)
+    assert found is not None
+    (panel,), _ = sweep_chart.panels(found)
+    assert "<title>avatarsim/default: 0, 10.0 µs per frame (median, 3 × 180 frames)\n--engine avatarsim</title>" in panel.svg
+    assert "<title>mujoco/tuned dt=1/60: 2.00 mm, 8.00 µs per frame (median, 1 × 300 frames)\nmujoco.x = {dt = 0.1}" in panel.svg
+    assert ">1/60</text>" in panel.svg and ">default</text>" in panel.svg and "; wrong-side</title>" in panel.svg
+    assert list(sweep_chart.inks(found)) == ["avatarsim/default", "mujoco/tuned"]
+
+
+def test_a_family_is_drawn_along_the_settings_that_no_other_of_it_beats(tmp_path: Path) -> None:
+    points = loaded(tmp_path, line("wall", "m/a 1", 1e-2, 1) + line("wall", "m/a 2", 1e-2, 2) + line("wall", "m/a 3", 1e-3, 3)
+                    + line("wall", "m/a 4", 5e-3, 4) + line("wall", "m/a 5", 1e-4, 3)).points
+    assert [p.setting for p in sweep_chart.family_front(points)] == ["a 1", "a 5"]
+
+
+def test_the_page_says_which_sweep_ran_and_what_did_not_fit(tmp_path: Path) -> None:
+    assert "does not say" in sweep_chart.protocol(loaded(tmp_path, WON))
+    about = {"form": "short", "seconds": 41.5, "budget": 55.0, "settings": 7, "reused": 2, "left": ["wall: m/a b", "wall: m/c"],
+             "late": ["stack"], "repeats": 3, "once": 300}
+    (tmp_path / sweep.ABOUT).write_text(json.dumps(about))
+    short = loaded(tmp_path, WON)
+    said = sweep_chart.protocol(short)
+    assert "a short sweep of 41.5 s: 7 cells" in said and "2 further cells did not fit into the 55 s" in said and "stack." in said
+    assert "3 of them, in the sweep 1 where a scene has 300 frames or more" in said
+    assert sweep_chart.left_out(short) == [("wall", "m/a b, m/c")]
+    (tmp_path / sweep.ABOUT).write_text(json.dumps({"form": "long", "settings": 9, "kept": 4}))
+    assert "9 cells, of which 4 were kept" in sweep_chart.protocol(loaded(tmp_path, WON))
+    (tmp_path / sweep.ABOUT).write_text("[")
+    with pytest.raises(InvalidFile, match=r"sweep\.json"):
+        sweep.load(tmp_path)
 
 
 def test_who_is_consistent_and_who_is_right(tmp_path: Path) -> None:
@@ -156,3 +200,4 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     for name in ("sweep", "convergence", "law-map"):
         assert f'id="{name}"' in page
     assert 'href="#sweep"' in page and "takes ×5.00, not ×10" in page
+    assert 'id="cheapest"' in page and "Performance profile" in page and "at most 1 mm" in page and "none of 1" in page

@@ -1,6 +1,7 @@
 """The command: only what is not known is asked, whatever stopped the run before, and bad input is said in one line."""
 
 import csv
+import json
 import os
 import subprocess
 import sys
@@ -61,8 +62,11 @@ def test_a_second_run_asks_nothing_and_says_the_same(tmp_path: Path, counted: Co
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
     first, asked = rows(tmp_path), len(counted.asked)
     assert asked == len(counted.timed) >= 11 and {row["state"] for row in first} == {"measured"}
+    about = tmp_path / "sweep" / "sweep.json"
+    assert json.loads(about.read_text()) == {"form": "long", "settings": asked, "kept": 0}
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
     assert len(counted.asked) == asked == len(counted.timed) and rows(tmp_path) == first
+    assert json.loads(about.read_text())["kept"] == asked
 
 
 def test_what_changed_is_asked_alone(tmp_path: Path, counted: Counted, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,6 +26,15 @@ def test_a_measured_cell_has_a_row_per_error() -> None:
     assert second.error == 0.0 and second.unit == "frames"
 
 
+def test_a_row_says_what_its_time_stands_on_and_how_to_ask_for_it_again() -> None:
+    timed = {"p50": 20.0, "p99": None, "repeats": 3, "frames": 180, "note": ""}
+    row, _ = rows_of(CELL, METRICS, entry(residual_overlap_max=1e-4, wrong_side_frames=0.0), timed)
+    assert (row.repeats, row.frames, row.base) == (3, 180, "tuned") and math.isnan(row.p99)
+    assert row.options == "--engine mujoco --preset tuned"
+    untimed, _ = rows_of(CELL, METRICS, entry(residual_overlap_max=1e-4, wrong_side_frames=0.0), None)
+    assert (untimed.repeats, untimed.frames) == (0, 0)
+
+
 def test_who_went_through_the_wall_has_no_accuracy_but_the_count_of_it() -> None:
     found = entry(residual_overlap_max=0.0, wrong_side_frames=39.0, not_finite_frames=0.0)
     overlap, side = rows_of(CELL, METRICS, found, {"p50": 1.0, "p99": 1.0, "note": ""})
@@ -63,7 +72,7 @@ def test_fronts_of_all_and_of_each() -> None:
 def test_the_file_and_the_table() -> None:
     rows = with_fronts([row("a", "1", 0.0, 10.0), row("b", "1", math.nan, math.nan, "crashed"), row("b", "2", 1.0, math.nan)])
     assert csv_text(rows, Row).splitlines()[1:3] == [
-        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,1e-06,", "s,b,1,residual_overlap_max,m,,,,crashed,,1e-06,",
+        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,1e-06,,,,0,0", "s,b,1,residual_overlap_max,m,,,,crashed,,1e-06,,,,0,0",
     ]
     text = table(rows)
     assert "no point: b/1: crashed" in text and "not timed: b/2" in text and "0.0100 ms" in text

@@ -105,11 +105,14 @@ def test_the_cost_of_a_setting_goes_with_its_steps(tmp_path: Path) -> None:
     ran = request(tmp_path, outcomes=[outcome("stop_distance", "tuned", 1e-3)])
     by_name = {cell.setting.name: cell for cell in short.cells_of(ran)}
     # the preset steps by 0.01 s
-    assert short.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx(4.8e-3)
-    assert short.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx(1e-3 * 0.6)
-    assert short.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx(1e-3)
-    nothing_known = request(tmp_path)
-    assert short.frame_cost(by_name["tuned"], nothing_known) == short.UNKNOWN
+    assert short.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx((4.8e-3, 4.8e-3))
+    assert short.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx((6e-4, 6e-4))
+    assert short.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx((1e-3, 1e-3))
+    known = outcome("stop_distance", "tuned", 1e-3)
+    timed = {known.job.stem: Clocked(known.job, Timed(np.full((1, 20), 250_000, dtype=np.int64)))}
+    both = request(tmp_path, outcomes=[known], clocked=timed)
+    assert short.frame_cost(by_name["tuned dt=1/480"], both) == pytest.approx((4.8e-3, 1.2e-3))
+    assert short.frame_cost(by_name["tuned"], request(tmp_path)) == (short.UNKNOWN, short.UNKNOWN)
 
 
 def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_path: Path) -> None:
@@ -122,9 +125,12 @@ def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_pa
         # each that was left out would not have fitted when its turn came, so none fits now
         assert all(choice.estimated + each > budget for _, each in choice.left)
     assert not short.chosen(cells, ran, 0.0).asked and not short.chosen(cells, ran, 1e6).left
-    some = short.chosen(cells, ran, 20.0)
-    order = {cell: k for k, cell in enumerate(cells)}
-    assert max(order[cell] for cell in some.asked) > min(order[cell] for cell, _ in some.left)
+    # room for the first setting that is cheap, and not for a dearer one before it
+    costs = [short.cost(cell, ran) for cell in cells]
+    dear = next(k for k, each in enumerate(costs) if each > min(costs[k + 1 :]))
+    cheap = next(k for k in range(dear + 1, len(costs)) if costs[k] < costs[dear])
+    some = short.chosen(cells, ran, sum(costs[:dear]) + costs[cheap])
+    assert cells[cheap] in some.asked and cells[dear] in [cell for cell, _ in some.left]
 
 
 def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
