@@ -119,9 +119,10 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
             three = []
             for percent in (50, 95, 99):
                 row = worst([r for r in own if r.metric == f"frame_time_p{percent}"])
-                # a row without a value says why it has none, and what its series would give is not that percentile
-                known = math.nan if row or not timed.size else float(np.percentile(timed, percent))
-                three.append(row.value if row and row.value is not None else known)
+                if row is not None and row.value is not None:
+                    three.append(row.value)
+                else:
+                    three.append(float(np.percentile(timed, percent)) if timed.size else math.nan)
             if any(math.isfinite(value) and value > 0.0 for value in three):
                 found.setdefault(scene, {})[run] = (three[0], three[1], three[2])
     return found
@@ -151,7 +152,7 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
-    """A sentence with p99 over all frames of all repeats, where there are enough for one; "" otherwise."""
+    """A sentence with p99 over all frames of all repeats, where it was measured; "" otherwise."""
     rows = {run: worst([r for r in results.of(scene) if r.metric == "frame_time_raw_p99" and r.run == run])
             for run in runs}
     said = tuple(f"{run} {quantity(row.value, 'us')}" for run, row in rows.items() if row and row.value is not None)
@@ -160,5 +161,4 @@ def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
 
 def _span(run: str, three: Percentiles, low: float) -> dict[str, object]:
     names = ("p50", "p95", "p99")
-    known = {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}
-    return {"run": run, **known, "end": max((v for v in known.values() if v is not None), default=None)}
+    return {"run": run} | {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}

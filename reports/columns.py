@@ -55,8 +55,6 @@ COLUMNS = (
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
             "each frame's least over the repeats", "frame_time_p50"),
-    _column("python", "p50 as called from Python", "us", 0.0, "median of a whole call of the engine from Python, what the "
-            "interpreter and the adapter add included", "frame_time_python_p50"),
     _column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 

@@ -75,20 +75,15 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
     if not finite:
         return "No frame time was measured here, so nothing follows."
     order = sorted(finite, key=lambda run: finite[run][1])
-    first = order[0]
-    # with too few frames for a p99 the p95 is the last that is known
-    last_known = {run: p[2] if math.isfinite(p[2]) else p[1] for run, p in finite.items()}
-    late = tuple(run for run in order if not last_known[run] <= FRAME_60_HZ)
-    at_p99 = all(math.isfinite(p[2]) for p in finite.values())
+    first, late = order[0], tuple(run for run in order if not finite[run][2] <= FRAME_60_HZ)
     text = f"The p95 of {first} is {quantity(finite[first][1], 'us')}"
     if len(order) > 1:
         text = f"{first} has the lowest p95, {quantity(finite[first][1], 'us')}"
         last = order[-1]
         text += f"; {last} takes {finite[last][1] / finite[first][1]:.3g} times as long"
     if late:
-        share = "1 %" if at_p99 else "1 to 5 %"
-        return text + f"; {listed(late)} {'misses' if len(late) == 1 else 'miss'} 60 Hz in more than {share} of the frames."
-    return f"{text}; {'all keep' if len(order) > 1 else 'it keeps'} 60 Hz at {'p99' if at_p99 else 'p95'}."
+        return text + f"; {listed(late)} {'misses' if len(late) == 1 else 'miss'} 60 Hz in more than 1 % of the frames."
+    return f"{text}; {'all keep' if len(order) > 1 else 'it keeps'} 60 Hz at p99."
 
 
 def time_summary(

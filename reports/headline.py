@@ -19,7 +19,7 @@ HEAD = ("scene", "measure", "unit", "run", "value", "best")
 MEASURES = {
     "overlap": "overlap", "truth": "error to closed form", "limits": "beyond joint limits", "offset": "offset from the user",
     "chatter": "frames in contact that shake",
-    "p50": "frame time, engine only", "python": "as called from Python",
+    "p50": "frame time",
 }
 """Columns of the verdict table that the README shows, and what they are called there."""
 ROUNDING = 1e-9

@@ -62,9 +62,6 @@ from reports.verdict import Verdict, losing_scenes, scenes_sentence
 from reports.wording import count, limit, listed, quantity, ratio
 
 TEMPLATES = Path(__file__).parent / "templates"
-# Average load of the timing pass from which on other processes must have been at work: its own is one engine that runs, and for
-# moments several that load.
-BUSY = 2.5
 # Printed on every page, whatever the figures say.
 FAIRNESS = (
     "Our avatar is kinematic: the user's motion drives it, and it meets simulated bodies with a coupled mass. It is not full "
@@ -73,8 +70,8 @@ FAIRNESS = (
     "samples at the same instants.",
     "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth "
     "is used.",
-    "Accuracy and time are measured in separate passes. In every row `frame_time_*` is the engine alone; the column beside it is "
-    "the same call as Python sees it.",
+    "Accuracy and time are measured in separate passes. The timing pass is serial, on one thread, warm, with nothing recorded; "
+    "sub-steps count, because time is per rendered frame. First-frame compilation is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
     "settings and reasons are listed above. A preset that is not in the table was not run.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
@@ -161,8 +158,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
-        cards=cards(results.engines), provenance=_flat(results.provenance),
-        fairness=(*FAIRNESS, *timing_sentences(results.provenance)),
+        cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
@@ -178,17 +174,6 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         judge=extras.judge, **(judge.section(extras.judge) if extras.judge else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )
-
-
-def timing_sentences(provenance: Mapping[str, object]) -> tuple[str, ...]:
-    """The protocol by which the run timed, in the run's own words, and a warning if others kept the processors busy meanwhile."""
-    timing = provenance.get("timing")
-    if not isinstance(timing, Mapping):
-        return ("The run does not say by which protocol it timed.",)
-    said, cpus, load = [str(timing.get("protocol"))], provenance.get("cpus"), timing.get("load_after")
-    if isinstance(cpus, int) and isinstance(load, float) and load > max(cpus, BUSY):
-        said.append(f"Times need care: {load:g} processes on average asked for {count(cpus, 'processor')} while they were taken.")
-    return tuple(said)
 
 
 def _narrow(narrow: NarrowPhase) -> dict[str, object]:

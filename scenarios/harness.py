@@ -17,13 +17,11 @@ from scenarios.job import Job, Outcome
 from scenarios.measure.timing import frame_times
 from scenarios.processes import Died, Pool
 from scenarios.progress import Progress
-from scenarios.provenance import clock, load_average
-from scenarios.results import Results, Row, is_time
+from scenarios.results import Results, Row
 from scenarios.run import accuracy, described
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
 from scenarios.timing import Clocked, timed_pass
-from scenarios.timing_protocol import protocol_said
 
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
@@ -117,10 +115,9 @@ class Run:
         ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
-        names = list(dict.fromkeys(job.scenario for job in sound))
-        few = full or at_length or len(names) < MANY
-        load_before = load_average()
         with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
+            names = list(dict.fromkeys(job.scenario for job in sound))
+            few = full or at_length or len(names) < MANY
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
@@ -129,9 +126,6 @@ class Run:
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
                     self.write_now_and_then()
-        self.provenance["timing"] = {
-            "protocol": protocol_said(not few, full), "clock": clock(), "load_before": load_before, "load_after": load_average(),
-        }
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
@@ -142,9 +136,8 @@ class Run:
         for job, outcome in self._known():
             clocked = self.clocked.get(job.stem)
             if clocked and clocked.timed:
-                times = frame_times(clocked.timed, outcome.hashes, outcome.phases)
-                stands_on = {name: clocked.note for name, value in times.items() if is_time(name) and isinstance(value, float)}
-                notes = {**outcome.notes, **stands_on}
+                times = frame_times(clocked.timed, outcome.hashes)
+                notes = {**outcome.notes, "frame_time_p50": clocked.note}
                 outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
             limits = self.limits.get(job.scenario, {})
             gated = (job.engine, job.preset) in self.gated

@@ -70,7 +70,7 @@ class Job:
 class Outcome:
     """What came of a job. `values` and `notes` by metric; `note` says why there are none; `overlap_m` per state shown;
     `about` is what the engine said of itself (version, settings, cannot_say); `hashes` the state hash of every state shown;
-    `phases` what each frame is (`measure/phases.py`); `frame_seconds` roughly what a frame took [s]."""
+    `frame_seconds` roughly what a frame took [s]."""
 
     job: Job
     state: State
@@ -82,5 +82,4 @@ class Outcome:
     about: Mapping[str, object] = field(default_factory=dict)
     recording: Path | None = None
     hashes: tuple[str, ...] = ()
-    phases: tuple[str, ...] = ()
     frame_seconds: float = 0.0

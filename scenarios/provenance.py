@@ -73,24 +73,6 @@ def cpu() -> str:
     return platform.processor() or platform.machine()
 
 
-def clock() -> str | None:
-    """Frequency of the processors at this moment and the highest they may take, where the system tells either."""
-    said = []
-    table, most = Path("/proc/cpuinfo"), Path("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
-    if sys.platform == "linux" and table.exists():
-        lines = table.read_text(encoding="utf-8", errors="replace").splitlines()
-        now = [float(line.split(":", 1)[1]) for line in lines if line.startswith("cpu MHz")]
-        said += [f"{min(now):.0f} to {max(now):.0f} MHz"] if now else []
-    if most.exists():
-        said.append(f"{int(most.read_text(encoding='ascii')) / 1e3:.0f} MHz at most")
-    return ", ".join(said) or None
-
-
-def load_average() -> float | None:
-    """Processes that ran or waited for a processor, averaged over the last minute; None where the system does not tell."""
-    return round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None
-
-
 def scene_hash(scene: Scene) -> str:
     """Sixteen hexadecimal digits of everything in the scene's description; equal scenes give equal hashes everywhere."""
     digest = hashlib.blake2b(digest_size=8)

@@ -16,7 +16,6 @@ from scenarios.engines import opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
-from scenarios.measure.phases import phases
 from scenarios.provenance import code_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
@@ -104,10 +103,7 @@ def concluded(job: Job, recording: Recording, what: Asked, path: Path, judged: i
     overlap = tuple(found.overlap.tolist())
     hashes = tuple(recording.state_hashes.tolist())
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
-    what_each_is = phases(recording, what.scene)
-    return Outcome(
-        job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, what_each_is, cost,
-    )
+    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, cost)
 
 
 def described(error: BaseException) -> str:

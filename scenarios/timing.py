@@ -6,14 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenarios.job import Job
-from scenarios.measure.timing import REPEATS, Timed, repeats_said
+from scenarios.measure.timing import Timed
 from scenarios.seat import Repeat, Seat
 
 MOST_FRAMES = 900
 """Frames timed: all of every everyday scene at its short length, and of a longer one a quarter of a minute. With less the hand
 over the table, which comes down to it slowly, would be timed in the air."""
+REPEATS = 3
+"""How often the same frames are run; the least of each frame is what it costs when nothing disturbs."""
 WARM_FRAMES = 30
-"""Frames run before anything is timed, on a load of their own in the same process: compiles, fills caches, grows buffers."""
+"""Frames run before anything is timed: compiles, fills caches, grows buffers."""
 ENOUGH = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row says how many it had."""
 
@@ -32,17 +34,21 @@ class Turns:
 
     def __init__(self, job: Job, seat: Seat) -> None:
         self.job, self.seat, self.note, self.warmup, self.spent = job, seat, "", 0.0, 0.0
-        self.warm_frames = 0
         self.repeats: list[Repeat] = []
+
+    @property
+    def frames(self) -> int:
+        """How many frames its repeats have had; 0 before the first."""
+        return len(self.repeats[0][0]) if self.repeats else 0
 
     def warmed(self) -> None:
         """Hear of the warm-up that it was told to run, which counts by itself."""
-        if not self.note and (found := self.hear()):
-            self.warm_frames = len(found[0])
+        if not self.note:
+            self.hear()
         self.warmup, self.spent = self.spent, 0.0
 
     def turn(self) -> None:
-        """The frames of one repeat, with no other engine at work."""
+        """The frames of one repeat, with nobody else at work."""
         self.seat.go()
         if found := self.hear():
             self.repeats.append(found)
@@ -64,8 +70,9 @@ class Turns:
         names = sorted({name for repeat in self.repeats for name in repeat[1]})
         silent = [0] * around.shape[1]
         stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
-        timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats), self.warm_frames)
-        return Clocked(self.job, timed, self.note or repeats_said(len(around), around.shape[1], self.warm_frames))
+        times = "1 repeat" if len(around) == 1 else f"{len(around)} repeats"
+        timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats))
+        return Clocked(self.job, timed, self.note or f"{times} of {around.shape[1]} frames")
 
 
 def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
@@ -77,14 +84,6 @@ def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
     for at in asked:
         at.hear()
     return [at for at in asked if not at.note]
-
-
-def warm_up(table: Sequence[Turns], frames: int) -> None:
-    """Let all run their first `frames` side by side, untimed, on a load that is then thrown away."""
-    for at in loaded(table, [frames] * len(table)):
-        at.seat.go()
-    for at in table:
-        at.warmed()
 
 
 def timed_pass(
@@ -100,7 +99,10 @@ def timed_pass(
     try:
         for k, job in enumerate(jobs):
             table.append(Turns(job, seats[k] if seats else Seat()))
-        warm_up(table, WARM_FRAMES)
+        for at in loaded(table, [WARM_FRAMES] * len(table)):
+            at.seat.go()
+        for at in table:
+            at.warmed()
         for _ in range(repeats):
             again = [(at, count) for at, count in zip(table, counts, strict=True) if full or at.spent < ENOUGH]
             for at in loaded([at for at, _ in again], [count for _, count in again]):

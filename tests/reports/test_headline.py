@@ -33,7 +33,7 @@ def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> N
     words = headline.block(headline.load(path))
     assert words.startswith("Measured on some cores of Abacus 9, Python 3.11.\n")
     assert "| arm_wall | overlap | **300 nm** | 4.00 mm | 60.0 µm | 10.0 µm | 100 mm |" in words
-    assert "|  | frame time, engine only | **31.0 µs** | 190 µs | 420 µs | 880 µs | — |" in words
+    assert "|  | frame time | **31.0 µs** | 190 µs | 420 µs | 880 µs | — |" in words
     # ours loses here, and a run that crashed has no number
     assert "| ball_drop | error to closed form | 0.3 | — | — | **0.02** | — |" in words
 
