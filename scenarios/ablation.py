@@ -36,7 +36,8 @@ class Line:
 
     `without_us` is None where the run without it ended early (`note` says why). `moved` [m] is how far any body is shown from
     where it was with the effect, at most; `broken` are bounds that no longer hold: metric, value with, value without, bound.
-    The line of FORCED is the other way round: all effects that nothing calls for, forced on.
+    `timed` says how often and over how many frames both were timed. The line of FORCED is the other way round: all effects that
+    nothing calls for, forced on.
     """
 
     scenario: str
@@ -47,6 +48,7 @@ class Line:
     moved: float | None
     broken: tuple[tuple[str, float | None, float | None, float], ...]
     note: str
+    timed: str = ""
 
     @property
     def share(self) -> float | None:
@@ -67,7 +69,8 @@ def jobs(name: str, scene: Scene, seed: int, full: bool, frames: int | None) -> 
 
 def lines(ran: Run, scenes: Mapping[str, Scene]) -> list[Line]:
     """What a finished run says, scene by scene."""
-    p50 = {(row.scenario, row.preset): row.value for row in ran.rows() if row.metric == "frame_time_p50"}
+    timed = {(row.scenario, row.preset): row for row in ran.rows() if row.metric == "frame_time_p50"}
+    p50 = {key: row.value for key, row in timed.items()}
     done = {(outcome.job.scenario, outcome.job.preset): outcome for outcome in ran.outcomes.values()}
     found = []
     for job in ran.jobs:
@@ -80,6 +83,7 @@ def lines(ran: Run, scenes: Mapping[str, Scene]) -> list[Line]:
                 job.scenario, effect, scenes[job.scenario].calls.get(effect, job.force), p50.get((job.scenario, PRESET)),
                 p50.get((job.scenario, job.preset)), moved(plain, other), broken(plain, other, ran.scenarios[job.scenario]),
                 "" if other.state == "measured" else f"{other.state}: {other.note}",
+                timed[job.scenario, job.preset].note if (job.scenario, job.preset) in timed else "",
             )
         )
     return found

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from scenarios.found.store import Entry
+from scenarios.measure.protocol import Protocol
 from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
 from scenarios.timing import Clocked, timed_pass
@@ -45,11 +46,15 @@ def times(cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], Non
 
 
 def time_entry(found: Clocked, cut: int) -> Entry:
-    """Median and 99th percentile of a rendered frame [us], engine only, each frame the least of its repeats; None and why."""
+    """Median and 99th percentile of a rendered frame [us], engine only, each frame the least of its repeats; None and why. Too
+    few repeats or frames give no 99th percentile."""
     if found.timed is None:
         return {"run": found.job.run, "p50": None, "p99": None, "note": found.note}
-    p50, p99 = np.percentile(rendered(found.timed.best_us, cut), (50, 99))
-    return {"run": found.job.run, "p50": float(p50), "p99": float(p99), "note": found.note}
+    times = rendered(found.timed.best_us, cut)
+    whole = Protocol(found.timed.protocol.repeats, len(times), found.timed.warm_frames)
+    p99 = float(np.percentile(times, 99)) if whole.has_tail else None
+    note = found.note if found.note != found.timed.protocol.said else whole.said
+    return {"run": found.job.run, "p50": float(np.percentile(times, 50)), "p99": p99, "note": note}
 
 
 def rendered(parts_us: Iterable[float], cut: int) -> list[float]:

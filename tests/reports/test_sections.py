@@ -37,7 +37,7 @@ BESIDE = (
     "mujoco.tuned,mocap_roll,151,151,0.02,0.015,3.5,2.5,0.03,0.02,theirs,theirs,theirs,its spring; its luck,\n"
     "mujoco.tuned,squeeze,150,0,,,,,,,-,-,-,,\n"
 )
-GROWTH = "grows,mode,size,links,run,p50,p99,note\n" + "".join(
+GROWTH = "grows,mode,size,links,run,p50,p95,note\n" + "".join(
     f"avatars,apart,{size},{15 * size},{run},{p50},{2 * p50},3 repeats\n"
     for run, power, base in (("avatarsim/default", 2, 4.0), ("avatarsim/paper", 1, 10.0)) for size in (1, 3, 10)
     for p50 in (base * size**power,)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from scenarios.job import Job
+from scenarios.measure.protocol import TAIL_FRAMES
 from scenarios.measure.timing import Timed
 from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
@@ -21,7 +22,11 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     timed = Timed(np.array([[4000, 2000, 8000, 1000], [3000, 5000, 6000, 1000]], dtype=np.int64))
     found = time_entry(Clocked(job, timed, "2 repeats"), 2)
     # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
-    assert found["p50"] == pytest.approx(6.0) and found["p99"] == pytest.approx(6.98)
+    assert found["p50"] == pytest.approx(6.0) and found["p99"] is None
+    enough = Timed(np.full((REPEATS + 1, 2 * TAIL_FRAMES), 3000, dtype=np.int64), warm_frames=30)
+    whole = time_entry(Clocked(job, enough, enough.protocol.said), 2)
+    # of rendered frames, not of their parts
+    assert whole["p99"] == 6.0 and str(whole["note"]).startswith(f"{REPEATS + 1} x {TAIL_FRAMES} frames")
     assert time_entry(Clocked(job, None, "it died"), 1) == {"run": job.run, "p50": None, "p99": None, "note": "it died"}
 
 
@@ -49,4 +54,4 @@ def test_processes_go_on_from_table_to_table() -> None:
             processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
     assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
     assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
-    assert {str(entry["note"]).partition(" of")[0] for entry in kept.values()} == {f"{REPEATS} repeats"}
+    assert {str(entry["note"]) for entry in kept.values()} == {f"{REPEATS} x 4 frames, 4 warm-up frames"}
