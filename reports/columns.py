@@ -48,8 +48,10 @@ COLUMNS = (
     Column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
            _named("joint_limit_excess_max", "reach_cone_excess_max"), 1e-3, stays_inside=True),
     Column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
-           "each frame's least over the repeats",
+           "each frame's least over the repeats; beside it repeats x frames, and what it mixes of frames in motion and at rest",
            _named("frame_time_p50"), 0.0),
+    Column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
+           "round MuJoCo and PyBullet that of our adapters", _named("frame_time_python_p50"), 0.0),
     Column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", _named("frame_time_p95"), 0.0),
 )
 
