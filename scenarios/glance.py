@@ -20,9 +20,9 @@ SLICE = 0.3
 LEAST = TAIL_FRAMES // 5
 """Frames timed at least. With fewer, what falls would be timed in the air, and the 95th percentile of these frames could lie
 above the 99th of all TAIL_FRAMES that a fast engine runs."""
-CHEAP = 0.03
+CHEAP = 0.015
 """Time [s] that one repeat of an engine may take so that it is run REPEATS times, or over TAIL_FRAMES frames. With twice as much
-the pass takes a sixth longer."""
+the pass takes a tenth longer; with half of it, a fifth of our own rows lose their tail."""
 PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 

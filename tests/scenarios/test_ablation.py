@@ -10,6 +10,7 @@ from avatarsim.scene.effects import Effects
 from reports.load import load
 from scenarios import ablation, catalog
 from scenarios.__main__ import main
+from scenarios.measure.protocol import REPEATS
 
 
 def test_every_effect_is_left_out_once_and_all_others_are_forced_together() -> None:
@@ -47,6 +48,7 @@ def test_leaving_out_bounce_or_continuous_detection_breaks_what_rests_on_it(
     (folder,) = [path for path in out.iterdir() if path.name.endswith("ablate")]
     kept = json.loads((folder / ablation.FILE).read_text())
     assert [line["effect"] for line in kept["lines"]] == list(told)
+    assert {line["timed"].partition(",")[0] for line in kept["lines"]} == {f"{REPEATS} x 180 frames"}
     assert kept["lines"][0]["share"] == pytest.approx(1.0), "all of the frame is dynamics"
     assert (out / "latest").resolve() == folder, "where nothing was compared before, the report is that of this run"
     assert load(out / "latest").scenes() == ("ball_drop",)
