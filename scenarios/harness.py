@@ -167,14 +167,15 @@ class Run:
         return found
 
     def series(self) -> dict[str, dict[str, dict[str, Sequence[float]]]]:
-        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame timed."""
+        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame that all engines of
+        the scene were timed over."""
         found: dict[str, dict[str, dict[str, Sequence[float]]]] = {}
         for job in self.jobs:
             outcome, clocked = self.outcomes.get(job.stem), self.clocked.get(job.stem)
             if outcome is None or outcome.state != "measured" or job.run in found.get(job.scenario, {}):
                 # with several seeds the pages show the first
                 continue
-            times = clocked.timed.best_us.tolist() if clocked and clocked.timed else []
+            times = clocked.timed.compared_us.tolist() if clocked and clocked.timed else []
             found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
         return found
 

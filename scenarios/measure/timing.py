@@ -63,6 +63,12 @@ class Timed:
         """(F,) engine only [us], the least of all repeats: what the frame costs when nothing else disturbs."""
         return np.asarray(self.engine_ns.min(axis=0) / 1e3)
 
+    @property
+    def compared_us(self) -> Array:
+        """(frames,) the same over the repeats and frames that every engine of the scene had."""
+        repeats, frames = self.compared.repeats, self.compared.frames
+        return np.asarray(self.engine_ns[:repeats, :frames].min(axis=0) / 1e3)
+
 
 def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[bool] = ()) -> Values:
     """frame_time_* [us] from the per-frame minimum over repeats, frame_time_raw_* from every one of them, frame_time_python_p50
@@ -74,7 +80,7 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     whose hashes by frame are `recorded`."""
     repeats, frames = timed.compared.repeats, timed.compared.frames
     raw = timed.engine_ns[:repeats, :frames] / 1e3
-    best, around = raw.min(axis=0), timed.around_ns[:repeats, :frames].min(axis=0) / 1e3
+    best, around = timed.compared_us, timed.around_ns[:repeats, :frames].min(axis=0) / 1e3
     found: dict[str, Value] = {}
     for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))

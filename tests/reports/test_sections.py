@@ -71,6 +71,9 @@ def test_budget_and_lead_are_judged(tmp_path: Path) -> None:
     good, late = two(tmp_path), two(tmp_path, p99=101.0)
     assert table_2.budget(good).endswith("Held in all 1 scene.")
     assert "Over it: two_arms (p50 14.0 µs, p99 101 µs)." in table_2.budget(late)
+    unknown = table_2.budget(two(tmp_path, p99=math.nan))
+    assert "Too few frames were timed for a p99 in two_arms." in unknown and "Over it" not in unknown
+    assert "Over it: two_arms" in table_2.budget(two(tmp_path, p50=math.nan))
     assert "10 µm: 35.7 times (mujoco/tuned in two_arms; promised 10, kept)" in table_2.ratios(good)
     # the default preset leaves 0.9 mm and is 4.3 times as slow
     assert "1 mm: 4.29 times (mujoco/default in two_arms; promised 3, kept)" in table_2.ratios(good)

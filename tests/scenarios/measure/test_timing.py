@@ -84,6 +84,7 @@ def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_ha
     # one repeat of 50 frames: the second repeat, faster there, is not counted, which the others did not have
     assert found["frame_time_p50"] == found["frame_time_python_p50"] == found["frame_time_raw_p50"] == 3.0
     assert found["frame_time_max"] == 70.0 and found["frame_time_raw_max"] == 70.0
+    assert timed.compared_us.shape == (50,) and timed.compared_us[7] == 50.0 and timed.best_us.shape == (TAIL_FRAMES,)
     notes = time_notes(timed, found)
     assert notes["frame_time_p50"] == notes["frame_time_p95"] == "1 x 50 frames, 30 warm-up frames"
     assert notes["frame_time_p99"] == notes["frame_time_max"] == f"{REPEATS} x {TAIL_FRAMES} frames, 30 warm-up frames"
