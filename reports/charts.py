@@ -25,7 +25,7 @@ from reports.load import Array, Results, Series
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, over_time, overlap_axis, spans, time_axis
 from reports.palette import Stroke
 from reports.picture import pictures
-from reports.wording import listed, quantity
+from reports.wording import MISSING, listed, quantity
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
 # so that no spike is lost.
@@ -108,7 +108,8 @@ def _back_to_front(runs: Mapping[str, Series]) -> dict[str, Series]:
 
 
 def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
-    """p50, p95, p99 [us] per scene and run: from the rows, and where a row is missing from the series; NaN if neither has it."""
+    """p50, p95, p99 [us] per scene and run: from the rows, and where a row is missing from the series; NaN if neither has it, or
+    the row says why it has none."""
     found: dict[str, dict[str, Percentiles]] = {}
     for scene in results.scenes():
         rows = results.of(scene)
@@ -119,8 +120,8 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
             three = []
             for percent in (50, 95, 99):
                 row = worst([r for r in own if r.metric == f"frame_time_p{percent}"])
-                if row is not None and row.value is not None:
-                    three.append(row.value)
+                if row is not None:
+                    three.append(math.nan if row.value is None else row.value)
                 else:
                     three.append(float(np.percentile(timed, percent)) if timed.size else math.nan)
             if any(math.isfinite(value) and value > 0.0 for value in three):
@@ -143,7 +144,7 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
         if runs:
             rows = [_span(run, three, low) for run, three in runs.items()]
             spec = copy.deepcopy(spread) | {"datasets": _datasets(spread) | {"spans": rows}, "height": 20 * len(rows)}
-            said = "; ".join(f"{run}: {', '.join(quantity(v, 'us') for v in three)}" for run, three in runs.items())
+            said = "; ".join(f"{run}: {', '.join(map(_text, three))}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
             said = time_sentence(runs) + _raw(results, scene, runs)
             orders.append((spec, text, f"s{len(orders)}"))
@@ -159,6 +160,11 @@ def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
     return f" With every disturbance of the host left in, p99 is: {listed(said)}." if said else ""
 
 
+def _text(time: float) -> str:
+    return MISSING if math.isnan(time) else quantity(time, "us")
+
+
 def _span(run: str, three: Percentiles, low: float) -> dict[str, object]:
     names = ("p50", "p95", "p99")
-    return {"run": run} | {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}
+    drawn = {n: max(v, low) if math.isfinite(v) else None for n, v in zip(names, three, strict=True)}
+    return {"run": run, **drawn, "last": max((v for v in drawn.values() if v is not None), default=None)}

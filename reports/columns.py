@@ -54,7 +54,10 @@ COLUMNS = (
     _column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
-            "each frame's least over the repeats", "frame_time_p50"),
+            "each frame's least over the repeats; beside it repeats x frames, and what it mixes of frames in motion and at rest",
+            "frame_time_p50"),
+    _column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
+            "round MuJoCo and PyBullet that of our adapters", "frame_time_python_p50"),
     _column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 

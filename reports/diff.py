@@ -121,7 +121,9 @@ def _series(results: Results, key: Key) -> Series | None:
 def _sure(direction: int, old: Series | None, new: Series | None, metric: str) -> tuple[int, str]:
     """The direction if the frames bear it out, else 0; and the interval of the ratio in words."""
     percent = float(metric.rpartition("_p")[2])
-    found = interval(old.frame_time, new.frame_time, percent) if old and new else None
+    # the frames of a run are those of its engine alone
+    alone = metric != "frame_time_python_p50"
+    found = interval(old.frame_time, new.frame_time, percent) if old and new and alone else None
     if found is None:
         return direction, " (no frames to tell the noise from)"
     low, high = found

@@ -23,7 +23,7 @@ FRAME = 1e6 / 60.0
 
 @dataclass(frozen=True)
 class Point:
-    """One engine at one size: frame time [us], median and p99; nan with the reason in `note`."""
+    """One engine at one size: frame time [us], median and p95; nan with the reason in `note`."""
 
     grows: str
     mode: str
@@ -31,7 +31,7 @@ class Point:
     links: int
     run: str
     p50: float
-    p99: float
+    p95: float
     note: str
 
 
@@ -60,7 +60,7 @@ def load(run_dir: Path) -> Growth | None:
 
 def _point(row: Mapping[str, str]) -> Point:
     size, links = int(row["size"]), int(row["links"])
-    return Point(row["grows"], row["mode"], size, links, row["run"], number(row["p50"]), number(row["p99"]), row["note"])
+    return Point(row["grows"], row["mode"], size, links, row["run"], number(row["p50"]), number(row["p95"]), row["note"])
 
 
 def power(points: tuple[Point, ...]) -> float:
@@ -105,13 +105,13 @@ def limits_of_impulses(growth: Growth) -> list[str]:
     said = []
     for mode in dict.fromkeys(p.mode for p in growth.points if p.grows == "contacts"):
         ours = growth.line("contacts", mode, OURS)
-        late = [p for p in ours if p.p99 > FRAME]
+        late = [p for p in ours if p.p95 > FRAME]
         if late:
             kept = [p.size for p in ours if p.size < late[0].size]
             before = f"{max(kept)} contacts keep up with 60 frames a second" if kept else "none keep up"
-            said.append(f"{mode}: {before}, {late[0].size} do not (p99 {quantity(late[0].p99, 'us')})")
+            said.append(f"{mode}: {before}, {late[0].size} do not (p95 {quantity(late[0].p95, 'us')})")
         elif ours:
-            said.append(f"{mode}: {ours[-1].size} contacts keep up with 60 frames a second (p99 {quantity(ours[-1].p99, 'us')})")
+            said.append(f"{mode}: {ours[-1].size} contacts keep up with 60 frames a second (p95 {quantity(ours[-1].p95, 'us')})")
     if not said:
         return []
     return [f"Contacts solved one impulse after the other, {'; '.join(said)}. Where they do not keep up, many bodies in motion "

@@ -8,22 +8,26 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
-from reports.columns import COLUMNS
+from reports import timing_words
+from reports.columns import COLUMNS, Column
 from reports.files import lines
 from reports.load import Results
-from reports.tables import Block, blocks
+from reports.tables import Block, Cell, blocks
 from reports.wording import MISSING, quantity
+from scenarios.measure.protocol import brief
 
 BEGINS, ENDS = "<!-- headline: written by `python -m reports headline` -->", "<!-- end of headline -->"
 HEAD = ("scene", "measure", "unit", "run", "value", "best")
 MEASURES = {
     "overlap": "overlap", "truth": "error to closed form", "limits": "beyond joint limits", "offset": "offset from the user",
     "chatter": "frames in contact that shake",
-    "p50": "frame time",
+    "p50": "frame time", "python": "as called from Python",
 }
 """Columns of the verdict table that the README shows, and what they are called there."""
 ROUNDING = 1e-9
 """Smaller figures, in any unit of the table, are rounding of numbers of everyday size, and are written as 0."""
+CLOCK, ELSEWHERE = "clock", "busy elsewhere"
+"""Facts about the machine, by the names that they have in the file."""
 ABOUT = "about"
 """Scene of the lines that say where the figures come from."""
 
@@ -58,8 +62,22 @@ def _facts(provenance: Mapping[str, object]) -> list[tuple[str, str]]:
     versions = provenance.get("versions")
     known = dict(versions) if isinstance(versions, Mapping) else {}
     facts = {"cpu": provenance.get("cpu"), "cpus": provenance.get("cpus"), "Python": provenance.get("python"),
-             "MuJoCo": known.get("mujoco"), "PyBullet": known.get("pybullet")}
+             "MuJoCo": known.get("mujoco"), "PyBullet": known.get("pybullet"), **_machine(provenance)}
     return [(name, str(value)) for name, value in facts.items() if value is not None]
+
+
+def _machine(provenance: Mapping[str, object]) -> dict[str, object]:
+    """Clock, and how many processors other work kept busy while frames were timed; None where it is not known."""
+    timing = timing_words.record(provenance)
+    clock = timing.get("mhz", provenance.get("mhz"))
+    return {CLOCK: None if clock is None else f"{clock} MHz", ELSEWHERE: timing.get("busy_elsewhere")}
+
+
+def _called(column: Column, cells: Sequence[Cell]) -> str:
+    """What a measure is called: a time with its repeats and frames, which are the same for every engine of a scene."""
+    notes = [cell.row.note for cell in cells if column.unit == "us" and cell.row and cell.row.note and cell.value is not None]
+    how = brief(notes[0]).partition(";")[0] if notes else ""
+    return f"{MEASURES[column.key]}, {how}" if how else MEASURES[column.key]
 
 
 def _figures(block: Block) -> list[Figure]:
@@ -69,7 +87,8 @@ def _figures(block: Block) -> list[Figure]:
             cells = [(line.run, line.cells[index]) for line in block.lines]
             if any(cell.value is not None and not run.startswith("tracker/") for run, cell in cells):
                 unit = next((cell.row.unit for _, cell in cells if cell.row), column.unit)
-                found += [Figure(block.scene, MEASURES[column.key], unit, run, cell.value, cell.best) for run, cell in cells]
+                called = _called(column, [cell for _, cell in cells])
+                found += [Figure(block.scene, called, unit, run, cell.value, cell.best) for run, cell in cells]
     return found
 
 
@@ -92,7 +111,8 @@ def block(figures: Sequence[Figure]) -> str:
     facts = {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
     shown = [figure for figure in figures if figure.scene != ABOUT]
     runs = tuple(dict.fromkeys(figure.run for figure in shown if not figure.run.startswith("tracker/")))
-    said = [f"{facts.get('cpus', 'some')} cores of {facts.get('cpu', 'an unknown processor')}"]
+    clock = f" at {facts[CLOCK]}" if CLOCK in facts else ""
+    said = [f"{facts.get('cpus', 'some')} cores of {facts.get('cpu', 'an unknown processor')}{clock}"]
     said += [f"{name} {facts[name]}" for name in ("Python", "MuJoCo", "PyBullet") if name in facts]
     table = ["| scene | | " + " | ".join(runs) + " | raw tracker |", "|---|---|" + "---:|" * (len(runs) + 1)]
     for scene in dict.fromkeys(figure.scene for figure in shown):
@@ -102,7 +122,8 @@ def block(figures: Sequence[Figure]) -> str:
             raw = next((_text(figure) for run, figure in by_run.items() if run.startswith("tracker/")), MISSING)
             cells = [_text(by_run[run]) if run in by_run else MISSING for run in runs]
             table.append(f"| {scene if place == 0 else ''} | {measure} | {' | '.join(cells)} | {raw} |")
-    return "\n".join([f"Measured on {', '.join(said)}.", "", *table])
+    load = f"; other work kept {facts[ELSEWHERE]} cores busy while frames were timed" if ELSEWHERE in facts else ""
+    return "\n".join([f"Measured on {', '.join(said)}{load}.", "", *table])
 
 
 def _text(figure: Figure) -> str:

@@ -3,10 +3,12 @@
 from reports.tables import Cell
 from reports.verdict import believed
 from reports.wording import limit
+from scenarios.measure.protocol import brief
 
 
 def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
-    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour."""
+    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour; of a median time, how it was
+    taken."""
     row = cell.row
     if row is None or row.value is None:
         return ("missing", "")
@@ -15,4 +17,6 @@ def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
         return ("failed", f"fails, limit {limit(row.limit, row.unit)}")
     if status == "ceiling":
         return ("above", f"above {limit(row.bound, row.unit)}")
-    return ("held", "holds") if status == "pass" else ("", "")
+    if status == "pass":
+        return ("held", "holds")
+    return ("", brief(row.note).replace(" us", " µs") if row.metric == "frame_time_p50" else "")

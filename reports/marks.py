@@ -96,10 +96,10 @@ def over_time(
 def spans(
     strokes: Mapping[str, Stroke], scale: alt.Scale, axis: alt.Axis, limits: Mapping[str, float]
 ) -> dict[str, object]:
-    """One bar per run from p50 to p99 with a mark at each of p50, p95, p99; needs spans."""
+    """One bar per run from p50 to the last that there is, with a mark at each of p50, p95, p99; needs spans."""
     data, colour = alt.NamedData("spans"), _colour(strokes)
     y = alt.Y("run:N", title=None, sort=list(strokes), axis=alt.Axis(grid=False, labelColor=TEXT[0], ticks=False))
-    bar = alt.Chart(data).mark_rule(strokeWidth=3, opacity=0.45).encode(y=y, x2="p99:Q", color=colour)
+    bar = alt.Chart(data).mark_rule(strokeWidth=3, opacity=0.45).encode(y=y, x2="last:Q", color=colour)
     layers = [bar.encode(x=alt.X("p50:Q", title=None, scale=scale, axis=axis))]
     for name, mark in (
         ("p50", alt.Chart(data).mark_circle(size=55, opacity=1)),

@@ -20,6 +20,7 @@ from reports import (
     stability,
     sweep_chart,
     table_2_chart,
+    timing_words,
     tuned,
 )
 from reports.broad_phase import BroadPhase
@@ -70,8 +71,8 @@ FAIRNESS = (
     "samples at the same instants.",
     "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth "
     "is used.",
-    "Accuracy and time are measured in separate passes. The timing pass is serial, on one thread, warm, with nothing recorded; "
-    "sub-steps count, because time is per rendered frame. First-frame compilation is reported beside it, never inside.",
+    "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
+    "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
     "settings and reasons are listed above. A preset that is not in the table was not run.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
@@ -158,7 +159,9 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
-        cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
+        cards=cards(results.engines), provenance=_flat(results.provenance),
+        fairness=(*FAIRNESS, *timing_words.sentences(results.provenance)),
+        timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),

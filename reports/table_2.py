@@ -90,8 +90,10 @@ def budget(table: Table2) -> str:
     """Whether frames keep to the budget, scene by scene where they do not."""
     ours = [line for line in table.lines if line.run == OURS]
     over = [f"{line.scene} (p50 {quantity(line.p50, 'us')}, p99 {quantity(line.p99, 'us')})" for line in ours
-            if not (line.p50 <= P50 and line.p99 <= P99)]
+            if not line.p50 <= P50 or line.p99 > P99]
+    untold = tuple(line.scene for line in ours if math.isnan(line.p99))
     said = f"Budget of a frame: median {limit(P50, 'us')}, p99 {limit(P99, 'us')}."
+    said += f" Too few frames were timed for a p99 in {listed(untold)}." if untold else ""
     if not ours:
         return f"{said} Nothing was measured."
     return f"{said} Over it: {listed(tuple(over))}." if over else f"{said} Held in all {count(len(ours), 'scene')}."

@@ -23,7 +23,9 @@ from scenarios.files import plain, point_latest, write_json
 from scenarios.gate import bounds_of
 from scenarios.harness import outcomes
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import ADAPTER, REPEATS
+from scenarios.machine import Meter
+from scenarios.measure.protocol import REPEATS
+from scenarios.measure.timing import ADAPTER
 from scenarios.progress import Progress
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
@@ -64,6 +66,7 @@ class Line:
     moved: float | None
     broken: tuple[tuple[str, float | None, float | None, float], ...]
     note: str
+    timed: str = ""
 
     @property
     def share(self) -> float | None:
@@ -227,15 +230,15 @@ def ask(request: Request) -> list[str]:
 
 def timed_in_turn(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
     """Time jobs of one scene in one process, turn by turn: what is compared then differs in the effect alone."""
-    table: list[Turns] = []
+    table, meter = list[Turns](), Meter()
     for _ in range(REPEATS):
         for k, job in enumerate(jobs):
             seat = seats.at(ENGINE)
             if k == len(table):
-                table.append(Turns(job, seat))
+                table.append(Turns(job, seat, fresh=False))
             table[k].seat = seat
             for ready in loaded([table[k]], [MOST_FRAMES]):
-                ready.turn()
+                ready.turn(meter)
     return [turns.clocked() for turns in table]
 
 

@@ -36,6 +36,16 @@ class Asked:
         """What the user does, frame by frame. Raises InvalidSample for what nobody can do."""
         return [checked(self.motion(k), self.scene.avatars) for k in range(self.scenario.frames)]
 
+    def first(self, frames: int) -> list[TrackerSample]:
+        """What the user does in the first `frames` frames, or in all there are; each is worked out once."""
+        kept = self._worked_out
+        kept += [self.motion(k) for k in range(len(kept), min(frames, self.scenario.frames))]
+        return kept[:frames]
+
+    @cached_property
+    def _worked_out(self) -> list[TrackerSample]:
+        return []
+
     @cached_property
     def states(self) -> list[TrackerSample]:
         """The same with the first posture before it: one for each state that an engine shows."""

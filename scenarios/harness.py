@@ -14,14 +14,15 @@ from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.glance import MANY, PATIENCE, glance
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import frame_times
+from scenarios.machine import Meter, load_average
+from scenarios.measure.timing import frame_times, time_notes
 from scenarios.processes import Died, Pool
 from scenarios.progress import Progress
 from scenarios.results import Results, Row
 from scenarios.run import accuracy, described
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
-from scenarios.timing import Clocked, timed_pass
+from scenarios.timing import Clocked, compared, timed_pass, timing_facts
 
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
@@ -115,17 +116,28 @@ class Run:
         ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
+        meter, begun, before = Meter(), time.monotonic(), load_average()
         with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
             names = list(dict.fromkeys(job.scenario for job in sound))
             few = full or at_length or len(names) < MANY
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    cost, everyday = sum(self.outcomes[job.stem].frame_seconds for job in chosen), self.scenarios[scene].everyday
-                    for clocked in timed_pass(chosen, full) if few else glance(chosen, cost, seats, everyday):
+                    for clocked in compared(self._timed(chosen, seats, full, few, meter)):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
+                    spent = round(time.monotonic() - begun, 1)
+                    self.provenance["timing"] = {"seconds": spent, "load_before": before, **timing_facts(meter)}
                     self.write_now_and_then()
+
+    def _timed(self, jobs: Sequence[Job], seats: Seats, full: bool, few: bool, meter: Meter) -> list[Clocked]:
+        """The timing pass over one scene: at length where there are few of them, otherwise a glance."""
+        if few:
+            return timed_pass(jobs, full, meter=meter)
+        ran = [self.outcomes[job.stem] for job in jobs]
+        costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)
+        at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
+        return glance(jobs, costs, length, seats, at_length, meter)
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
@@ -136,8 +148,11 @@ class Run:
         for job, outcome in self._known():
             clocked = self.clocked.get(job.stem)
             if clocked and clocked.timed:
-                times = frame_times(clocked.timed, outcome.hashes)
-                notes = {**outcome.notes, "frame_time_p50": clocked.note}
+                times = frame_times(clocked.timed, outcome.hashes, outcome.resting)
+                notes = {**outcome.notes, **time_notes(clocked.timed, times, outcome.resting)}
+                if clocked.note != clocked.timed.protocol.said:
+                    # it went on for a while, and then not
+                    notes["frame_time_p50"] += f"; {clocked.note}"
                 outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
             limits = self.limits.get(job.scenario, {})
             gated = (job.engine, job.preset) in self.gated
@@ -152,14 +167,15 @@ class Run:
         return found
 
     def series(self) -> dict[str, dict[str, dict[str, Sequence[float]]]]:
-        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame timed."""
+        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame that all engines of
+        the scene were timed over."""
         found: dict[str, dict[str, dict[str, Sequence[float]]]] = {}
         for job in self.jobs:
             outcome, clocked = self.outcomes.get(job.stem), self.clocked.get(job.stem)
             if outcome is None or outcome.state != "measured" or job.run in found.get(job.scenario, {}):
                 # with several seeds the pages show the first
                 continue
-            times = clocked.timed.best_us.tolist() if clocked and clocked.timed else []
+            times = clocked.timed.compared_us.tolist() if clocked and clocked.timed else []
             found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
         return found
 

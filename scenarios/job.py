@@ -70,7 +70,7 @@ class Job:
 class Outcome:
     """What came of a job. `values` and `notes` by metric; `note` says why there are none; `overlap_m` per state shown;
     `about` is what the engine said of itself (version, settings, cannot_say); `hashes` the state hash of every state shown;
-    `frame_seconds` roughly what a frame took [s]."""
+    `frame_seconds` roughly what a frame took [s]; `resting` of every frame whether nothing moved in it."""
 
     job: Job
     state: State
@@ -83,3 +83,4 @@ class Outcome:
     recording: Path | None = None
     hashes: tuple[str, ...] = ()
     frame_seconds: float = 0.0
+    resting: tuple[bool, ...] = ()

@@ -1,6 +1,8 @@
 """Every metric: its unit and what it means, in the words that `python -m scenarios metrics` prints."""
 
 from avatarsim.errors import UnknownName
+from scenarios.measure.phases import STILL
+from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
 
 METRICS: dict[str, tuple[str, str]] = {
     "residual_overlap_max": ("m", "largest penetration over all pairs that the scene filters in, over all states shown"),
@@ -59,16 +61,21 @@ METRICS: dict[str, tuple[str, str]] = {
                          "impact, links included"),
     "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),
     "not_finite_frames": ("frames", "states shown in which something is nan or infinite"),
-    "frame_time_p50": ("us", "median time of a rendered frame, engine only, least of all repeats"),
+    "frame_time_p50": ("us", "median time of a rendered frame, engine only, each frame the least of its repeats, over the "
+                       "repeats and frames that every engine of the scene had"),
     "frame_time_p95": ("us", "the same, 95th percentile"),
-    "frame_time_p99": ("us", "the same, 99th percentile"),
-    "frame_time_max": ("us", "the same, worst frame"),
-    "frame_time_raw_p50": ("us", "median over all frames of all repeats, disturbances included"),
+    "frame_time_p99": ("us", "99th percentile of all frames that this engine had, each the least of its repeats; only from "
+                       f"{REPEATS} x {TAIL_FRAMES} frames on"),
+    "frame_time_max": ("us", "the same, slowest frame"),
+    "frame_time_raw_p50": ("us", "median over the frames of frame_time_p50 in every one of its repeats, disturbances included"),
     "frame_time_raw_p95": ("us", "the same, 95th percentile"),
-    "frame_time_raw_p99": ("us", "the same, 99th percentile"),
-    "frame_time_raw_max": ("us", "the same, worst frame"),
-    "frame_time_python_p50": ("us", "median with the Python round the engine, least of all repeats"),
-    "warmup": ("s", "import, load and first frames in a fresh process"),
+    "frame_time_raw_p99": ("us", "99th percentile over the frames of frame_time_p99 in every repeat, disturbances included"),
+    "frame_time_raw_max": ("us", "the same, slowest frame"),
+    "frame_time_python_p50": ("us", "frame_time_p50 as called from Python: with the Python round the engine"),
+    "frame_time_moving_p50": ("us", "frame_time_p50 over frames in which a body or link moves faster than "
+                              f"{1e3 * STILL:g} mm/s, where there are {PHASE_FRAMES} of these and of the others"),
+    "frame_time_resting_p50": ("us", "the same over the other frames"),
+    "warmup": ("s", f"import, load and the first {WARM_FRAMES} frames in a fresh process"),
     "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
     "resyncs": ("", "jumps that untied limbs"),
     "trapped": ("frames", "the tracker's posture is free, the shown one is far and came no nearer for a stated time"),

@@ -16,6 +16,7 @@ import numpy as np
 
 from avatarsim import __version__
 from avatarsim.scene.scene import Scene
+from scenarios.machine import clock, usable_cpus
 
 PACKAGES = ("numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
 """Distributions beside our own, which runs uninstalled too, whose versions can change a figure."""
@@ -34,6 +35,8 @@ def provenance(command: list[str]) -> dict[str, object]:
         "platform": platform.platform(),
         "cpu": cpu(),
         "cpus": os.cpu_count() or 1,
+        "cpus_usable": usable_cpus(),
+        **clock(),
         "code": code_hash(),
         "versions": {"avatarsim": __version__, **{name: version(name) for name in PACKAGES}},
     }

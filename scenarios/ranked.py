@@ -81,6 +81,8 @@ UNRANKED: dict[str, str] = {
     "status_frames": "how much an engine says of its own frames: to be silent would win; what is wrong with the frames is ranked",
     "free_frames": "a property of the scene and its tracker, the same for every engine",
     **{name: _RAW for name in ("frame_time_raw_p50", "frame_time_raw_p95", "frame_time_raw_p99", "frame_time_raw_max")},
+    **{f"frame_time_{phase}_p50": "a part of frame_time_p50, in frames that need not be the same for every engine"
+       for phase in ("moving", "resting")},
     "warmup": "once per process, and most of it is the import of a package",
     "deterministic": "1 or 0, larger is better; a 0 is said where it occurs",
     **{name: _OWN_WORDS for name in ("resyncs", "trapped", "walled", "crossings", "leaps")},

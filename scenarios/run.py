@@ -16,6 +16,7 @@ from scenarios.engines import opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
+from scenarios.measure.phases import resting
 from scenarios.provenance import code_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
@@ -103,7 +104,8 @@ def concluded(job: Job, recording: Recording, what: Asked, path: Path, judged: i
     overlap = tuple(found.overlap.tolist())
     hashes = tuple(recording.state_hashes.tolist())
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
-    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, cost)
+    rests = tuple(resting(recording, what.scene).tolist())
+    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, cost, rests)
 
 
 def described(error: BaseException) -> str:

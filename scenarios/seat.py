@@ -26,7 +26,7 @@ class Prepared:
 
     def __init__(self, job: Job, frames: int) -> None:
         what = asked(job)
-        self.dt, self.samples = what.scenario.dt, [what.motion(k) for k in range(min(frames, what.scenario.frames))]
+        self.dt, self.samples = what.scenario.dt, what.first(frames)
         self.engine: Engine = opened(job.engine)
         self.shown = self.engine.load(what.scene, job.settings(self.engine, stages=True), self.dt)
 

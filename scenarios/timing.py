@@ -1,21 +1,20 @@
 """The timing pass: serial, one thread, warm, nothing recorded, the engines of a scene taking turns repeat by repeat."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 
 import numpy as np
 
 from scenarios.job import Job
+from scenarios.machine import Meter, clock, load_average
+from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.measure.timing import Timed
 from scenarios.seat import Repeat, Seat
 
 MOST_FRAMES = 900
 """Frames timed: all of every everyday scene at its short length, and of a longer one a quarter of a minute. With less the hand
 over the table, which comes down to it slowly, would be timed in the air."""
-REPEATS = 3
-"""How often the same frames are run; the least of each frame is what it costs when nothing disturbs."""
-WARM_FRAMES = 30
-"""Frames run before anything is timed: compiles, fills caches, grows buffers."""
 ENOUGH = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row says how many it had."""
 
@@ -30,27 +29,27 @@ class Clocked:
 
 
 class Turns:
-    """What one job has given so far, turn by turn."""
+    """What one job has given so far, turn by turn. In a `fresh` process its warm-up is a figure of its own."""
 
-    def __init__(self, job: Job, seat: Seat) -> None:
-        self.job, self.seat, self.note, self.warmup, self.spent = job, seat, "", 0.0, 0.0
+    def __init__(self, job: Job, seat: Seat, fresh: bool) -> None:
+        self.job, self.seat, self.fresh = job, seat, fresh
+        self.note, self.warmup, self.warm_frames, self.spent = "", nan, 0, 0.0
         self.repeats: list[Repeat] = []
-
-    @property
-    def frames(self) -> int:
-        """How many frames its repeats have had; 0 before the first."""
-        return len(self.repeats[0][0]) if self.repeats else 0
 
     def warmed(self) -> None:
         """Hear of the warm-up that it was told to run, which counts by itself."""
-        if not self.note:
-            self.hear()
-        self.warmup, self.spent = self.spent, 0.0
+        if not self.note and (found := self.hear()):
+            self.warm_frames = len(found[0])
+        if self.fresh:
+            self.warmup = self.spent
+        self.spent = 0.0
 
-    def turn(self) -> None:
-        """The frames of one repeat, with nobody else at work."""
-        self.seat.go()
-        if found := self.hear():
+    def turn(self, meter: Meter) -> None:
+        """The frames of one repeat, while no other engine runs."""
+        with meter.running():
+            self.seat.go()
+            found = self.hear()
+        if found:
             self.repeats.append(found)
 
     def hear(self) -> Repeat | None:
@@ -70,9 +69,8 @@ class Turns:
         names = sorted({name for repeat in self.repeats for name in repeat[1]})
         silent = [0] * around.shape[1]
         stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
-        times = "1 repeat" if len(around) == 1 else f"{len(around)} repeats"
-        timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats))
-        return Clocked(self.job, timed, self.note or f"{times} of {around.shape[1]} frames")
+        timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats), self.warm_frames)
+        return Clocked(self.job, timed, self.note or timed.protocol.said)
 
 
 def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
@@ -88,25 +86,28 @@ def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
 
 def timed_pass(
     jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
-    seats: Sequence[Seat] = (), repeats: int = REPEATS,
+    seats: Sequence[Seat] = (), repeats: int | Sequence[int] = REPEATS, meter: Meter | None = None,
 ) -> list[Clocked]:
     """Time all `jobs` of one scene, each in a fresh process, or in those of `seats`, one each, which go on. They warm up side by
-    side; then one at a time, turn by turn, `repeats` times round.
+    side, each on a load that is thrown away; then one at a time, turn by turn, `repeats` times round, each on a load of its own.
 
-    `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES)."""
+    `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES), `repeats`
+    how often, for all or for each. `meter` hears of every turn."""
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
-    table: list[Turns] = []
+    often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
+    meter, table = meter or Meter(), list[Turns]()
     try:
         for k, job in enumerate(jobs):
-            table.append(Turns(job, seats[k] if seats else Seat()))
+            table.append(Turns(job, seats[k] if seats else Seat(), fresh=not seats))
         for at in loaded(table, [WARM_FRAMES] * len(table)):
             at.seat.go()
         for at in table:
             at.warmed()
-        for _ in range(repeats):
-            again = [(at, count) for at, count in zip(table, counts, strict=True) if full or at.spent < ENOUGH]
+        for turn in range(max(often, default=0)):
+            plan = zip(table, counts, often, strict=True)
+            again = [(at, count) for at, count, most in plan if turn < most and (full or at.spent < ENOUGH)]
             for at in loaded([at for at, _ in again], [count for _, count in again]):
-                at.turn()
+                at.turn(meter)
     except BaseException:
         for at in table if not seats else ():
             at.seat.leave(at_once=True)
@@ -116,3 +117,24 @@ def timed_pass(
             at.seat.leave()
         done()
     return [at.clocked() for at in table]
+
+
+def timing_facts(meter: Meter) -> dict[str, object]:
+    """What goes into the provenance of times: the protocol at its fullest, and what the machine did meanwhile."""
+    others = None if meter.others is None else round(meter.others, 3)
+    return {
+        "repeats": REPEATS, "warm_frames": WARM_FRAMES, "tail_frames": TAIL_FRAMES, "phase_frames": PHASE_FRAMES,
+        "load_after": load_average(), "busy_elsewhere": others, **clock(),
+    }
+
+
+def compared(found: Sequence[Clocked]) -> list[Clocked]:
+    """The engines of one scene, each told which repeats and frames all of them had: by those they are compared."""
+    shapes = [clocked.timed.around_ns.shape for clocked in found if clocked.timed is not None]
+    if not shapes:
+        return list(found)
+    repeats, frames = (min(shape[k] for shape in shapes) for k in (0, 1))
+    return [
+        clocked if clocked.timed is None else replace(clocked, timed=replace(clocked.timed, shared=(repeats, frames)))
+        for clocked in found
+    ]

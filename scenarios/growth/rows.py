@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Row:
-    """Frame time [us], median and 99th percentile of each frame's least over the repeats, of a scene with `size` links (avatars,
+    """Frame time [us], median and 95th percentile of each frame's least over the repeats, of a scene with `size` links (avatars,
     objects), `links` in all; nan with the reason in `note` where nothing was timed."""
 
     grows: str
@@ -18,7 +18,7 @@ class Row:
     links: int
     run: str
     p50: float
-    p99: float
+    p95: float
     note: str
 
 

@@ -1,35 +1,56 @@
 """Frame times: percentiles over frames of what one rendered frame costs, and where it goes."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.value import Values
+from scenarios.measure.protocol import PHASE_FRAMES, Protocol
+from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]
+Array = NDArray[np.float64]
 
 ADAPTER = "adapter"
 """Stage in which an engine reports the Python that this project put round somebody else's engine. It is left out of that engine's
 own time, in its favour; `frame_time_python_p50` has it."""
+TAIL = ("frame_time_p99", "frame_time_max", "frame_time_raw_p99", "frame_time_raw_max")
+"""Figures that few frames decide: only from a row with enough of them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Timed:
     """What the timing pass saw: R repeats of the same F frames.
 
-    around_ns  (R, F) from outside, with the Python round the engine
-    stage_ns   name -> (R, F) as the engine reports its stages, which do not overlap; empty when it reports none
-    warmup     [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it. nan in one
-               that had run other scenes
-    hashes     state hash of the last frame of each repeat
+    around_ns   (R, F) from outside, with the Python round the engine
+    stage_ns    name -> (R, F) as the engine reports its stages, which do not overlap; empty when it reports none
+    warmup      [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it. nan in
+                one that had run other scenes
+    hashes      state hash of the last frame of each repeat
+    warm_frames frames run before, on a load of their own
+    shared      repeats and frames, the first of each, that every engine of the scene had; None: all
     """
 
     around_ns: Integers
     stage_ns: dict[str, Integers] = field(default_factory=dict)
     warmup: float = 0.0
     hashes: tuple[str, ...] = ()
+    warm_frames: int = 0
+    shared: tuple[int, int] | None = None
+
+    @property
+    def protocol(self) -> Protocol:
+        """How all of it was timed."""
+        repeats, frames = self.around_ns.shape
+        return Protocol(repeats, frames, self.warm_frames)
+
+    @property
+    def compared(self) -> Protocol:
+        """The part of it that every engine of the scene had."""
+        repeats, frames = self.shared or self.around_ns.shape
+        return Protocol(repeats, frames, self.warm_frames)
 
     @property
     def engine_ns(self) -> Integers:
@@ -38,21 +59,36 @@ class Timed:
         return sum(own, np.zeros_like(self.around_ns)) if own else self.around_ns
 
     @property
-    def best_us(self) -> NDArray[np.float64]:
+    def best_us(self) -> Array:
         """(F,) engine only [us], the least of all repeats: what the frame costs when nothing else disturbs."""
         return np.asarray(self.engine_ns.min(axis=0) / 1e3)
 
+    @property
+    def compared_us(self) -> Array:
+        """(frames,) the same over the repeats and frames that every engine of the scene had."""
+        repeats, frames = self.compared.repeats, self.compared.frames
+        return np.asarray(self.engine_ns[:repeats, :frames].min(axis=0) / 1e3)
 
-def frame_times(timed: Timed, recorded: tuple[str, ...] = ()) -> Values:
-    """frame_time_* [us] from the per-frame minimum over repeats, frame_time_raw_* from all frames of all repeats,
-    frame_time_python_p50 [us], warmup [s], stage_share_<stage> [%]; deterministic: 1 when all repeats ended in the same bits, and
-    in those of the accuracy pass, another process, whose hashes by frame are `recorded`."""
-    best, raw, around = timed.best_us, timed.engine_ns / 1e3, timed.around_ns.min(axis=0) / 1e3
-    found = {"frame_time_max": float(best.max()), "frame_time_raw_max": float(raw.max())}
-    for share in (50, 95, 99):
+
+def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[bool] = ()) -> Values:
+    """frame_time_* [us] from the per-frame minimum over repeats, frame_time_raw_* from every one of them, frame_time_python_p50
+    [us], warmup [s], stage_share_<stage> [%].
+
+    Medians and 95th percentiles are over what every engine of the scene had; 99th percentiles and slowest frames over all that
+    this one had, and Missing where that is not enough. Where frames in which all is `resting` and others are both many, each kind
+    has its median. deterministic: 1 when all repeats ended in the same bits, and in those of the accuracy pass, another process,
+    whose hashes by frame are `recorded`."""
+    repeats, frames = timed.compared.repeats, timed.compared.frames
+    raw = timed.engine_ns[:repeats, :frames] / 1e3
+    best, around = timed.compared_us, timed.around_ns[:repeats, :frames].min(axis=0) / 1e3
+    found: dict[str, Value] = {}
+    for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
         found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
+    found |= _tail(timed)
     found["frame_time_python_p50"] = float(np.percentile(around, 50))
+    for name, kind in _phases(timed, resting).items():
+        found[name] = float(np.percentile(best[kind], 50))
     if not math.isnan(timed.warmup):
         found["warmup"] = timed.warmup
     total = float(timed.engine_ns.sum())
@@ -61,7 +97,38 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = ()) -> Values:
             continue
         found[f"stage_share_{name}"] = 100.0 * float(spent.sum()) / total if total > 0.0 else 0.0
     if timed.hashes:
-        frames = timed.around_ns.shape[1]
-        elsewhere = recorded[frames : frames + 1]
+        last = timed.around_ns.shape[1]
+        elsewhere = recorded[last : last + 1]
         found["deterministic"] = float(len({*timed.hashes, *elsewhere}) == 1)
     return found
+
+
+def _tail(timed: Timed) -> dict[str, Value]:
+    if not timed.protocol.has_tail:
+        return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+    best, raw = timed.best_us, timed.engine_ns / 1e3
+    figures = (np.percentile(best, 99), best.max(), np.percentile(raw, 99), raw.max())
+    return {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}
+
+
+def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:
+    """Metric -> (frames,) which of the compared frames it is about; empty unless there are enough of both kinds."""
+    rests = np.asarray(resting[: timed.compared.frames], dtype=np.bool_)
+    if len(rests) < timed.compared.frames or min(rests.sum(), (~rests).sum()) < PHASE_FRAMES:
+        return {}
+    return {"frame_time_moving_p50": ~rests, "frame_time_resting_p50": rests}
+
+
+def time_notes(timed: Timed, values: Mapping[str, Value], resting: Sequence[bool] = ()) -> dict[str, str]:
+    """What stands beside each of the frame_time_* `values`: repeats x frames, warm-up, and at the median what it mixes."""
+    notes = {}
+    for name, value in values.items():
+        if name.startswith("frame_time_") and not isinstance(value, Missing):
+            notes[name] = (timed.protocol if name in TAIL else timed.compared).said
+    phases = _phases(timed, resting)
+    for name, kind in phases.items():
+        notes[name] = f"{int(kind.sum())} of {notes[name]}"
+    if phases:
+        mixed = (f"{name.split('_')[2]} {values[name]:.3g} us" for name in phases)
+        notes["frame_time_p50"] += f"; {', '.join(mixed)}"
+    return notes

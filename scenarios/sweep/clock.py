@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from scenarios.found.store import Entry
+from scenarios.measure.protocol import Protocol
 from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
 from scenarios.timing import Clocked, timed_pass
@@ -15,8 +16,6 @@ compared were timed further apart."""
 REPEATS = 2
 """How often the frames of a cell are run. One could not tell a disturbance from a frame's own cost; a third would be a quarter of
 the time a sweep takes and tells less: two threes of six repeats differ as much as the three pairs do."""
-TAIL_FRAMES, TAIL_REPEATS = 200, 3
-"""A 99th percentile is stated from so many frames and repeats on: with fewer, it is a frame or two, and what disturbed these."""
 
 
 def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
@@ -53,7 +52,7 @@ def time_entry(found: Clocked, cut: int) -> Entry:
         return {"run": found.job.run, "p50": None, "p99": None, "repeats": 0, "frames": 0, "note": found.note}
     whole, repeats = rendered(found.timed.best_us, cut), len(found.timed.around_ns)
     p50, p99 = np.percentile(whole, (50, 99))
-    enough = len(whole) >= TAIL_FRAMES and repeats >= TAIL_REPEATS
+    enough = Protocol(repeats, len(whole), found.timed.warm_frames).has_tail
     return {
         "run": found.job.run, "p50": float(p50), "p99": float(p99) if enough else None, "repeats": repeats, "frames": len(whole),
         "note": found.note,

@@ -17,7 +17,7 @@ from scenarios.files import write_json, write_text
 from scenarios.found.store import Entry
 from scenarios.harness import tidy
 from scenarios.job import Outcome
-from scenarios.measure.timing import REPEATS
+from scenarios.measure.protocol import REPEATS, WARM_FRAMES
 from scenarios.own_settings import OwnSettings
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
@@ -28,7 +28,7 @@ from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
 from scenarios.sweep.rows import Row, rows_of, with_fronts
 from scenarios.sweep.telling import OFFSET, OVERLAP
-from scenarios.timing import MOST_FRAMES, WARM_FRAMES
+from scenarios.timing import MOST_FRAMES
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reports.charts import overlap_panels, peaks, time_panels, time_percentiles
+from reports.conclusions import time_sentence
 from reports.load import load
 from reports.palette import strokes
 
@@ -79,6 +80,29 @@ def test_time_panels_conclude_from_the_numbers(run_dir: Write, results: Json) ->
     assert isinstance(rows, list)
     again = time_panels(load(run_dir(results | {"rows": [*rows, rows[0] | noisy]})), strokes(RUNS), ("arm_wall",))
     assert again[0].conclusion.endswith("left in, p99 is: avatarsim/default 7.37 ms.")
+
+
+def test_a_run_with_too_few_frames_for_a_p99_has_none_and_nothing_is_concluded_from_it(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    few = {"value": None, "note": "1 x 46 frames, 30 warm-up frames: fewer than 3 x 200"}
+    cut = [row | few if (row["metric"], row["engine"]) == ("frame_time_p99", "pybullet") else row for row in rows]
+    found = load(run_dir(results | {"rows": cut}))
+    # not from the series either, which holds those few frames
+    three = time_percentiles(found)["arm_wall"]
+    assert math.isnan(three["pybullet/default"][2]) and three["avatarsim/default"][2] == pytest.approx(74.4)
+    [panel] = time_panels(found, strokes(RUNS), ("arm_wall",))
+    assert panel.conclusion.endswith("all keep 60 Hz at p95.") and "1.41 ms, —" in panel.svg and "NaN" not in panel.svg
+
+
+@pytest.mark.parametrize(("three", "said"), [
+    ((1e3, 2e3, 3e3), "it keeps 60 Hz at p99."), ((1e3, 2e3, math.nan), "it keeps 60 Hz at p95."),
+    ((1e3, 2e3, 2e4), "mine/x misses 60 Hz in more than 1 % of the frames."),
+    ((1e3, 2e4, math.nan), "mine/x misses 60 Hz in more than 5 % of the frames."),
+    ((1e3, 2e4, 3e4), "mine/x misses 60 Hz in more than 5 % of the frames."),
+])
+def test_what_60_hz_is_kept_by_is_what_was_measured(three: tuple[float, float, float], said: str) -> None:
+    assert time_sentence({"mine/x": three}).endswith(f"; {said}")
 
 
 def test_series_without_one_finite_number_are_drawn_as_gaps(run_dir: Write, results: Json) -> None:

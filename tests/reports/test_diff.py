@@ -62,3 +62,12 @@ def test_a_slower_median_that_the_frames_do_not_bear_out_is_noise(run_dir: Write
         found = diff(old, load(run_dir(results | {"rows": slower, "series": series | {"arm_wall": own}})))
         assert len(found.worse) == worse
         assert not worse or "(×1.35 to ×1.35)" in found.text()
+
+
+def test_frames_of_the_engine_alone_say_nothing_of_a_median_with_python_round_it(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    called = rows[0] | {"metric": "frame_time_python_p50", "unit": "us", "bound": None, "status": "info"}
+    old, new = (load(run_dir(results | {"rows": [*rows, called | {"value": value}]})) for value in (31.0, 93.0))
+    found = diff(old, new)
+    assert len(found.worse) == 1 and "no frames to tell the noise from" in found.text()

@@ -38,6 +38,25 @@ def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> N
     assert "| ball_drop | error to closed form | 0.3 | — | — | **0.02** | — |" in words
 
 
+def test_times_stand_with_their_protocol_beside_those_from_python_and_with_the_machine(
+    run_dir: Write, results: Json, tmp_path: Path
+) -> None:
+    rows, provenance = results["rows"], results["provenance"]
+    assert isinstance(rows, list) and isinstance(provenance, dict)
+    mixed = "3 x 200 frames, 30 warm-up frames; moving 40 us, resting 3 us"
+    times = [row | {"note": mixed} if row["metric"] == "frame_time_p50" else row for row in rows]
+    for run, value in (("avatarsim", 35.5), ("mujoco", 210.0)):
+        slow = {"engine": run, "preset": "default", "metric": "frame_time_python_p50", "value": value, "unit": "us"}
+        times.append(rows[0] | slow | {"note": "3 x 200 frames, 30 warm-up frames", "bound": None, "status": "info"})
+    timing = {"mhz": 2445, "busy_elsewhere": 0.02}
+    path = tmp_path / "headline.csv"
+    path.write_text(headline.numbers(load(run_dir(results | {"rows": times, "provenance": provenance | {"timing": timing}}))))
+    words = headline.block(headline.load(path))
+    assert words.startswith("Measured on some cores of Abacus 9 at 2445 MHz, Python 3.11; other work kept 0.02 cores busy while ")
+    engine = words.index("|  | frame time, 3 x 200 frames | **31.0 µs** |")
+    assert engine < words.index("|  | as called from Python, 3 x 200 frames | **35.5 µs** | 210 µs |")
+
+
 def test_what_is_no_number_is_said(run_dir: Write, results: Json, tmp_path: Path) -> None:
     rows = results["rows"]
     assert isinstance(rows, list)

@@ -37,7 +37,7 @@ BESIDE = (
     "mujoco.tuned,mocap_roll,151,151,0.02,0.015,3.5,2.5,0.03,0.02,theirs,theirs,theirs,its spring; its luck,\n"
     "mujoco.tuned,squeeze,150,0,,,,,,,-,-,-,,\n"
 )
-GROWTH = "grows,mode,size,links,run,p50,p99,note\n" + "".join(
+GROWTH = "grows,mode,size,links,run,p50,p95,note\n" + "".join(
     f"avatars,apart,{size},{15 * size},{run},{p50},{2 * p50},3 repeats\n"
     for run, power, base in (("avatarsim/default", 2, 4.0), ("avatarsim/paper", 1, 10.0)) for size in (1, 3, 10)
     for p50 in (base * size**power,)
@@ -71,6 +71,9 @@ def test_budget_and_lead_are_judged(tmp_path: Path) -> None:
     good, late = two(tmp_path), two(tmp_path, p99=101.0)
     assert table_2.budget(good).endswith("Held in all 1 scene.")
     assert "Over it: two_arms (p50 14.0 µs, p99 101 µs)." in table_2.budget(late)
+    unknown = table_2.budget(two(tmp_path, p99=math.nan))
+    assert "Too few frames were timed for a p99 in two_arms." in unknown and "Over it" not in unknown
+    assert "Over it: two_arms" in table_2.budget(two(tmp_path, p50=math.nan))
     assert "10 µm: 35.7 times (mujoco/tuned in two_arms; promised 10, kept)" in table_2.ratios(good)
     # the default preset leaves 0.9 mm and is 4.3 times as slow
     assert "1 mm: 4.29 times (mujoco/default in two_arms; promised 3, kept)" in table_2.ratios(good)

@@ -11,7 +11,8 @@ import pytest
 
 from scenarios import catalog
 from scenarios.__main__ import main
-from scenarios.timing import REPEATS
+from scenarios.measure.protocol import REPEATS, WARM_FRAMES
+from scenarios.measure.timing import TAIL
 from tests.scenarios.command_line import called, last, latest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -186,10 +187,17 @@ def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_benc
     drop = replace(catalog.get("ball_drop"), everyday=False)
     monkeypatch.setattr(catalog, "scenarios", lambda: {"ball_drop": drop})
     monkeypatch.setattr(catalog, "get", lambda name: drop)
-    for command, rounds in (("bench", f"{REPEATS} repeats"), ("compare", "1 repeat")):
+    monkeypatch.setattr("scenarios.glance.CHEAP", 0.0)
+    monkeypatch.setattr("scenarios.glance.LEAST", 25)
+    monkeypatch.setattr("scenarios.glance.SLICE", 0.0)
+    for command, rounds in (("bench", f"{REPEATS} x 40"), ("compare", "1 x 25")):
         called(tmp_path, command, "--engine", "tunnels", "--preset", "default", "--filter", "ball_drop", frames=40)
-        [note] = {row["note"] for row in latest(tmp_path)["rows"] if row["metric"] == "frame_time_p50"}
-        assert note.startswith(f"{rounds} of ")
+        found = latest(tmp_path)
+        times = [row for row in found["rows"] if row["metric"].startswith("frame_time")]
+        assert all(row["note"].startswith(f"{rounds} frames, {WARM_FRAMES} warm-up frames") for row in times) and len(times) > 4
+        # neither is enough for a tail, which its row says instead
+        assert {row["metric"] for row in times if row["value"] is None} == set(TAIL)
+        assert found["provenance"]["timing"]["repeats"] == REPEATS
 
 
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
@@ -217,7 +225,8 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert runs["dies"][0] == "crashed" and "killed by signal 9" in runs["dies"][1]
     assert runs["absent"][0] == "not-measured" and "a_package_that_nobody_has" in runs["absent"][1]
     times = {row["metric"]: row["value"] for row in found["rows"] if row["engine"] == "talks"}
-    assert times["frame_time_p50"] > 0.0 and times["frame_time_p50"] <= times["frame_time_p95"] <= times["frame_time_max"]
+    # twelve frames have no slowest one that would say anything
+    assert 0.0 < times["frame_time_p50"] <= times["frame_time_p95"] and times["frame_time_max"] is None
     assert len(found["series"]["ball_drop"]["talks/default"]["frame_time_us"]) == 12
     assert [row["value"] for row in found["rows"] if row["metric"] == "deterministic"] == [1.0]
     assert [path.name for path in (tmp_path / "out" / "latest" / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]

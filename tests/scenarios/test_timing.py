@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from scenarios.job import Job
-from scenarios.timing import REPEATS, Clocked, timed_pass
+from scenarios.machine import Meter
+from scenarios.measure.protocol import REPEATS
+from scenarios.measure.timing import Timed
+from scenarios.timing import Clocked, compared, timed_pass, timing_facts
 from tests.scenarios.bad_engines import joined
 
 
@@ -29,6 +32,8 @@ def test_every_frame_of_every_repeat_is_timed(clocked: dict[str, Clocked]) -> No
     assert (timed.around_ns > 0).all() and timed.best_us.shape == (9,) and timed.warmup > 0.0
     assert np.array_equal(timed.best_us, timed.around_ns.min(axis=0) / 1e3)
     assert len(timed.hashes) == REPEATS and len(set(timed.hashes)) == 1
+    # a scene of nine frames has no more to warm up with
+    assert clocked["tunnels"].note == f"{REPEATS} x 9 frames, 9 warm-up frames"
 
 
 @pytest.mark.parametrize(("engine", "said"), [
@@ -45,3 +50,22 @@ def test_no_child_is_left_behind(engine: str) -> None:
     [found] = timed_pass([Job("ball_drop", engine, "default", frames=3)], False)
     assert (found.timed is None) == (engine != "tracker")
     assert {child.pid for child in multiprocessing.active_children()} <= before
+
+
+def test_each_job_is_run_as_often_and_as_long_as_it_is_told_to() -> None:
+    meter, jobs = Meter(), [Job("ball_drop", "tracker", "default", seed=seed) for seed in (0, 1)]
+    often, seldom = timed_pass(jobs, True, frames=[5, 12], repeats=[3, 1], meter=meter)
+    assert often.timed is not None and often.timed.around_ns.shape == (3, 5)
+    assert seldom.timed is not None and seldom.timed.around_ns.shape == (1, 12)
+    assert meter.seconds > 0.0
+    facts = timing_facts(meter)
+    assert facts["repeats"] == REPEATS and {"warm_frames", "tail_frames", "mhz", "load_after", "busy_elsewhere"} < set(facts)
+
+
+def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
+    shapes = ((3, 200), (1, 46), (2, 90))
+    found = [Clocked(Job("zeno", "tracker", "default"), Timed(np.ones(shape, dtype=np.int64))) for shape in shapes]
+    none = Clocked(Job("zeno", "tracker", "default"), None, "it died")
+    told = compared([*found, none])
+    assert [clocked.timed.shared for clocked in told if clocked.timed] == [(1, 46)] * 3 and told[-1] is none
+    assert compared([none]) == [none]

@@ -5,6 +5,7 @@ Read as a list: `test_grades.py` fails when a metric or a closed form is missing
 
 TIMING = "test_timing.py::test_the_least_of_all_repeats_counts_and_the_raw_times_stand_beside"
 SHARES = "test_timing.py::test_shares_of_the_frames_are_those_of_a_sorted_list"
+PHASES = "test_timing.py::test_a_median_of_two_phases_is_told_apart"
 SUMS = "test_timing.py::test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run"
 DEPTHS = "test_overlap.py::test_known_depths_come_out_exactly"
 COURSE = "test_course.py::test_the_farthest_from_the_course_is_the_figure"
@@ -53,7 +54,7 @@ METRICS_GRADED = {
     "not_finite_frames": "test_finite.py::test_each_bad_frame_counts_once",
     "frame_time_p50": SHARES, "frame_time_p95": SHARES, "frame_time_p99": SHARES, "frame_time_max": TIMING,
     "frame_time_raw_p50": TIMING, "frame_time_raw_p95": SHARES, "frame_time_raw_p99": SHARES, "frame_time_raw_max": TIMING,
-    "frame_time_python_p50": TIMING, "warmup": TIMING,
+    "frame_time_python_p50": TIMING, "warmup": TIMING, "frame_time_moving_p50": PHASES, "frame_time_resting_p50": PHASES,
     "deterministic": "test_timing.py::test_repeats_that_end_in_other_bits_are_not_deterministic",
     "resyncs": "test_timing.py::test_work_is_a_mean_per_frame_and_resyncs_a_sum",
     "trapped": SUMS, "walled": SUMS, "crossings": SUMS, "leaps": SUMS,

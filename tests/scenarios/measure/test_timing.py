@@ -4,16 +4,19 @@ import numpy as np
 import pytest
 
 from scenarios.measure.counts import work
-from scenarios.measure.timing import Timed, frame_times
+from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES
+from scenarios.measure.timing import TAIL, Timed, frame_times, time_notes
+from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist_scene, resting
 
 
 def test_the_least_of_all_repeats_counts_and_the_raw_times_stand_beside() -> None:
-    around = np.array([[1000, 9000, 3000], [2000, 2000, 50000]])
-    found = frame_times(Timed(around, {}, 1.5, ("a", "a")))
+    pattern = np.array([[1000, 9000, 3000], [2000, 2000, 50000], [4000, 8000, 60000]])
+    around = np.tile(pattern, 67)
+    found = frame_times(Timed(around, {}, 1.5, ("a", "a", "a")))
     assert found["frame_time_p50"] == 2.0 and found["frame_time_max"] == 3.0
-    assert found["frame_time_raw_max"] == 50.0
-    assert found["frame_time_raw_p50"] == pytest.approx(2.5)
+    assert found["frame_time_raw_max"] == 60.0
+    assert found["frame_time_raw_p50"] == pytest.approx(4.0)
     assert found["frame_time_python_p50"] == 2.0
     assert found["warmup"] == 1.5 and found["deterministic"] == 1.0
 
@@ -22,7 +25,8 @@ def test_the_engines_own_time_is_its_stages_without_our_adapter() -> None:
     around = np.array([[10_000, 10_000]])
     stages = {"step": np.array([[3000, 1000]]), "detect": np.array([[3000, 1000]]), "adapter": np.array([[2000, 2000]])}
     found = frame_times(Timed(around, stages))
-    assert found["frame_time_max"] == 6.0 and found["frame_time_python_p50"] == 10.0
+    assert found["frame_time_p95"] == pytest.approx(5.8) and found["frame_time_p50"] == 4.0
+    assert found["frame_time_python_p50"] == 10.0
     assert found["stage_share_step"] == found["stage_share_detect"] == 50.0
     assert "stage_share_adapter" not in found and "deterministic" not in found
 
@@ -45,15 +49,62 @@ def test_work_is_a_mean_per_frame_and_resyncs_a_sum() -> None:
 
 
 def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
-    """101 frames of 0 to 100 us, out of order: the share of frames is the time; the slower repeat shows in the raw ones alone."""
-    fast = np.random.default_rng(0).permutation(101) * 1000
-    found = frame_times(Timed(np.array([fast, fast + 200_000])))
-    assert (found["frame_time_p50"], found["frame_time_p95"], found["frame_time_p99"]) == (50.0, 95.0, 99.0)
-    # of both repeats together: 0 to 100, then 200 to 300
-    both = np.sort(np.concatenate([np.arange(101.0), np.arange(200.0, 301.0)]))
+    """201 frames of 0 to 200 us, out of order: the share of frames is the time; slower repeats show in the raw ones alone."""
+    fast = np.random.default_rng(0).permutation(201) * 1000
+    found = frame_times(Timed(np.array([fast, fast + 400_000, fast + 800_000])))
+    assert (found["frame_time_p50"], found["frame_time_p95"], found["frame_time_p99"]) == (100.0, 190.0, 198.0)
+    # of all repeats together: 0 to 200, 400 to 600, 800 to 1000
+    every = np.sort(np.concatenate([np.arange(201.0) + 400.0 * k for k in range(3)]))
     for share in (95, 99):
-        below = np.mean(both <= found[f"frame_time_raw_p{share}"])
-        assert below == pytest.approx(share / 100.0, abs=1.0 / len(both))
+        below = np.mean(every <= found[f"frame_time_raw_p{share}"])
+        assert below == pytest.approx(share / 100.0, abs=1.0 / len(every))
+
+
+@pytest.mark.parametrize(("repeats", "frames", "tail"), [
+    (REPEATS, TAIL_FRAMES, True), (REPEATS - 1, TAIL_FRAMES, False), (REPEATS, TAIL_FRAMES - 1, False), (9, 1000, True),
+])
+def test_a_tail_wants_enough_repeats_of_enough_frames_and_says_what_there_was(repeats: int, frames: int, tail: bool) -> None:
+    timed = Timed(np.full((repeats, frames), 5000, dtype=np.int64), warm_frames=30)
+    found = frame_times(timed)
+    assert found["frame_time_p50"] == found["frame_time_p95"] == 5.0
+    for name in TAIL:
+        value, said = found[name], f"{repeats} x {frames} frames, 30 "
+        assert value == 5.0 if tail else isinstance(value, Missing) and value.reason.startswith(said)
+    notes = time_notes(timed, found)
+    assert set(notes) == {name for name in found if name.startswith("frame_time_") and isinstance(found[name], float)}
+    assert set(notes.values()) == {f"{repeats} x {frames} frames, 30 warm-up frames"}
+
+
+def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_had() -> None:
+    around = np.full((REPEATS, TAIL_FRAMES), 9000, dtype=np.int64)
+    around[0, :50], around[1, :50], around[0, 7] = 3000, 1000, 50_000
+    around[:, -1] = 70_000
+    timed = Timed(around, warm_frames=30, shared=(1, 50))
+    found = frame_times(timed)
+    # one repeat of 50 frames: the second repeat, faster there, is not counted, which the others did not have
+    assert found["frame_time_p50"] == found["frame_time_python_p50"] == found["frame_time_raw_p50"] == 3.0
+    assert found["frame_time_max"] == 70.0 and found["frame_time_raw_max"] == 70.0
+    assert timed.compared_us.shape == (50,) and timed.compared_us[7] == 50.0 and timed.best_us.shape == (TAIL_FRAMES,)
+    notes = time_notes(timed, found)
+    assert notes["frame_time_p50"] == notes["frame_time_p95"] == "1 x 50 frames, 30 warm-up frames"
+    assert notes["frame_time_p99"] == notes["frame_time_max"] == f"{REPEATS} x {TAIL_FRAMES} frames, 30 warm-up frames"
+
+
+@pytest.mark.parametrize("moving", [0, PHASE_FRAMES - 1, PHASE_FRAMES, 80, 180])
+def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
+    """The first frames move and take 20 us, the others rest and take 1 us."""
+    around = np.full((REPEATS, 180), 1000, dtype=np.int64)
+    around[:, :moving] = 20_000
+    timed, rests = Timed(around), [k >= moving for k in range(200)]
+    found = frame_times(timed, resting=rests)
+    notes = time_notes(timed, found, rests)
+    assert ("frame_time_moving_p50" in found) == ("frame_time_resting_p50" in found) == (moving in (PHASE_FRAMES, 80))
+    if moving == 80:
+        assert (found["frame_time_moving_p50"], found["frame_time_resting_p50"], found["frame_time_p50"]) == (20.0, 1.0, 1.0)
+        assert notes["frame_time_moving_p50"].startswith(f"80 of {REPEATS} x 180 frames")
+        assert notes["frame_time_p50"].endswith("; moving 20 us, resting 1 us")
+    # of a run whose recording is shorter than what was timed nothing is told
+    assert "frame_time_moving_p50" not in frame_times(timed, resting=rests[:179])
 
 
 def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:

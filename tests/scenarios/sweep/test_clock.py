@@ -57,4 +57,4 @@ def test_processes_go_on_from_table_to_table() -> None:
             processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
     assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
     assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
-    assert {str(entry["note"]).partition(" of")[0] for entry in kept.values()} == {f"{REPEATS} repeats"}
+    assert {str(entry["note"]) for entry in kept.values()} == {f"{REPEATS} x 4 frames, 4 warm-up frames"}

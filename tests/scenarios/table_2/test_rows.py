@@ -41,7 +41,9 @@ def run(tmp_path: Path) -> Path:
             one = replace(one, orientations=orientations)
         record.save(one, tmp_path / "recordings" / f"two_arms.{who.replace('/', '.')}.0.npz")
         series[who] = {"overlap_m": [0.0, 2e-7, 0.0], "frame_time_us": [10.0, 20.0, 30.0]}
-    (tmp_path / "results.json").write_text(json.dumps({"series": {"two_arms": series}}))
+    tail = {"scenario": "two_arms", "engine": "avatarsim", "metric": "frame_time_p99", "seed": 0}
+    tails = [tail | {"preset": "paper", "value": 55.0}, tail | {"preset": "default", "value": None}]
+    (tmp_path / "results.json").write_text(json.dumps({"series": {"two_arms": series}, "rows": tails}))
     return tmp_path
 
 
@@ -59,6 +61,8 @@ def test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed(ru
     ours = found["avatarsim/paper"]
     assert (ours.frames, ours.timed, ours.ms, ours.p50, ours.overlap) == (4, 3, 0.02, 20.0, 2e-7)
     assert (ours.joints, ours.iterations, ours.pairs, ours.queries) == (3.0, 0.75, 1.0, 5.0)
+    # of all frames that it had by itself; where a run says that those were too few, there is none
+    assert ours.p99 == 55.0 and math.isnan(found["avatarsim/default"].p99) and math.isnan(found["mujoco/tuned"].p99)
     assert math.isnan(ours.ik_share)
     other = found["mujoco/tuned"]
     assert other.ms == 0.02 and math.isnan(other.joints) and math.isnan(other.iterations)

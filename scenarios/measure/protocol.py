@@ -1,0 +1,50 @@
+"""The protocol of a frame time: how often its frames were run, how many there were, and after what warm-up."""
+
+import re
+from dataclasses import dataclass
+
+REPEATS = 3
+"""Times that the same frames are run; the least of each frame is what it costs when nothing disturbs. With two, one disturbance
+that hits the same frame twice would stay."""
+WARM_FRAMES = 30
+"""Frames run on a load of their own that is then thrown away: they load code, fill caches and grow buffers. With fewer, the first
+contact of some scenes would come after them, and with it what it needs for the first time."""
+TAIL_FRAMES = 200
+"""Different frames from which on a 99th percentile and a slowest frame are given: it stands on two frames then. With fewer, both
+would be one frame, or a number between two."""
+PHASE_FRAMES = 30
+"""Frames of either phase, at rest and in motion, from which on each has a median of its own."""
+
+
+def counted(number: int, noun: str) -> str:
+    """"1 frame", "3 frames"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """How a time was taken: `frames` different frames, each `repeats` times, after `warm_frames` on another load of the scene."""
+
+    repeats: int
+    frames: int
+    warm_frames: int
+
+    @property
+    def said(self) -> str:
+        """In the words of every row."""
+        return f"{self.repeats} x {counted(self.frames, 'frame')}, {counted(self.warm_frames, 'warm-up frame')}"
+
+    @property
+    def has_tail(self) -> bool:
+        """Whether there are enough repeats and frames for a 99th percentile and a slowest frame."""
+        return self.repeats >= REPEATS and self.frames >= TAIL_FRAMES
+
+    @property
+    def no_tail(self) -> str:
+        """Why there is no 99th percentile and no slowest frame."""
+        return f"{self.said}: fewer than {REPEATS} x {TAIL_FRAMES}"
+
+
+def brief(note: str) -> str:
+    """The words of a row without the warm-up, for a cell of a table."""
+    return re.sub(r", \d+ warm-up frames?", "", note)

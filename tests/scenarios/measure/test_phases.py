@@ -1,0 +1,39 @@
+"""Frames at rest: by poses alone, whatever an engine says of velocities, at any frame time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from scenarios.measure.phases import STILL, resting
+from tests.scenarios.examples import drop_scene, fist_scene
+from tests.scenarios.examples import resting as at_rest
+
+
+def test_where_nothing_moves_every_frame_rests() -> None:
+    assert resting(at_rest(fist_scene(), 5), fist_scene()).tolist() == [True] * 5
+
+
+@pytest.mark.parametrize(("factor", "rests"), [(0.9, True), (1.1, False), (float("nan"), False)])
+@pytest.mark.parametrize("scene", [fist_scene(), drop_scene()], ids=["a link", "a body"])
+def test_one_step_of_a_link_or_a_simulated_body_is_motion(scene: object, factor: float, rests: bool) -> None:
+    recording = at_rest(scene, 5)
+    places = recording.positions.copy()
+    last = next(k for k, role in reversed(list(enumerate(scene.roles))) if role.name != "FIXED")
+    places[3:, last, 2] += factor * STILL * recording.dt
+    found = resting(replace(recording, positions=places), scene)
+    assert found[2] == rests and found[:2].all()
+
+
+def test_a_turn_in_place_is_motion() -> None:
+    recording = at_rest(fist_scene(), 3)
+    turns = recording.orientations.copy()
+    turns[2:, -1] = (np.cos(0.1), np.sin(0.1), 0.0, 0.0)
+    assert resting(replace(recording, orientations=turns), fist_scene()).tolist() == [True, False, True]
+
+
+def test_fixed_bodies_alone_rest() -> None:
+    scene = drop_scene()
+    fixed = replace(scene, bodies=tuple(body for body in scene.bodies if body.role.name == "FIXED"))
+    recording = at_rest(fixed, 4)
+    assert resting(recording, fixed).all() and len(resting(recording, fixed)) == 4
