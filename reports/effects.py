@@ -183,7 +183,7 @@ def consequence(line: Line | None) -> str:
         return f"{share}breaks {len(line.broken)}"
     if line.moved is None:
         return f"{share}not measured"
-    return f"{share}moves {quantity(line.moved, 'm')}" if line.moved > ROUNDING else f"{share}no change"
+    return f"{share}{quantity(line.moved, 'm')}" if line.moved > ROUNDING else f"{share}none"
 
 
 def protocol(found: Ablation) -> str:

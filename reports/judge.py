@@ -81,20 +81,20 @@ def sentence(found: Trust) -> str:
         error = "it passed over a pair" if math.isnan(whole.largest_error) else f"it errs by {quantity(whole.largest_error, 'm')}"
         kept = f"The judge breaks its promise of {quantity(found.promise, 'm')}: {error} on {count(whole.pairs, 'pair')}"
     alarms = f"{count(whole.false_alarms, 'false alarm')} and {count(whole.misses, 'missed overlap')} at the bound of 1 µm"
-    return f"{kept} whose exact depth or distance is known ({whole.overlapping:,} of them overlap); {alarms}."
+    return f"{kept} whose exact depth or distance is known ({whole.overlapping:,} overlap); {alarms}."
 
 
 def second(found: Trust) -> str:
     """What the second opinion says."""
     whole = found.whole
-    silent = f" It has no answer for {count(whole.unanswered, 'pair')}, where its process ended." if whole.unanswered else ""
+    silent = f" It ended without an answer on {count(whole.unanswered, 'pair')}." if whole.unanswered else ""
     if not whole.disagreements:
         return f"The second opinion, python-fcl, agrees to 1 µm on every pair that it answers.{silent}"
     share = 100.0 * whole.disagreements / whole.pairs
     sides = "each of them" if not whole.judge_wrong else f"all but {whole.judge_wrong} of them"
     return (
         f"The second opinion, python-fcl, differs by more than 1 µm on {whole.disagreements} pairs ({share:.0f} %; "
-        f"{whole.overlapping_disagreements} overlap); the exact answer is nearer to the judge's on {sides}.{silent}"
+        f"{whole.overlapping_disagreements} overlap); the judge is nearer to the exact answer on {sides}.{silent}"
     )
 
 

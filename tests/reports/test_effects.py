@@ -100,7 +100,7 @@ def test_what_leaving_an_effect_out_changes_is_told(tmp_path: Path) -> None:
     found = fill(tmp_path, [*LINES, moving, row("limits", None, moved=None)])
     effects = ("restitution", "coupling", "friction", "limits", "dynamics")
     assert [consequence(found.at("drop", effect)) for effect in effects] == [
-        "25 %, breaks 2", "10 %, moves 2.00 mm", "1 %, no change", "not measured", "",
+        "25 %, breaks 2", "10 %, 2.00 mm", "1 %, none", "not measured", "",
     ]
 
 
