@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from scenarios import array_file
+from scenarios.record import misfit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-SCENE_SCHEMA, RECORDING_SCHEMA = 1, 1
+SCENE_SCHEMA, RECORDING_SCHEMA = 1, 2
 """Layouts that this reader knows of `scenes/*.json` and `recordings/*.npz`."""
 WANTED = ("positions", "orientations", "velocities", "angular_velocities", "times", "raw_positions", "raw_orientations")
 """Members of a recording that are read; the others, poses inside frames, are most of it."""
@@ -76,16 +78,19 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list
 
 
 def _shown(path: Path, run: str, pairs: Sequence[tuple[int, int, int, float]]) -> Shown:
+    stored = array_file.read(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            version = json.loads(str(stored["meta"]))["schema_version"]
-            arrays = {name: stored[name] for name in WANTED}
-            counts = {name: stored[f"counts:{name}"] for name in COUNTED if f"counts:{name}" in stored.files}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        version = json.loads(str(stored["meta"]))["schema_version"]
+    except (ValueError, KeyError, TypeError) as error:
         raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     if version != RECORDING_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{RECORDING_SCHEMA}; run again")
-    return Shown(run, counts=counts, pairs=pairs, **arrays)
+    if missing := [name for name in WANTED if name not in stored]:
+        raise InvalidFile(f"recording {path}", f"without {', '.join(missing)}", WHOLE)
+    counts = {name: stored[f"counts:{name}"] for name in COUNTED if f"counts:{name}" in stored}
+    if name := misfit({**stored, "counts": counts}):
+        raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", WHOLE)
+    return Shown(run, counts=counts, pairs=pairs, **{name: stored[name] for name in WANTED})
 
 
 def _pairs(path: Path) -> list[tuple[int, int, int, float]]:

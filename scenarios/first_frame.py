@@ -33,6 +33,8 @@ FRAMES = 600
 TRIES = 3
 """Processes asked about a scene before its first frame counts as too long; what is left to load is left in each, a disturbance by
 the rest of the machine is not."""
+REFUSED = "refused, as it overlaps at the start"
+"""What is said of a scene without a first frame."""
 SHOWN = 12
 """Lines of the table."""
 CLOCKED = 100
@@ -83,23 +85,23 @@ def measured(scene: str, preset: str, frames: int) -> Found | None:
     return Found(scene, preset, load, float(spent[0]) * 1e-3, float(np.median(spent)) * 1e-3, CalledKernel.made - made)
 
 
-def alone(scene: str, preset: str, frames: int) -> Found | None:
-    """The same in a process of its own; in several, and the shortest first frame, where it takes too long."""
+def alone(scene: str, preset: str, frames: int) -> Found | str:
+    """The same in a process of its own; in several, and the shortest first frame, where it takes too long. Without a first frame,
+    why there is none."""
     found: Found | None = None
     for _ in range(TRIES):
         command = [sys.executable, "-m", "scenarios.first_frame", "--alone", scene, preset, "--frames", str(frames)]
         ended = subprocess.run(command, cwd=Path(__file__).parents[1], capture_output=True, text=True, check=False)
         if ended.returncode != 0:
-            said = ended.stderr.strip().splitlines()
-            raise InvalidInput(f"{scene}, preset {preset}", said[-1] if said else f"code {ended.returncode}", "a scene that runs")
+            return (ended.stderr.strip().splitlines() or [f"it ended with code {ended.returncode}"])[-1]
         answer = json.loads(ended.stdout)
         if answer is None:
-            return None
+            return REFUSED
         again = Found(**answer)
         found = again if found is None or again.late > found.late or again.times < found.times else found
         if found.good or found.late:
             break
-    return found
+    return found or REFUSED
 
 
 def table(found: Sequence[Found]) -> str:
@@ -114,7 +116,7 @@ def table(found: Sequence[Found]) -> str:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Measure and print. 0: nothing is left for first frames; 1: in some scene something is; 2: usage."""
+    """Measure and print. 0: nothing is left for first frames; 1: in some scene something is; 2: usage; 3: some could not run."""
     about = " ".join(str(__doc__).split("\n\n")[1].split())
     parser = argparse.ArgumentParser(prog="python -m scenarios.first_frame", description=about)
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
@@ -123,6 +125,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--alone", nargs=2, metavar=("SCENE", "PRESET"), help=argparse.SUPPRESS)
     chosen = parser.parse_args(argv)
     found: list[Found] = []
+    lost: list[str] = []
     try:
         if chosen.frames < 2:
             raise InvalidInput("--frames", chosen.frames, "2 at least")
@@ -137,15 +140,21 @@ def main(argv: Sequence[str] | None = None) -> int:
         for preset in chosen.preset:
             for name in names:
                 one = alone(name, preset, chosen.frames)
-                print(f"{name} {preset}: " + (f"{one.times:.1f}" if one else "refused"), file=sys.stderr, flush=True)
-                found += [one] if one else []
+                said = one if isinstance(one, str) else f"{one.times:.1f} medians"
+                print(f"{name} {preset}: {said}", file=sys.stderr, flush=True)
+                if isinstance(one, Found):
+                    found.append(one)
+                elif one != REFUSED:
+                    lost.append(name)
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
     bad = [one for one in found if not one.good]
     print(table(found))
     print(f"\n{len(found)} scenes; in {len(bad)} the first frame takes more than {MOST_TIMES:g} medians or loads something")
-    return 1 if bad else 0
+    if lost:
+        print(f"{len(lost)} could not be run: {', '.join(lost)}")
+    return 1 if bad else 3 if lost else 0
 
 
 if __name__ == "__main__":
