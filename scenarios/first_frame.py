@@ -1,7 +1,8 @@
 """`python -m scenarios.first_frame [--filter GLOB] [--preset NAME ...] [--frames N]`.
 
-Times the first frame after `load` against the median frame, each scene in a process of its own, and prints the worst; a first
-frame that takes more than 10 times the median, or a kernel that is brought into memory after `load`, is a fault.
+Times the first frame after `load` against the median frame, each scene in a process of its own, and prints the worst. A kernel
+that is brought into memory after `load` is a fault, and so is a first frame of more than 10 medians; unless it takes half as long
+when all is warm, loaded again in the same process, as in a scene that begins with impacts and then sleeps.
 
 Kernels should be compiled already (`python -m avatarsim`): the first process would compile them, within `load`.
 """
@@ -28,6 +29,11 @@ from scenarios.job import Job
 MOST_TIMES = 10.0
 """Longest first frame, in multiples of the median frame. A first frame has cold caches and everything to look at; what it may not
 have is something to load, which takes thousands of medians."""
+OWN_SHARE = 0.5
+"""Least share of a first frame of more than MOST_TIMES medians that is its own work: what it takes when it is loaded again in the
+same process. Below this most of it is something that `load` left."""
+WARM = 3
+"""Times it is loaded again; the least counts."""
 FRAMES = 600
 """Frames run per scene, or as many as it has: the median is that of ten seconds."""
 TRIES = 3
@@ -43,12 +49,14 @@ CLOCKED = 100
 
 @dataclass(frozen=True)
 class Found:
-    """One scene in one process: times of `load` [s], of the first frame and the median one [us], kernels that frames loaded."""
+    """One scene in one process: times of `load` [s]; of the first frame, of the same frame when all is warm, and of the median
+    frame [us]; kernels that frames loaded."""
 
     scene: str
     preset: str
     load: float
     first: float
+    warm: float
     median: float
     late: int
 
@@ -58,9 +66,14 @@ class Found:
         return self.first / self.median
 
     @property
+    def long(self) -> bool:
+        """Whether it is more than MOST_TIMES medians, or no number."""
+        return not self.times <= MOST_TIMES
+
+    @property
     def good(self) -> bool:
         """Whether `load` left nothing."""
-        return self.times <= MOST_TIMES and self.late == 0
+        return self.late == 0 and (not self.long or self.warm >= OWN_SHARE * self.first)
 
 
 def measured(scene: str, preset: str, frames: int) -> Found | None:
@@ -81,8 +94,14 @@ def measured(scene: str, preset: str, frames: int) -> Found | None:
         begun = clock()
         engine.advance(sample, dt)
         spent[k] = clock() - begun
+    made, again = CalledKernel.made - made, []
+    for _ in range(WARM):
+        engine.load(what.scene, job.settings(engine), dt)
+        begun = clock()
+        engine.advance(samples[0], dt)
+        again.append(clock() - begun)
     engine.close()
-    return Found(scene, preset, load, float(spent[0]) * 1e-3, float(np.median(spent)) * 1e-3, CalledKernel.made - made)
+    return Found(scene, preset, load, float(spent[0]) * 1e-3, min(again) * 1e-3, float(np.median(spent)) * 1e-3, made)
 
 
 def alone(scene: str, preset: str, frames: int) -> Found | str:
@@ -99,7 +118,7 @@ def alone(scene: str, preset: str, frames: int) -> Found | str:
             return REFUSED
         again = Found(**answer)
         found = again if found is None or again.late > found.late or again.times < found.times else found
-        if found.good or found.late:
+        if not found.long or found.late:
             break
     return found or REFUSED
 
@@ -107,11 +126,11 @@ def alone(scene: str, preset: str, frames: int) -> Found | str:
 def table(found: Sequence[Found]) -> str:
     """The worst scenes, a line each."""
     worst = sorted(found, key=lambda one: (-one.late, -one.times))[:SHOWN]
-    lines = [f"{'scene':<32} {'preset':<8} {'load s':>7} {'frame 1 us':>11} {'median us':>10} {'times':>7} {'loaded late':>12}"]
-    lines += [
-        f"{one.scene:<32} {one.preset:<8} {one.load:7.2f} {one.first:11.1f} {one.median:10.1f} {one.times:7.1f} {one.late:12d}"
-        for one in worst
-    ]
+    heads = f"{'frame 1 us':>11} {'warm us':>9} {'median us':>10} {'times':>7} {'loaded late':>12}"
+    lines = [f"{'scene':<32} {'preset':<8} {'load s':>7} {heads}"]
+    for one in worst:
+        figures = f"{one.first:11.1f} {one.warm:9.1f} {one.median:10.1f} {one.times:7.1f} {one.late:12d}"
+        lines.append(f"{one.scene:<32} {one.preset:<8} {one.load:7.2f} {figures}")
     return "\n".join(lines)
 
 
@@ -151,7 +170,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     bad = [one for one in found if not one.good]
     print(table(found))
-    print(f"\n{len(found)} scenes; in {len(bad)} the first frame takes more than {MOST_TIMES:g} medians or loads something")
+    own = sum(one.good and one.long for one in found)
+    print(f"\n{len(found)} scenes; in {len(bad)} the first frame loads something, or takes more than {MOST_TIMES:g} medians")
+    print(f"because of what `load` left; in {own} more it takes that long by its own work")
     if lost:
         print(f"{len(lost)} could not be run: {', '.join(lost)}")
     return 1 if bad else 3 if lost else 0
