@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scenarios import array_file
 from scenarios.files import write_whole
 
 FOLDER = "overlaps"
@@ -44,4 +45,4 @@ def path(folder: Path, stem: str) -> Path:
 def write(found: Overlapping, folder: Path, stem: str) -> None:
     """Write the file of the recording `stem` into the run folder, whole or not at all."""
     arrays = {entry.name: getattr(found, entry.name) for entry in fields(found)}
-    write_whole(path(folder, stem), lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
+    write_whole(path(folder, stem), lambda file: array_file.write(file, arrays))

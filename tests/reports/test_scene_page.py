@@ -127,6 +127,19 @@ def test_a_recording_that_contradicts_itself_is_named(folder: Path, name: str, v
         write_report(folder)
 
 
+@pytest.mark.parametrize(("name", "value"), [
+    ("frame", np.array([12, 0, 0])), ("first", np.array([-1, 0, 0])), ("second", np.array([3, 0, 0])), ("depth", np.zeros(2)),
+    ("depth", np.full(3, np.nan)), ("frame", np.zeros(3)), ("first", None), ("frame", None),
+])
+def test_pairs_that_are_nowhere_are_named(folder: Path, name: str, value: Any) -> None:
+    path = folder / "overlaps" / THEIR_FILE
+    arrays = {**array_file.read(path), name: value}
+    with path.open("wb") as file:
+        array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
+    with pytest.raises(InvalidFile, match=rf"{name} in .*{re.escape(THEIR_FILE)}"):
+        write_report(folder)
+
+
 def test_another_layout_is_refused(folder: Path) -> None:
     scene(folder, NAME, schema_version=2)
     with pytest.raises(InvalidFile, match="schema_version"):
