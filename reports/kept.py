@@ -1,7 +1,7 @@
 """What a run keeps of a scene beside its figures: what the scene looks like, and what every engine showed in it."""
 
 import json
-import zipfile
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from scenarios import array_file
+from scenarios.record import misfit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-SCENE_SCHEMA, RECORDING_SCHEMA = 1, 1
+SCENE_SCHEMA, RECORDING_SCHEMA = 1, 2
 """Layouts that this reader knows of `scenes/*.json` and `recordings/*.npz`."""
 WANTED = ("positions", "orientations", "velocities", "angular_velocities", "times", "raw_positions", "raw_orientations")
 """Members of a recording that are read; the others, poses inside frames, are most of it."""
@@ -71,29 +73,37 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list
         stem = f"{scene}.{run.replace('/', '.', 1)}.{seed}"
         path = run_dir / "recordings" / f"{stem}.npz"
         if path.exists():
-            found.append(_shown(path, run, _pairs(run_dir / "overlaps" / f"{stem}.npz")))
+            found.append(_shown(path, run, run_dir / "overlaps" / f"{stem}.npz"))
     return found
 
 
-def _shown(path: Path, run: str, pairs: Sequence[tuple[int, int, int, float]]) -> Shown:
+def _shown(path: Path, run: str, overlaps: Path) -> Shown:
+    stored = array_file.read(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            version = json.loads(str(stored["meta"]))["schema_version"]
-            arrays = {name: stored[name] for name in WANTED}
-            counts = {name: stored[f"counts:{name}"] for name in COUNTED if f"counts:{name}" in stored.files}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        version = json.loads(str(stored["meta"]))["schema_version"]
+    except (ValueError, KeyError, TypeError) as error:
         raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     if version != RECORDING_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{RECORDING_SCHEMA}; run again")
-    return Shown(run, counts=counts, pairs=pairs, **arrays)
+    if missing := [name for name in WANTED if name not in stored]:
+        raise InvalidFile(f"recording {path}", f"without {', '.join(missing)}", WHOLE)
+    counts = {name: stored[f"counts:{name}"] for name in COUNTED if f"counts:{name}" in stored}
+    if name := misfit({**stored, "counts": counts}):
+        raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", WHOLE)
+    pairs = _pairs(overlaps, *stored["positions"].shape[:2])
+    return Shown(run, counts=counts, pairs=pairs, **{name: stored[name] for name in WANTED})
 
 
-def _pairs(path: Path) -> list[tuple[int, int, int, float]]:
+def _pairs(path: Path, states: int, bodies: int) -> list[tuple[int, int, int, float]]:
+    """Overlapping pairs of so many states shown of so many bodies and links."""
     if not path.exists():
         return []
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            columns = [stored[name].tolist() for name in ("frame", "first", "second", "depth")]
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WHOLE) from error
+    stored = array_file.read(path)
+    for name, kind, most in (("frame", "i", states), ("first", "i", bodies), ("second", "i", bodies), ("depth", "f", math.inf)):
+        found = stored.get(name)
+        if found is None or found.dtype.kind != kind or found.shape != (stored["frame"].size,):
+            raise InvalidFile(f"{name} in {path}", "missing, or of another shape or kind", WHOLE)
+        if found.size and not 0 <= found.min() <= found.max() < most:
+            raise InvalidFile(f"{name} in {path}", found.max(), f"from 0 to below {most}")
+    columns = [stored[name].tolist() for name in ("frame", "first", "second", "depth")]
     return list(zip(*columns, strict=True))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from scenarios import array_file
 from scenarios.files import write_whole
 
 FOLDER = "overlaps"
@@ -36,7 +37,12 @@ def gathered(pairs_shown: Sequence[Pairs], names: Sequence[str]) -> Overlapping:
     return Overlapping(frame, first, second, np.array([row[3] for row in rows], dtype=np.float64))
 
 
+def path(folder: Path, stem: str) -> Path:
+    """Where the file of the recording `stem` lies in the run folder."""
+    return folder / FOLDER / f"{stem}.npz"
+
+
 def write(found: Overlapping, folder: Path, stem: str) -> None:
     """Write the file of the recording `stem` into the run folder, whole or not at all."""
     arrays = {entry.name: getattr(found, entry.name) for entry in fields(found)}
-    write_whole(folder / FOLDER / f"{stem}.npz", lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
+    write_whole(path(folder, stem), lambda file: array_file.write(file, arrays))

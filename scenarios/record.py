@@ -1,7 +1,6 @@
 """A recording: everything one engine showed in one scene, and what the user did, as one file."""
 
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -11,17 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from scenarios import array_file
 from scenarios.files import plain, write_whole
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Layout of the file. A reader refuses every other one, so raise it with any change of a field's meaning."""
 EVENTS = ("step", "approach", "impact")
 """Names of what a snapshot inside a frame can be (`avatarsim.engine.Snapshot.event`); codes are places in this tuple."""
-WIDE = ("inside_positions", "inside_orientations", "inside_velocities", "inside_angular_velocities")
-"""The fields that grow with sub-steps times bodies: bodies that never change in them are stored once."""
+COUNTED = ("counts", "statuses")
+"""The fields that hold numbers of frames by name."""
+LAYOUT: Mapping[str, tuple[str | int, ...]] = {
+    "times": ("f8", "states"), "positions": ("f8", "states", "bodies", 3), "orientations": ("f8", "states", "bodies", 4),
+    "velocities": ("f8", "states", "bodies", 3), "angular_velocities": ("f8", "states", "bodies", 3),
+    "angles": ("f8", "states", "angles"), "raw_positions": ("f8", "states", "links", 3),
+    "raw_orientations": ("f8", "states", "links", 4), "raw_angles": ("f8", "states", "hinges"),
+    "inside_time": ("f8", "snapshots"), "inside_frame": ("i8", "snapshots"), "inside_event": ("i8", "snapshots"),
+    "inside_positions": ("f8", "snapshots", "bodies", 3), "inside_orientations": ("f8", "snapshots", "bodies", 4),
+    "inside_velocities": ("f8", "snapshots", "bodies", 3), "inside_angular_velocities": ("f8", "snapshots", "bodies", 3),
+    "state_hashes": ("U", "states"), "counted": ("i8", "states"), "overlap": ("f8", "states"),
+    "frame_times_ns": ("i8", "repeats", "frames"),
+}
+"""Kind of number and axes of every field, and of every array in COUNTED; axes of one name are equally long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +44,9 @@ class Recording:
     times (F+1,) [s]; positions (F+1, n, 3) [m] and orientations (F+1, n, 4) of body frames; velocities (F+1, n, 3) of centres
     of mass [m/s]; angular_velocities (F+1, n, 3) [rad/s]; angles (F+1, H) [rad], or (F+1, 0) from an engine that gives none.
     raw_*: the tracker's own posture: link frames (F+1, L, 3), (F+1, L, 4), hinge angles (F+1, H).
-    inside_*: sub-steps and events in order: time (S,) [s], frame (S,) from 1 to F, event (S,) code in EVENTS, poses, velocities.
+    inside_*: sub-steps and events in order: time (S,) [s], frame (S,) from 1 to F, event (S,) code in EVENTS, poses, velocities;
+    all of them while it is measured, those of `scenarios.thinned` in the file of a run.
+    overlap (F+1,) [m] of every state shown, as the run judged it; empty where it was not judged.
     counts, statuses: (F+1,) per name. state_hashes (F+1,). frame_times_ns (repeats, frames), empty before the timing pass.
     meta: scene, engine, version, preset, seed, dt, settings, cannot_say, scene_hash, error (why it ended early, or absent).
     """
@@ -58,6 +72,7 @@ class Recording:
     counts: Mapping[str, Integers] = field(default_factory=dict)
     statuses: Mapping[str, Integers] = field(default_factory=dict)
     frame_times_ns: Integers = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
+    overlap: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def frames(self) -> int:
@@ -81,19 +96,11 @@ def save(recording: Recording, path: Path) -> None:
     arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(_json(recording.meta))}
     for entry in fields(recording):
         value = getattr(recording, entry.name)
-        if isinstance(value, Mapping):
-            if entry.name != "meta":
-                arrays.update({f"{entry.name}:{name}": numbers for name, numbers in value.items()})
-        elif entry.name in WIDE and len(value):
-            changing = np.flatnonzero(~_same_bits(value))
-            # a crowd in which all move is not copied for nothing
-            few = len(changing) < value.shape[1]
-            if few:
-                arrays[f"{entry.name}:first"], arrays[f"{entry.name}:changing"] = value[0], changing
-            arrays[entry.name] = value[:, changing] if few else value
-        else:
+        if not isinstance(value, Mapping):
             arrays[entry.name] = value
-    write_whole(path, lambda file: np.savez(file, allow_pickle=False, **arrays))
+        elif entry.name != "meta":
+            arrays.update({f"{entry.name}:{name}": numbers for name, numbers in value.items()})
+    write_whole(path, lambda file: array_file.write(file, arrays))
 
 
 def _json(meta: Mapping[str, object]) -> str:
@@ -101,36 +108,54 @@ def _json(meta: Mapping[str, object]) -> str:
     return json.dumps(plain({"schema_version": SCHEMA_VERSION, **meta}), allow_nan=False)
 
 
-def _same_bits(values: Array) -> NDArray[np.bool_]:
-    """(n,) True where body n has the same bits in all rows of values (S, n, k); bits, because nan differs from itself."""
-    bits = np.ascontiguousarray(values).view(np.int64)
-    return np.asarray((bits == bits[:1]).all(axis=(0, 2)))
-
-
 def load(path: Path) -> Recording:
-    """Read a recording. Raises InvalidFile when it is missing, truncated, or of another layout."""
-    try:
-        # opened here because numpy leaves a file that is no archive open
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
-            arrays: dict[str, Any] = {name: stored[name] for name in stored.files}
-        meta = json.loads(str(arrays.pop("meta")))
-        version = meta.pop("schema_version")
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        found = f"{type(error).__name__}: {error}"
-        raise InvalidFile(f"recording {path}", found, "a whole .npz file from this runner") from error
+    """Read a recording. Raises InvalidFile when it is missing, truncated, too large, or of another layout."""
+    arrays = array_file.read(path)
+    meta, version = about(arrays.pop("meta", None), path)
     if version != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")
-    for name in WIDE:
-        if f"{name}:first" in arrays:
-            first, changing = arrays.pop(f"{name}:first"), arrays.pop(f"{name}:changing")
-            wide = np.repeat(first[None], len(arrays[name]), axis=0)
-            wide[:, changing] = arrays[name]
-            arrays[name] = wide
-    named: dict[str, dict[str, Integers]] = {"counts": {}, "statuses": {}}
-    for key in [key for key in arrays if ":" in key]:
+    named: dict[str, dict[str, Integers]] = {name: {} for name in COUNTED}
+    for key in [key for key in arrays if key.split(":", 1)[0] in named]:
         kind, name = key.split(":", 1)
         named[kind][name] = arrays.pop(key)
     try:
-        return Recording(meta=meta, counts=named["counts"], statuses=named["statuses"], **arrays)
+        recording = Recording(meta=meta, counts=named["counts"], statuses=named["statuses"], **arrays)
     except TypeError as error:
         raise InvalidFile(f"recording {path}", str(error), "every field of this layout, and no other") from error
+    if name := misfit({entry.name: getattr(recording, entry.name) for entry in fields(recording)}) or _beyond(recording):
+        raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", "what fits the rest, as `Recording` says")
+    return recording
+
+
+def about(stored: NDArray[np.str_] | None, path: Path) -> tuple[dict[str, object], object]:
+    """A recording's meta, and the version of the layout."""
+    try:
+        meta = json.loads(str(stored))
+        return meta, meta.pop("schema_version")
+    except (ValueError, KeyError, AttributeError, TypeError) as error:
+        raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", "what this runner wrote") from error
+
+
+def misfit(arrays: Mapping[str, Any]) -> str:
+    """The first of a recording's fields that contradicts LAYOUT or those before it; empty if there is none. What is no field is
+    passed over, and so is an empty `overlap`."""
+    sizes: dict[str, int] = {}
+    counted = [numbers for name in COUNTED for numbers in arrays.get(name, {}).values()]
+    for name, (kind, *axes) in LAYOUT.items():
+        for found in counted if name == "counted" else [arrays[name]] if name in arrays else []:
+            if name == "overlap" and found.size == 0:
+                continue
+            expected = tuple(sizes.setdefault(axis, size) if isinstance(axis, str) else axis
+                             for axis, size in zip(axes, found.shape, strict=False))
+            if not found.dtype.str[1:].startswith(kind) or found.ndim != len(axes) or found.shape != expected:
+                return name
+    return ""
+
+
+def _beyond(recording: Recording) -> str:
+    """The field of snapshots that names a frame or an event that there is not; empty if neither does."""
+    for name, most in (("inside_frame", recording.frames), ("inside_event", len(EVENTS) - 1)):
+        found = getattr(recording, name)
+        if found.size and not 0 <= found.min() <= found.max() <= most:
+            return name
+    return ""

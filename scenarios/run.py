@@ -1,6 +1,7 @@
 """The accuracy pass: run one engine through one scenario, record everything, measure it, keep the recording."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
@@ -13,6 +14,7 @@ from avatarsim.scene.tracker import TrackerSample, link_poses_each
 from scenarios import drawn, overlapping, record
 from scenarios.asked import Asked, asked
 from scenarios.engines import opened
+from scenarios.figures import figures, told
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
@@ -20,6 +22,7 @@ from scenarios.measure.phases import resting
 from scenarios.provenance import code_hash
 from scenarios.record import EVENTS, Integers, Recording
 from scenarios.scenario import Scenario
+from scenarios.thinned import thinned
 
 FRAME_SECONDS = "frame_seconds"
 """Key in a recording's meta: median time [s] of a frame while other runs went on; too rough to be shown, it says how many frames
@@ -49,13 +52,15 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
         # an engine is someone else's code: whatever it raises is its result, not the end of the comparison
         return Outcome(job, "crashed", f"before loading: {described(error)}")
     path = folder / "recordings" / f"{job.stem}.npz"
+    judging = None if job.full else judged
     identity = {
         "scene_hash": what.scene_hash, "code": code_hash(), "version": engine.version, "frames": scenario.frames,
         "full": job.full, "dt": scenario.dt, "base": job.base, "options": repr(sorted(job.options.items())),
+        "judged": judging,
     }
     drawn.write(scene, folder, scenario.name)
     if (earlier := kept(path, identity)) is not None:
-        return concluded(job, earlier, what, path, judged)
+        return outcome_of(job, earlier, what, path)
     about |= identity
     frames: list[FrameRecord] = []
     try:
@@ -74,38 +79,48 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     except Exception as error:
         note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
         if frames:
-            record.save(gathered(job, scenario, scene, what.states, frames, {**about, "error": note}), path)
+            left = gathered(job, scenario, scene, what.states, frames, {**about, "error": note})
+            record.save(thinned(left, scenario, scene), path)
         return Outcome(job, "crashed", note, len(frames), about=about, recording=path if frames else None)
     finally:
         _close(engine)
-    recording = gathered(job, scenario, scene, what.states, frames, about, what.raw)
-    record.save(recording, path)
-    return concluded(job, recording, what, path, judged)
+    recording = concluded(gathered(job, scenario, scene, what.states, frames, about, what.raw), what, judging, path)
+    return outcome_of(job, recording, what, path)
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
-    """The recording that an earlier, unfinished run left at `path`: whole, without error, of the same scene by the same code."""
-    if not path.exists():
+    """The recording that an earlier, unfinished run left at `path`: whole, without error, of the same scene by the same code, and
+    measured as it would be now."""
+    if not path.exists() or not overlapping.path(path.parent.parent, path.stem).exists():
         return None
     try:
         found = record.load(path)
+        figures(found)
     except InvalidFile:
         return None
     same = all(found.meta.get(name) == value for name, value in identity.items())
     return found if same and "error" not in found.meta else None
 
 
-def concluded(job: Job, recording: Recording, what: Asked, path: Path, judged: int = INSIDE_JUDGED) -> Outcome:
-    """Measure a whole recording."""
-    found = measured(recording, what.known, None if job.full else judged)
-    overlapping.write(found.overlapping, path.parent.parent, job.stem)
-    told = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
-    told["lapsed"] = dict(what.scene.lapsed)
-    overlap = tuple(found.overlap.tolist())
-    hashes = tuple(recording.state_hashes.tolist())
+def concluded(recording: Recording, what: Asked, judged: int | None, path: Path) -> Recording:
+    """Measure a whole recording, and save what is kept of it together with its figures."""
+    found = measured(recording, what.known, judged)
+    overlapping.write(found.overlapping, path.parent.parent, path.stem)
+    thin = thinned(recording, what.scenario, what.scene.whole)
+    left = replace(thin, meta={**thin.meta, **told(found.values, found.notes)}, overlap=found.overlap)
+    record.save(left, path)
+    return left
+
+
+def outcome_of(job: Job, recording: Recording, what: Asked, path: Path) -> Outcome:
+    """What came of a job whose recording has been measured."""
+    about = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
+    about["lapsed"] = dict(what.scene.lapsed)
+    values, notes = figures(recording)
+    overlap, hashes = tuple(recording.overlap.tolist()), tuple(recording.state_hashes.tolist())
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
     rests = tuple(resting(recording, what.scene).tolist())
-    return Outcome(job, "measured", "", recording.frames, found.values, found.notes, overlap, told, path, hashes, cost, rests)
+    return Outcome(job, "measured", "", recording.frames, values, notes, overlap, about, path, hashes, cost, rests)
 
 
 def described(error: BaseException) -> str:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from scenarios import array_file
+
 STATES = 20
 BODIES = [
     {"name": "slab", "role": "fixed", "mass": None,
@@ -36,12 +38,13 @@ def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bo
     turns[..., 0] = 1.0
     (folder / "recordings").mkdir(exist_ok=True)
     stem = f"{name}.{run.replace('/', '.')}.0.npz"
-    meta = np.array(json.dumps({"schema_version": 1}))
-    np.savez(
-        folder / "recordings" / stem, meta=meta, times=times, positions=positions, orientations=turns, velocities=velocities,
-        angular_velocities=np.zeros((states, 3, 3)), raw_positions=positions[:, 2:], raw_orientations=turns[:, 2:],
-        **{"counts:contacts": np.arange(states)},
-    )
+    arrays = {
+        "meta": np.array(json.dumps({"schema_version": 2})), "times": times, "positions": positions, "orientations": turns,
+        "velocities": velocities, "angular_velocities": np.zeros((states, 3, 3)), "raw_positions": positions[:, 2:],
+        "raw_orientations": turns[:, 2:], "counts:contacts": np.arange(states),
+    }
+    with (folder / "recordings" / stem).open("wb") as file:
+        array_file.write(file, arrays)
     if sinks:
         (folder / "overlaps").mkdir(exist_ok=True)
         np.savez(folder / "overlaps" / stem, frame=np.array([9, 10, 10]), first=np.array([2, 2, 0]), second=np.array([0, 0, 1]),

@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from reports.courses import conclusion, courses, sentence
 from reports.kept import drawn, shown
 from reports.packed import unpacked
 from reports.replay import MOST_BYTES, replay, stride
+from scenarios import array_file
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.test_page import Tree
 
@@ -90,10 +92,10 @@ def test_only_our_own_scripts_may_run(folder: Path) -> None:
 
 def test_nan_in_a_recording_is_hidden_not_drawn(folder: Path) -> None:
     path = folder / "recordings" / f"{NAME}.mujoco.default.0.npz"
-    with np.load(path) as stored:
-        arrays = dict(stored)
+    arrays = array_file.read(path)
     arrays["positions"][5:, 1] = np.nan
-    np.savez(path, **arrays)
+    with path.open("wb") as file:
+        array_file.write(file, arrays)
     data = held(page(folder)[0], "replay-data")
     places = unpacked(data["runs"][1]["places"], (0.0, 1.0)).reshape(12, 2, 3)
     assert np.isnan(places[5:, 0]).all() and not np.isnan(places[:5]).any()
@@ -110,6 +112,32 @@ def test_a_damaged_file_is_named_and_no_page_is_written(folder: Path, file: str)
     with pytest.raises(InvalidFile, match=re.escape(Path(file).name)):
         write_report(folder)
     assert not (folder / "index.html").exists() and not list(folder.glob("scenes/*.html")) and not list(folder.rglob(".*.part"))
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("positions", np.zeros((12, 2, 3))), ("velocities", np.zeros(3)), ("counts:contacts", np.zeros(12)), ("meta", np.array("[]")),
+    ("meta", np.array(json.dumps({"schema_version": 1}))), ("raw_positions", None),
+])
+def test_a_recording_that_contradicts_itself_is_named(folder: Path, name: str, value: Any) -> None:
+    path = folder / "recordings" / THEIR_FILE
+    arrays = {**array_file.read(path), name: value}
+    with path.open("wb") as file:
+        array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
+    with pytest.raises(InvalidFile, match=re.escape(THEIR_FILE)):
+        write_report(folder)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("frame", np.array([12, 0, 0])), ("first", np.array([-1, 0, 0])), ("second", np.array([3, 0, 0])), ("depth", np.zeros(2)),
+    ("depth", np.full(3, np.nan)), ("frame", np.zeros(3)), ("first", None), ("frame", None),
+])
+def test_pairs_that_are_nowhere_are_named(folder: Path, name: str, value: Any) -> None:
+    path = folder / "overlaps" / THEIR_FILE
+    arrays = {**array_file.read(path), name: value}
+    with path.open("wb") as file:
+        array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
+    with pytest.raises(InvalidFile, match=rf"{name} in .*{re.escape(THEIR_FILE)}"):
+        write_report(folder)
 
 
 def test_another_layout_is_refused(folder: Path) -> None:

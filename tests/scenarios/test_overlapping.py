@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-import numpy as np
-
-from scenarios import overlapping
+from scenarios import array_file, overlapping
 
 NAMES = ("floor", "box", "hand")
 
@@ -12,9 +10,9 @@ NAMES = ("floor", "box", "hand")
 def test_pairs_come_back(tmp_path: Path) -> None:
     pairs = [(), (("hand", "floor", 0.02), ("box", "hand", 0.01)), ()]
     overlapping.write(overlapping.gathered(pairs, NAMES), tmp_path, "a.b.c.0")
-    with np.load(tmp_path / overlapping.FOLDER / "a.b.c.0.npz") as found:
-        assert found["frame"].tolist() == [1, 1] and found["depth"].tolist() == [0.02, 0.01]
-        assert found["first"].tolist() == [2, 1] and found["second"].tolist() == [0, 2]
+    found = array_file.read(tmp_path / overlapping.FOLDER / "a.b.c.0.npz")
+    assert found["frame"].tolist() == [1, 1] and found["depth"].tolist() == [0.02, 0.01]
+    assert found["first"].tolist() == [2, 1] and found["second"].tolist() == [0, 2]
 
 
 def test_a_heap_keeps_its_deepest_pairs_only() -> None:

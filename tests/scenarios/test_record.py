@@ -4,8 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from avatarsim.engine import FrameRecord, Snapshot
 from avatarsim.errors import InvalidFile
-from scenarios import record
+from scenarios import array_file, record
 from scenarios.record import Recording
 from tests.scenarios.examples import DT, drop_scene, resting, with_inside
 
@@ -39,11 +40,28 @@ def test_what_is_saved_is_loaded_bit_for_bit(tmp_path: Path) -> None:
     assert again.frames == 3 and again.dt == DT and again.links == slice(2, 2)
 
 
-def test_bodies_that_never_change_are_stored_once(tmp_path: Path) -> None:
-    record.save(full(), tmp_path / "one.npz")
-    with np.load(tmp_path / "one.npz") as stored:
-        assert stored["inside_positions"].shape == (5, 1, 3)
-        assert stored["inside_orientations"].shape == (5, 0, 4)
+def test_the_hash_of_every_state_shown_follows_from_what_is_loaded(tmp_path: Path) -> None:
+    recording = full()
+    hashes = [hash_of(recording, k) for k in range(4)]
+    record.save(replace(recording, state_hashes=np.array(hashes)), tmp_path / "one.npz")
+    again = record.load(tmp_path / "one.npz")
+    assert [hash_of(again, k) for k in range(4)] == again.state_hashes.tolist() == hashes
+
+
+def hash_of(recording: Recording, k: int) -> str:
+    """The hash of the k-th state shown."""
+    shown = (recording.positions, recording.orientations, recording.velocities, recording.angular_velocities)
+    return FrameRecord(Snapshot(0.0, *(array[k] for array in shown)), recording.angles[k]).state_hash()
+
+
+def test_a_body_that_never_moves_costs_next_to_nothing(tmp_path: Path) -> None:
+    """In a room of a hundred pieces of furniture what is stored is what moves."""
+    base, rng = resting(drop_scene(), 600), np.random.default_rng(3)
+    still = np.tile(rng.normal(size=(1, 100, 3)), (601, 1, 1))
+    orientations = np.tile(rng.normal(size=(1, 100, 4)), (601, 1, 1))
+    room = replace(base, positions=still, orientations=orientations, velocities=0.0 * still, angular_velocities=0.0 * still)
+    record.save(room, tmp_path / "room.npz")
+    assert (tmp_path / "room.npz").stat().st_size < 0.02 * 4 * still.nbytes
 
 
 def test_nothing_but_the_recording_is_left_behind(tmp_path: Path) -> None:
@@ -56,11 +74,11 @@ def test_a_write_that_fails_keeps_what_was_there(tmp_path: Path, monkeypatch: py
     record.save(full(), path)
     before = path.read_bytes()
 
-    def broken(file: object, **arrays: object) -> None:
+    def broken(file: object, arrays: object) -> None:
         file.write(b"half")
         raise OSError("no space left")
 
-    monkeypatch.setattr(np, "savez", broken)
+    monkeypatch.setattr(array_file, "write", broken)
     with pytest.raises(OSError, match="no space"):
         record.save(full(), path)
     assert path.read_bytes() == before
@@ -89,8 +107,41 @@ def test_a_missing_recording_and_another_layout_are_invalid_files(tmp_path: Path
 def test_a_field_too_many_is_an_invalid_file(tmp_path: Path) -> None:
     path = tmp_path / "one.npz"
     record.save(full(), path)
-    with np.load(path) as stored:
-        arrays = {name: stored[name] for name in stored.files}
-    np.savez(path, **arrays, surprise=np.zeros(1))
+    arrays = array_file.read(path)
+    with path.open("wb") as file:
+        array_file.write(file, {**arrays, "surprise": np.zeros(1)})
     with pytest.raises(InvalidFile, match="surprise"):
+        record.load(path)
+
+
+@pytest.mark.parametrize(("name", "shape"), [
+    ("positions", (4, 3)), ("orientations", (4, 2, 3)), ("velocities", (3, 2, 3)), ("inside_positions", (5, 3, 3)),
+    ("inside_event", (5,)), ("angles", (3, 0)), ("raw_positions", (4, 0)), ("times", ()), ("state_hashes", (4,)),
+    ("overlap", (3,)),
+])
+def test_shapes_that_contradict_each_other_are_an_invalid_file(tmp_path: Path, name: str, shape: tuple[int, ...]) -> None:
+    path = tmp_path / "one.npz"
+    record.save(replace(full(), **{name: np.zeros(shape)}), path)
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("inside_frame", [1, 1, 2, 2, 4]), ("inside_frame", [1, 1, 2, 2, -1]), ("inside_event", [0, 0, 0, 1, 3]),
+    ("counts", {"pairs": np.arange(3)}), ("statuses", {"held": np.zeros(4)}),
+    ("positions", np.zeros((4, 2, 3), dtype=np.float32)),
+])
+def test_numbers_that_mean_nothing_are_an_invalid_file(tmp_path: Path, name: str, value: object) -> None:
+    path = tmp_path / "one.npz"
+    record.save(replace(full(), **{name: np.array(value) if isinstance(value, list) else value}), path)
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+@pytest.mark.parametrize("meta", ["[]", "3", "{", "{}", "null"])
+def test_meta_that_this_runner_did_not_write_is_an_invalid_file(tmp_path: Path, meta: str) -> None:
+    path = tmp_path / "one.npz"
+    with path.open("wb") as file:
+        array_file.write(file, {"meta": np.array(meta), "times": np.zeros(1)})
+    with pytest.raises(InvalidFile, match="one.npz"):
         record.load(path)

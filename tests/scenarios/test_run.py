@@ -55,6 +55,25 @@ def test_a_run_is_recorded_and_measured(folder: Path) -> None:
     assert len(set(kept.state_hashes.tolist())) == 31
 
 
+def test_what_happened_inside_frames_is_measured_and_then_left_out(folder: Path) -> None:
+    """A second run has the figures of the first, and needs no state inside a frame for them."""
+    asked = Job("ball_drop", "avatarsim", "default", frames=50)
+    first = accuracy(asked, folder)
+    kept = record.load(folder / "recordings" / "ball_drop.avatarsim.default.0.npz")
+    assert "restitution_error_max" in first.values and len(kept.inside_time) == 0 and kept.frames == 50
+    assert kept.overlap.tolist() == list(first.overlap_m)
+    assert accuracy(asked, folder).values == first.values
+
+
+@pytest.mark.parametrize("engine", ["tunnels", "not_a_number"])
+def test_an_earlier_run_is_answered_from_as_if_it_were_run_again(folder: Path, engine: str) -> None:
+    """To the last digit, figures that are no numbers or missing among them."""
+    first = accuracy(job("fist", engine), folder)
+    again = accuracy(job("fist", engine), folder)
+    assert [repr(value) for value in first.values.values()] == [repr(value) for value in again.values.values()]
+    assert list(first.values) == list(again.values) and repr(first.overlap_m) == repr(again.overlap_m)
+
+
 def test_the_run_is_the_same_bits_again(folder: Path) -> None:
     accuracy(job("fist", "two_millimetres"), folder)
     one = record.load(folder / "recordings" / "fist.two_millimetres.default.0.npz").state_hashes.tolist()
@@ -149,6 +168,10 @@ def test_a_second_run_in_the_same_folder_keeps_whole_recordings_only(folder: Pat
     written = path.stat().st_mtime_ns
     again = accuracy(job("fist", "tunnels"), folder)
     assert path.stat().st_mtime_ns == written and again.values == first.values and again.overlap_m == first.overlap_m
+    assert (again.notes, again.hashes, again.frame_seconds) == (first.notes, first.hashes, first.frame_seconds)
+    (folder / "overlaps" / "fist.tunnels.default.0.npz").unlink()
+    accuracy(job("fist", "tunnels"), folder)
+    assert (folder / "overlaps" / "fist.tunnels.default.0.npz").exists(), "the pairs that overlap are part of what is kept"
     path.write_bytes(path.read_bytes()[:-100])
     assert accuracy(job("fist", "tunnels"), folder).values == first.values, "a truncated one is made anew"
     written = path.stat().st_mtime_ns
