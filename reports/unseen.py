@@ -172,14 +172,13 @@ def conclusion(found: Unseen) -> str:
         parts.append(f"The deepest overlap of another engine is {quantity(figure, 'm')} ({run}, {room}).")
     if not own:
         parts.append(f"{found.ours} has no figure here.")
-    return " ".join([*parts, source(found)])
+    return " ".join(parts)
 
 
 def source(found: Unseen) -> str:
     """Where the motions come from."""
-    drawn = f" ({found.origin})" if found.origin else ""
-    seeds = listed(tuple(map(str, found.seeds)))
-    return f"Drawn by seed {seeds}{drawn}; another commit draws others: `python -m scenarios run NAME --seed N` repeats one."
+    drawn = found.origin or f"seed {listed(tuple(map(str, found.seeds)))}"
+    return f"Drawn by {drawn}. Another commit draws others; python -m scenarios run NAME --seed N repeats one."
 
 
 def verdict_sentence(found: Unseen) -> str:
@@ -216,5 +215,6 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
         return {"unseen": None, "unseen_verdict": ""}
     return {
         "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen_source": source(found),
         "unseen_heads": [measure.title for measure in MEASURES], "unseen_rows": cell_rows(found),
     }
