@@ -121,9 +121,6 @@ class Run:
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    if not chosen:
-                        # seeds of the unseen scenes are their own
-                        continue
                     cost, everyday = sum(self.outcomes[job.stem].frame_seconds for job in chosen), self.scenarios[scene].everyday
                     for clocked in timed_pass(chosen, full) if few else glance(chosen, cost, seats, everyday):
                         self.clocked[clocked.job.stem] = clocked

@@ -50,7 +50,7 @@ def test_a_run_without_these_rooms_has_no_section(run_dir: Write, results: Json)
     assert unseen.unseen(found, OURS) is None and 'id="unseen"' not in page(found, verdict(found))
 
 
-def test_losses_come_first_with_the_worst_room_and_who_is_outside_wins_time_only(run_dir: Write) -> None:
+def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_only(run_dir: Write) -> None:
     found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
     assert found is not None and found.rooms == ("wall", "door") and found.broken == () and found.seeds == (77,)
     said = unseen.conclusion(found)

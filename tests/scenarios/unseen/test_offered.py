@@ -1,5 +1,6 @@
 """Which commands take the unseen scenes, with which seeds, and where these come from."""
 
+import json
 import subprocess
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 
 from avatarsim.errors import UnknownName
 from scenarios import catalog, offered, unseen
-from scenarios.__main__ import parser
+from scenarios.__main__ import main, parser
 from scenarios.commands import plan
 from scenarios.job import CATALOGUE
 from scenarios.unseen import seeds
@@ -60,3 +61,16 @@ def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path:
         assert drawn.kind == "commit" and len(drawn.digits) == 40 and drawn.digits in drawn.said
         found.add(drawn.seed)
     assert len(found) == 2
+
+
+def test_a_comparison_of_both_kinds_has_a_row_per_scene_with_its_own_seed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    words = ["compare", "--filter", "ball_drop,unseen_floor", "--engine", "tracker", "avatarsim", "--preset", "default"]
+    main([*words, "--jobs", "0", "--frames", "5", "--out", str(tmp_path)])
+    found = json.loads((tmp_path / "latest" / "results.json").read_text())
+    drawn = seeds.drawn()
+    timed = {(row["scenario"], row["seed"]) for row in found["rows"] if row["metric"] == "frame_time_p50"}
+    assert {(row["scenario"], row["seed"]) for row in found["rows"]} == timed == {("ball_drop", 0), ("unseen_floor", drawn.seed)}
+    assert found["provenance"]["unseen"] == drawn.said and "#" not in capsys.readouterr().out
