@@ -101,7 +101,7 @@ look: $(READY)  ## the report in a headless Chromium: nothing on the console, no
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py
 
 # Everything runs, whatever fails; the exit status is then 1.
-fuzz: $(READY)  ## a million pairs of shapes, a million impacts, hostile motion, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, SEED=)
+fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, SEED=)
 	@$(COMPILED)
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
@@ -111,7 +111,9 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, hostile motion,
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --returns --judge-every 4 || failed=1; \
-	done; exit $$failed
+	done; \
+	$(VENV_PYTHON) -m scenarios.unseen --motions $(or $(MOTIONS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
+	exit $$failed
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .

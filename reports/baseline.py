@@ -10,6 +10,7 @@ from reports.columns import COLUMNS, worst
 from reports.files import lines, number
 from reports.load import Results, Row
 from reports.tables import gated_run
+from reports.unseen import changes_with_commits
 
 BASELINE = "baseline"
 """Name in the provenance of results that are only such a file."""
@@ -22,6 +23,8 @@ def text(results: Results) -> str:
     ours = gated_run(results.rows)
     grouped: dict[tuple[str, str], list[Row]] = {}
     for row in results.rows:
+        if changes_with_commits(row.scenario):
+            continue
         if row.run == ours and row.unit != "us" and row.value is not None and any(c.takes(row.metric) for c in COLUMNS):
             grouped.setdefault((row.scenario, row.metric), []).append(row)
     written = io.StringIO()

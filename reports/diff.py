@@ -8,6 +8,7 @@ from reports.baseline import BASELINE
 from reports.columns import COLUMNS, worst
 from reports.load import Results, Row, Series
 from reports.noise import interval
+from reports.unseen import changes_with_commits
 from reports.wording import quantity
 
 TIME_NOISE = 1.25
@@ -88,10 +89,11 @@ def diff(old: Results, new: Results) -> Changes:
 
 
 def _numbers(results: Results) -> Mapping[Key, Row]:
-    """The worst row over seeds per scene, run and metric, for every metric that the verdict table ranks."""
+    """The worst row over seeds per scene, run and metric, for every metric that the verdict table ranks; without scenes whose
+    motion is another at every commit."""
     grouped: dict[Key, list[Row]] = {}
     for row in results.rows:
-        if any(column.takes(row.metric) for column in COLUMNS):
+        if any(column.takes(row.metric) for column in COLUMNS) and not changes_with_commits(row.scenario):
             grouped.setdefault((row.scenario, row.run, row.metric), []).append(row)
     return {key: found for key, rows in grouped.items() if (found := worst(rows))}
 

@@ -22,6 +22,7 @@ from reports import (
     table_2_chart,
     timing_words,
     tuned,
+    unseen,
 )
 from reports.broad_phase import BroadPhase
 from reports.charts import Panel, overlap_panels, time_panels, time_percentiles
@@ -156,6 +157,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
+        **unseen.section(results, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,

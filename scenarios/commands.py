@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, likely
-from scenarios import catalog
+from scenarios import offered as scenes_offered
 from scenarios.engines import GATED, known
 from scenarios.files import plain, point_latest, run_folder
 from scenarios.filtered import filtered, unmatched
@@ -46,7 +46,7 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     Without a filter a measurement of times, or of what effects cost, takes the everyday scenes, with `--full` all.
     """
     name = getattr(asked, "scene", None)
-    found = {name: catalog.get(name)} if name else catalog.scenarios()
+    found = {name: scenes_offered.get(name)} if name else scenes_offered.scenarios(asked.command, asked.filter)
     if asked.filter is not None:
         found = filtered(found, asked.filter)
     elif asked.command in ("bench", "ablate") and not asked.full:
@@ -97,7 +97,8 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     for scene in found:
         for seed in dict.fromkeys(asked.seed):
             for name in names:
-                common = {"scenario": scene, "engine": name, "seed": seed, "full": asked.full, "frames": asked.frames}
+                common = {"scenario": scene, "engine": name, "seed": scenes_offered.seed_of(scene, seed), "full": asked.full,
+                          "frames": asked.frames, "catalogue": scenes_offered.catalogue_of(scene)}
                 if name in missing:
                     state: State = "crashed" if offered[name].crashed else "not-measured"
                     # a row at least, whatever was asked for: nobody knows what it would have had
@@ -173,7 +174,7 @@ def studied(ran: Run, also: Callable[[Run], Sequence[str]], code: int) -> int:
 
 def nothing(asked: argparse.Namespace) -> int:
     """The filter, or one of its patterns, lets no scene through: say which are like it."""
-    known = catalog.scenarios()
+    known = scenes_offered.scenarios(asked.command, asked.filter)
     for pattern in unmatched(known, asked.filter) or [asked.filter]:
         print(f"no scene matches {pattern!r}; there are {likely(pattern, known)}", file=sys.stderr)
     print("`python -m scenarios list` names them all", file=sys.stderr)
@@ -184,7 +185,7 @@ def nothing(asked: argparse.Namespace) -> int:
 def begun(asked: argparse.Namespace, words: Sequence[str], made: Plan, limits: Ceilings) -> Run:
     """The run's folder, with a results.json that says that it has begun: from here on it can be resumed."""
     folder = earlier_run(asked.resume, asked.command) if asked.resume else run_folder(asked.out, asked.command).resolve()
-    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)))
+    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)) | scenes_offered.origin(made.jobs))
     ran.write(None)
     return ran
 

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -38,6 +39,7 @@ def provenance(command: list[str]) -> dict[str, object]:
         "cpus_usable": usable_cpus(),
         **clock(),
         "code": code_hash(),
+        "commit": commit_of(ROOT),
         "versions": {"avatarsim": __version__, **{name: version(name) for name in PACKAGES}},
     }
 
@@ -46,6 +48,17 @@ def provenance(command: list[str]) -> dict[str, object]:
 def code_hash() -> str:
     """`hash_of_sources` of this project, as it was when first asked for: what runs is what was read then."""
     return hash_of_sources(ROOT)
+
+
+def commit_of(root: Path) -> str | None:
+    """Hash of the commit that is checked out at `root`; None where that is no repository, or git is missing."""
+    if not (root / ".git").exists():
+        return None
+    try:
+        said = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=True, timeout=20.0)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return said.stdout.strip() or None
 
 
 def hash_of_sources(root: Path) -> str:

@@ -90,14 +90,16 @@ def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapp
     """The whole verdict, every line at most WIDTH wide; `families`: scene -> the scene that it is a variant of."""
     found = lines(rows)
     raw = {(line.scenario, line.seed): line.value("residual_overlap_max") for line in found if _engine(line) == BASELINE}
-    several = len({line.seed for line in found}) > 1
+    seeds: dict[str, set[int]] = {}
+    for line in found:
+        seeds.setdefault(line.scenario, set()).add(line.seed)
     first, second = ([column.heading[k] for column in COLUMNS] for k in (0, 1))
     cells = [["scene", "engine/preset", *first, "verdict"], ["", "", *second, ""]]
     for head, text in zip(cells, ("raw", "max mm"), strict=True):
         head.insert(2 + RAW_AFTER, text)
     previous = ""
     for line in found:
-        name = f"{line.scenario}#{line.seed}" if several else line.scenario
+        name = f"{line.scenario}#{line.seed}" if len(seeds[line.scenario]) > 1 else line.scenario
         row = [name if name != previous else "", line.run]
         row += [figure(line.value(column.metric), column.factor) for column in COLUMNS]
         row.insert(2 + RAW_AFTER, figure(raw.get((line.scenario, line.seed)), 1e3))

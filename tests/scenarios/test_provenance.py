@@ -1,7 +1,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from scenarios.provenance import cpu, hash_of_sources, provenance, scene_hash, version
+from scenarios.provenance import commit_of, cpu, hash_of_sources, provenance, scene_hash, version
 from tests.scenarios.examples import arm_scene, drop_scene, fist_scene
 
 
@@ -27,7 +27,13 @@ def test_versions_of_what_is_not_installed_are_none() -> None:
 def test_what_is_written_beside_the_figures() -> None:
     found = provenance(["check", "--full"])
     assert found["command"] == "python -m scenarios check --full" and cpu()
-    assert {"started", "python", "cpus", "versions", "platform", "cpu"} < set(found)
+    assert {"started", "python", "cpus", "versions", "platform", "cpu", "commit"} < set(found)
+
+
+def test_outside_a_repository_there_is_no_commit(tmp_path: Path) -> None:
+    assert commit_of(tmp_path) is None
+    (tmp_path / ".git").write_text("gitdir: nowhere\n")
+    assert commit_of(tmp_path) is None
 
 
 def test_the_hash_of_the_code_changes_with_any_file(tmp_path: Path) -> None:

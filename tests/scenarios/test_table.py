@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 from scenarios.results import Row, Status
 from scenarios.table import WIDTH, figure, table
 
@@ -58,6 +60,12 @@ def test_where_another_engine_is_ahead_a_line_says_so() -> None:
 def test_seeds_are_told_apart() -> None:
     text = table([row("avatarsim/default", "still_frames", 0.0, "pass", 1.0, seed=s) for s in (1, 2)], OURS)
     assert "drop#1" in text and "drop#2" in text
+
+
+def test_a_scene_whose_one_seed_is_its_own_goes_by_its_name() -> None:
+    other = replace(row("avatarsim/default", "still_frames", 0.0, "pass", 1.0, seed=77), scenario="elsewhere")
+    text = table([row("avatarsim/default", "still_frames", 0.0, "pass", 1.0), other], OURS)
+    assert "#" not in text and "elsewhere  " in text
 
 
 def test_figures_have_three_digits() -> None:

@@ -1,0 +1,220 @@
+"""Motions that nothing was tuned for: each room in each engine, what ours loses there first, and where the motions come from."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from reports.columns import worst
+from reports.load import Results, Row
+from reports.tables import RAW_TRACKER, engine_of
+from reports.wording import MISSING, count, listed, quantity
+from scenarios.unseen.rooms import PREFIX
+
+ORIGIN = "unseen"
+"""Key in the provenance: what the seed was drawn from."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One column: metric, heading, unit, the difference up to which two figures are level, and whether an engine that left the
+    allowed side of a room is out of the comparison there."""
+
+    metric: str
+    title: str
+    unit: str
+    same: float
+    stays_inside: bool = True
+
+
+OVERLAP, CHATTER, REVERSAL, SLOWEST = "residual_overlap_max", "chatter_frames", "reversal_p95", "frame_time_max"
+MEASURES = (
+    Measure(OVERLAP, "overlap, max", "m", 1e-6),
+    Measure(CHATTER, "frames in contact that shake", "%", 0.05),
+    Measure(REVERSAL, "reversals, p95", "m", 1e-4),
+    Measure("jerk_ratio", "jerk over target's", "", 0.05),
+    Measure("tracker_offset_rms", "offset from target, rms", "m", 1e-3),
+    Measure("silent_offset_frames", "frames far off in silence", "frames", 0.5),
+    Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
+    Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
+)
+SHAKES = MEASURES[1]
+PROMISED = ("residual_overlap_max", "wrong_side_frames", "not_finite_frames", "joint_limit_excess_max", "reach_cone_excess_max")
+"""Metrics that have a bound in these rooms."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One engine in one room: its figures in the order of MEASURES, None where there is none, how many frames were timed, whether
+    it left the allowed side, and why there is no figure at all ("" where there is one)."""
+
+    room: str
+    run: str
+    figures: tuple[float | None, ...]
+    timed: int
+    outside: bool
+    nothing: str
+
+    def of(self, metric: str) -> float | None:
+        """The figure of a metric."""
+        return next(figure for measure, figure in zip(MEASURES, self.figures, strict=True) if measure.metric == metric)
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The figures with their units."""
+        return tuple(quantity(figure, measure.unit) for measure, figure in zip(MEASURES, self.figures, strict=True))
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """All lines, ours first in each room; the promises that ours broke; the seeds; what they were drawn from, "" if not said."""
+
+    ours: str
+    lines: tuple[Line, ...]
+    broken: tuple[str, ...]
+    seeds: tuple[int, ...]
+    origin: str
+
+    @property
+    def rooms(self) -> tuple[str, ...]:
+        """Names of the rooms without their prefix."""
+        return tuple(dict.fromkeys(line.room for line in self.lines))
+
+    def line(self, room: str, run: str) -> Line | None:
+        """The line of one engine in one room."""
+        return next((line for line in self.lines if (line.room, line.run) == (room, run)), None)
+
+    def best(self, room: str, measure: Measure) -> tuple[float, str] | None:
+        """The least finite figure of another engine in a room, and which it is."""
+        found = [(figure, line.run) for line in self.lines if line.room == room and engine_of(line.run) != engine_of(self.ours)
+                 and not (measure.stays_inside and line.outside)
+                 and (figure := line.of(measure.metric)) is not None and math.isfinite(figure)]
+        return min(found, default=None)
+
+
+def changes_with_commits(scene: str) -> bool:
+    """Whether a scene's motion is another at every commit, so that figures of two commits are of two motions."""
+    return scene.startswith(PREFIX)
+
+
+def unseen(results: Results, ours: str) -> Unseen | None:
+    """The lines of a run; None where it has none of these rooms."""
+    rows = [row for row in results.rows if changes_with_commits(row.scenario) and row.engine != RAW_TRACKER]
+    if not rows:
+        return None
+    grouped: dict[tuple[str, str], list[Row]] = {}
+    for row in rows:
+        grouped.setdefault((row.scenario, row.run), []).append(row)
+    order = list(dict.fromkeys(scene for scene, _ in grouped))
+    # stable: behind ours the engines stay in the order of the run
+    keys = sorted(grouped, key=lambda key: (order.index(key[0]), key[1] != ours))
+    return Unseen(
+        ours, tuple(_line(results, scene, run, grouped[scene, run]) for scene, run in keys),
+        tuple(_broken(row) for row in rows if row.run == ours and row.metric in PROMISED and _breaks(row)),
+        tuple(dict.fromkeys(row.seed for row in rows)), str(results.provenance.get(ORIGIN, "")),
+    )
+
+
+def _line(results: Results, scene: str, run: str, rows: Sequence[Row]) -> Line:
+    figures = []
+    for measure in MEASURES:
+        row = worst([row for row in rows if row.metric == measure.metric])
+        figures.append(row.value if row else None)
+    series = results.series.get(scene, {}).get(run)
+    whole = next((row for row in rows if row.metric == "run"), None)
+    nothing = f"{whole.status}: {whole.note}".removesuffix(": ") if whole else ""
+    outside = any(row.metric == "wrong_side_frames" and row.value is not None and not row.value <= 0.0 for row in rows)
+    timed = int(series.frame_time.size) if series else 0
+    return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed, outside, nothing)
+
+
+def _breaks(row: Row) -> bool:
+    return row.bound is not None and not (row.value is not None and row.value <= row.bound)
+
+
+def _broken(row: Row) -> str:
+    return f"{row.metric} {quantity(row.value, row.unit)} in {row.scenario} (seed {row.seed})"
+
+
+def losses(found: Unseen) -> tuple[str, ...]:
+    """Per measure: in how many rooms another engine is better than ours, and the room in which ours is behind by the most."""
+    said = []
+    for measure in MEASURES:
+        behind: list[tuple[float, str, str]] = []
+        compared = 0
+        for room in found.rooms:
+            own, best = found.line(room, found.ours), found.best(room, measure)
+            if own is None or best is None:
+                continue
+            compared += 1
+            figure = own.of(measure.metric)
+            mine = figure if figure is not None and math.isfinite(figure) else math.inf
+            if best[0] < mine - measure.same:
+                against = f"{quantity(figure, measure.unit)} against {quantity(best[0], measure.unit)}, {best[1]}"
+                behind.append((mine - best[0], room, against))
+        if behind:
+            _, room, against = max(behind)
+            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, most in {room} ({against})")
+    return tuple(said)
+
+
+def conclusion(found: Unseen) -> str:
+    """What to conclude, losses first."""
+    parts = [f"Broken by {found.ours}: {listed(found.broken)}."] if found.broken else []
+    lost = losses(found)
+    parts += [f"{found.ours} is behind another engine in {'; '.join(lost)}."] if lost else []
+    own = [line for line in found.lines if line.run == found.ours and not line.nothing]
+    if own and not found.broken:
+        parts.append(f"It keeps what it promises (no overlap, limits, the right side) in {count(len(own), 'room')}.")
+    others = [(figure, line.run, line.room) for line in found.lines if engine_of(line.run) != engine_of(found.ours)
+              and (figure := line.of(OVERLAP)) is not None and math.isfinite(figure)]
+    if others:
+        figure, run, room = max(others)
+        parts.append(f"The deepest overlap of another engine is {quantity(figure, 'm')} ({run}, {room}).")
+    if not own:
+        parts.append(f"{found.ours} has no figure here.")
+    return " ".join(parts)
+
+
+def source(found: Unseen) -> str:
+    """Where the motions come from."""
+    drawn = found.origin or f"seed {listed(tuple(map(str, found.seeds)))}"
+    return f"Drawn by {drawn}. Another commit draws others; python -m scenarios run NAME --seed N repeats one."
+
+
+def verdict_sentence(found: Unseen) -> str:
+    """One sentence for the top of the page: how ours looks on these motions, beside the best other engine."""
+    told = f"On motions that nothing was tuned for, {found.ours}"
+    shown = [(figure, line.room) for line in found.lines if line.run == found.ours and (figure := line.of(CHATTER)) is not None]
+    if not shown:
+        return f"{told} has no figure."
+    # a figure that is no number is the worst
+    figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf)
+    best = found.best(room, SHAKES)
+    beside = f"; the best other engine there in {quantity(best[0], '%')}, {best[1]}" if best else ""
+    promises = f"breaks {count(len(found.broken), 'promise')}" if found.broken else "keeps its promises"
+    return f"{told} {promises}, and shakes in up to {quantity(figure, '%')} of the frames in contact (room {room}{beside})."
+
+
+def cell_rows(found: Unseen) -> list[dict[str, object]]:
+    """The lines for the template: a room's name on its first line only."""
+    rows, before = list[dict[str, object]](), ""
+    for line in found.lines:
+        rows.append({
+            "room": line.room if line.room != before else "", "scene": f"{PREFIX}{line.room}", "run": line.run,
+            "texts": line.texts, "timed": line.timed or MISSING, "nothing": line.nothing, "ours": line.run == found.ours,
+            "outside": line.outside,
+        })
+        before = line.room
+    return rows
+
+
+def section(results: Results, ours: str) -> Mapping[str, object]:
+    """What a page needs; `unseen` is None where the run has none of these rooms."""
+    found = unseen(results, ours)
+    if found is None:
+        return {"unseen": None, "unseen_verdict": ""}
+    return {
+        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen_source": source(found),
+        "unseen_heads": [measure.title for measure in MEASURES], "unseen_rows": cell_rows(found),
+    }

@@ -1,0 +1,34 @@
+"""Motions nothing was tuned for: recorded clips recombined by seed, in five rooms, as scenes beside the catalogue.
+
+Their seeds change with every commit, so they have no place in the committed baseline, in ceilings, or in the catalogue.
+"""
+
+from functools import cache
+from types import MappingProxyType
+
+from avatarsim.errors import UnknownName
+from scenarios.scenario import Scenario
+from scenarios.unseen.rooms import PREFIX, ROOMS
+
+__all__ = ["NAME", "PREFIX", "get", "scenarios"]
+
+NAME = __name__
+"""The module that a job names as its catalogue."""
+
+
+@cache
+def _found() -> MappingProxyType[str, Scenario]:
+    return MappingProxyType({scenario.name: scenario for scenario in (room.scenario() for room in ROOMS)})
+
+
+def scenarios() -> dict[str, Scenario]:
+    """The scene of every room by name."""
+    return dict(_found())
+
+
+def get(name: str) -> Scenario:
+    """The scene called `name`; UnknownName lists those that exist."""
+    try:
+        return _found()[name]
+    except KeyError:
+        raise UnknownName("scenario", name, _found()) from None

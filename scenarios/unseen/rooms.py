@@ -1,0 +1,119 @@
+"""The five rooms of the unseen motions. Each stands where it is; the motion is placed in it by its seed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from scenarios import gallery, stage
+from scenarios.avatars.humanoid import humanoid
+from scenarios.avatars.standing import standing
+from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
+from scenarios.scenario import Bound, Motion, Region, Scenario
+from scenarios.unseen.drawn_motion import Corner, drawn_motion
+
+PREFIX = "unseen_"
+"""How the names of these scenes begin."""
+FRAMES = 600
+"""Ten seconds: four to eight pieces of clips."""
+FACE = 0.55
+"""Where the endless wall begins along x [m]: a step ahead of the start, within reach of an arm."""
+NARROW, LOW = 0.5, 1.5
+"""Width of the corridor and height of its ceiling [m]: the avatar is 1.6 m high and 0.5 m wide with its arms."""
+MOUTH, LONG = 0.5, 15.0
+"""Where the corridor begins along x, and its length [m]."""
+PARTED, DOOR, LINTEL = 1.2, 0.9, 2.1
+"""Where the wall between two rooms begins along x, the width and height of its doorway [m]."""
+PROMISES: tuple[Bound, ...] = (
+    NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS,
+    Bound("reach_cone_excess_max", 1e-9, "cones hold exactly; 1e-9 degrees is the rounding of poses turned into angles"),
+)
+"""What holds whatever the motion is. How it looks is measured and has no bound: none was tuned for."""
+
+
+def floor() -> tuple[Body, ...]:
+    """A floor and nothing else."""
+    return (stage.floor(),)
+
+
+def wall() -> tuple[Body, ...]:
+    """A floor, and a wall that nothing can walk round."""
+    return stage.floor(), stage.wall_ahead(FACE)
+
+
+def corridor() -> tuple[Body, ...]:
+    """Two walls NARROW apart under a ceiling lower than the avatar, open at both ends."""
+    middle, thick = MOUTH + 0.5 * LONG, stage.THICK
+    aside = 0.5 * (NARROW + thick)
+    return (
+        stage.floor(),
+        _box("wall_left", (LONG, thick, stage.HIGH), (middle, aside, 0.5 * stage.HIGH)),
+        _box("wall_right", (LONG, thick, stage.HIGH), (middle, -aside, 0.5 * stage.HIGH)),
+        _box("ceiling", (LONG, stage.HIGH, thick), (middle, 0.0, LOW + 0.5 * thick)),
+    )
+
+
+def door() -> tuple[Body, ...]:
+    """An endless wall with one doorway, and so two rooms."""
+    x, side = PARTED + 0.5 * stage.THICK, 0.5 * (stage.SPAN - DOOR)
+    aside, above = 0.5 * (side + DOOR), stage.HIGH - LINTEL
+    return (
+        stage.floor(),
+        _box("wall_left", (stage.THICK, side, stage.HIGH), (x, aside, 0.5 * stage.HIGH)),
+        _box("wall_right", (stage.THICK, side, stage.HIGH), (x, -aside, 0.5 * stage.HIGH)),
+        _box("lintel", (stage.THICK, DOOR, above), (x, 0.0, LINTEL + 0.5 * above)),
+    )
+
+
+def _box(name: str, size: Vector, at: Vector) -> Body:
+    return fixed(name, (Piece(Box(size)),), "wood", at)
+
+
+@dataclass(frozen=True)
+class Room:
+    """A room called `name`, in it `bodies`; where the avatar starts (x, y [m], heading [rad]); the rectangle from `low` to `high`
+    [m] in which the user's ways end, which may go beyond what the avatar can reach; and where links may be."""
+
+    name: str
+    what: str
+    bodies: Callable[[], tuple[Body, ...]]
+    start: tuple[float, float, float]
+    low: Corner
+    high: Corner
+    allowed: Region
+
+    def build(self) -> Scene:
+        """The room with the humanoid in it, standing free."""
+        human = humanoid()
+        return Scene(f"{PREFIX}{self.name}", self.bodies(), (human,), start=standing(human, *self.start))
+
+    def motion(self, scene: Scene, seed: int) -> Motion:
+        """The motion of one seed, placed in this room."""
+        # with the room's name, so that one seed is another motion in each room
+        random = np.random.default_rng([seed, *self.name.encode()])
+        return drawn_motion(scene.avatars[0], scene.first_sample, self.start[2], self.low, self.high, FRAMES, random).motion()
+
+    def scenario(self) -> Scenario:
+        """The scene with the bounds of the promises."""
+        return Scenario(
+            name=f"{PREFIX}{self.name}",
+            title=f"Motions that nothing was tuned for, {self.what}: clips recombined, mirrored, time-warped, layered.",
+            judged="Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, jerk.",
+            build=self.build, motion=self.motion, frames=FRAMES, bounds=PROMISES, regions=(self.allowed,),
+            metrics=("chatter_frames", "reversal_p95", "jerk_ratio", "silent_offset_frames"),
+        )
+
+
+LINKS = "human/*"
+ABOVE = stage.above_floor(LINKS)
+ROOMS = (
+    Room("floor", "on a floor", floor, (0.0, 0.0, 0.0), (-2.0, -2.0), (2.0, 2.0), ABOVE),
+    Room("wall", "before an endless wall", wall, (0.0, 0.0, 0.0), (-0.8, -1.5), (0.95, 1.5), stage.before_wall(FACE, LINKS)),
+    Room("gallery", "in the gallery", gallery.gallery, (1.0, -0.8, 0.0), (-4.4, -2.4), (4.4, 2.4), gallery.inside(LINKS)),
+    Room("corridor", "in a narrow, low corridor", corridor, (0.0, 0.0, 0.0), (-0.3, -0.15), (3.5, 0.15), ABOVE),
+    Room("door", "between two rooms with a door", door, (0.0, 0.0, 0.0), (-1.0, -1.2), (3.4, 1.2), ABOVE),
+)

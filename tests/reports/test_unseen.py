@@ -1,0 +1,98 @@
+"""The section on motions that nothing was tuned for: losses first, promises named, seeds and their origin stated."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from reports import baseline, unseen
+from reports.diff import diff
+from reports.load import Results, load
+from reports.page import page
+from reports.verdict import verdict
+from tests.reports.conftest import row, whole_run
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+OURS, TUNED, BULLET = "avatarsim/default", "mujoco/tuned", "pybullet/tuned"
+SAID = "seed 77 of the unseen motions: the first 7 digits of commit 000004d1"
+FIGURES = {
+    "residual_overlap_max": (0.0, 3e-3, 0.02), "chatter_frames": (9.0, 0.0, 1.0), "reversal_p95": (0.026, 0.0, 2e-3),
+    "jerk_ratio": (12.0, 1.2, 2.0), "tracker_offset_rms": (0.3, 0.2, 0.1), "silent_offset_frames": (4.0, 0.0, 0.0),
+    "frame_time_p50": (40.0, 900.0, 1500.0), "frame_time_max": (5e3, 1.5e3, 1e3), "wrong_side_frames": (0.0, 0.0, 9.0),
+}
+UNITS = {"residual_overlap_max": "m", "chatter_frames": "%", "reversal_p95": "m", "tracker_offset_rms": "m",
+         "silent_offset_frames": "frames", "frame_time_p50": "us", "frame_time_max": "us", "wrong_side_frames": "frames"}
+
+
+def rows_of(room: str, shakes: float = 9.0) -> list[Json]:
+    """Figures of one room in three engines, the last of which went through the wall, and the raw tracker."""
+    found = [row(f"unseen_{room}", "tracker/default", "chatter_frames", 0.0, "%", seed=77)]
+    for metric, values in FIGURES.items():
+        for run, value in zip((OURS, TUNED, BULLET), values, strict=True):
+            gate: Json = {"bound": 1e-6, "status": "pass"} if (run, metric) == (OURS, "residual_overlap_max") else {}
+            shown = shakes if (run, metric) == (OURS, "chatter_frames") else value
+            found.append(row(f"unseen_{room}", run, metric, shown, UNITS.get(metric, ""), seed=77, frames=600, **gate))
+    return found
+
+
+def run_with(write: Write, rows: list[Json]) -> Results:
+    plain = whole_run()
+    assert isinstance(plain["rows"], list) and isinstance(plain["provenance"], dict)
+    plain["rows"] = plain["rows"] + rows
+    plain["provenance"] = plain["provenance"] | {"unseen": SAID}
+    return load(write(plain))
+
+
+def test_a_run_without_these_rooms_has_no_section(run_dir: Write, results: Json) -> None:
+    found = load(run_dir(results))
+    assert unseen.unseen(found, OURS) is None and 'id="unseen"' not in page(found, verdict(found))
+
+
+def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_only(run_dir: Write) -> None:
+    found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
+    assert found is not None and found.rooms == ("wall", "door") and found.broken == () and found.seeds == (77,)
+    said = unseen.conclusion(found)
+    assert said.startswith(f"{OURS} is behind another engine in frames in contact that shake: 2 of 2 rooms, most in door (15.0 % "
+                           f"against 0 %, {TUNED})")
+    # the engine outside has the smaller offset, which counts for nothing, and the faster slowest frame, which does
+    assert f"(300 mm against 200 mm, {TUNED})" in said and f"(5.00 ms against 1.00 ms, {BULLET})" in said
+    assert "frame time p50" not in said and "overlap, max" not in said
+    assert "keeps what it promises" in said and f"20.0 mm ({BULLET}," in said
+    assert said.index("behind") < said.index("keeps") and SAID in unseen.source(found)
+    assert all(line.run != "tracker/default" for line in found.lines)
+
+
+def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Write) -> None:
+    found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
+    assert found is not None
+    assert unseen.verdict_sentence(found) == (
+        f"On motions that nothing was tuned for, {OURS} keeps its promises, and shakes in up to 15.0 % of the frames in contact "
+        f"(room door; the best other engine there in 0 %, {TUNED})."
+    )
+    bad = replace(found, lines=tuple(replace(line, figures=(None,) * len(line.figures)) for line in found.lines))
+    assert unseen.verdict_sentence(bad).endswith("has no figure.")
+
+
+@pytest.mark.parametrize("value", [2e-6, None, "NaN"])
+def test_a_broken_promise_stands_before_everything(run_dir: Write, value: object) -> None:
+    rows = rows_of("wall")
+    broken = [r | {"value": value} if r["bound"] is not None else r for r in rows]
+    found = unseen.unseen(run_with(run_dir, broken), OURS)
+    assert found is not None and len(found.broken) == 1 and "seed 77" in found.broken[0]
+    assert unseen.conclusion(found).startswith(f"Broken by {OURS}: residual_overlap_max")
+    assert "breaks 1 promise" in unseen.verdict_sentence(found) and "keeps what it promises" not in unseen.conclusion(found)
+
+
+def test_an_engine_that_crashed_says_so_and_a_page_escapes_it(run_dir: Write) -> None:
+    crash = row("unseen_wall", "mujoco/default", "run", None, status="crashed", note="<b>boom</b>", seed=77)
+    text = page(results := run_with(run_dir, [*rows_of("wall"), crash]), verdict(results))
+    assert 'id="unseen"' in text and 'href="#unseen"' in text and "crashed: &lt;b&gt;boom" in text and "<b>boom" not in text
+    assert "left the allowed side" in text and text.index("On motions that nothing was tuned for") < text.index('id="unseen"')
+
+
+def test_figures_that_change_with_the_commit_are_no_baseline_and_no_difference(run_dir: Write) -> None:
+    before, after = run_with(run_dir, rows_of("wall")), run_with(run_dir, rows_of("wall", 50.0))
+    assert "unseen_" not in baseline.text(before) and "arm_wall" in baseline.text(before)
+    assert "unseen_wall  avatarsim/default  chatter_frames" not in diff(before, after).text()
