@@ -11,6 +11,7 @@ from reports import (
     closeness,
     convergence,
     effects,
+    explained,
     first_contact,
     growth,
     law_map_chart,
@@ -142,7 +143,8 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
     return template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
-        **losses.section(results, verdict.ranked, verdict.gated), scenes_said=scenes_sentence(verdict),
+        **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
+        scenes_said=scenes_sentence(verdict),
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlaps=overlaps, overlap_summary=overlap_summary(results, verdict.gated),
