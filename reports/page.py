@@ -157,6 +157,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         **paper_figures.section(results, extras.two, extras.figure_7),
         spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
+        tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance), fairness=FAIRNESS,
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),
