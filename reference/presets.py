@@ -1,6 +1,6 @@
 """How a reference engine's settings are kept: named values with the reason for each, overridden by name."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -13,6 +13,10 @@ from avatarsim.scene.scene import Scene
 
 Value = bool | int | float | str | tuple[float, ...] | None
 """What a setting may be."""
+
+
+TUNED = "tuned"
+"""The preset beside which settings stand that are better in something else."""
 
 
 class Kind(Enum):
@@ -53,6 +57,14 @@ def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> 
             raise InvalidInput(f"option of {engine}", name, "one of " + ", ".join(sorted(chosen)))
         chosen[name] = Chosen(_like(engine, name, chosen[name].value, value), "set by hand")
     return chosen
+
+
+def purpose(preset: str, optimises: Mapping[str, str], better: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """What a preset was chosen for, and beside "tuned" the settings that are better in something else, as settings are told."""
+    told = {"optimises": (optimises[preset], "what this preset was chosen for")}
+    if preset == TUNED:
+        told["better elsewhere"] = ("; ".join(better), "settings that are better in something else, and what they cost")
+    return told
 
 
 def _like(engine: str, name: str, default: Value, value: object) -> Value:

@@ -69,8 +69,8 @@ class EngineNote:
 @dataclass(frozen=True, eq=False)
 class Results:
     """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `everyday`: the scenes
-    that stand for the others in short tables; `families`: scene -> the scene that it is a variant of; `notes`: the run's own
-    remarks; `exit_code` is None while a run has not ended."""
+    that stand for the others in short tables; `families`: scene -> the scene that it is a variant of; `frame_times`: scene ->
+    length of a frame [s]; `notes`: the run's own remarks; `exit_code` is None while a run has not ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -81,6 +81,7 @@ class Results:
     notes: tuple[str, ...]
     everyday: frozenset[str] = frozenset()
     families: Mapping[str, str] = field(default_factory=dict)
+    frame_times: Mapping[str, float] = field(default_factory=dict)
 
     def family(self, scene: str) -> str:
         """The scene that `scene` is a variant of: itself where the file does not say."""
@@ -138,6 +139,10 @@ def load(run_dir: Path) -> Results:
             families={
                 name: _text(raw["family"]) for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("family")
+            },
+            frame_times={
+                name: float(raw["dt"]) for name, raw in (data.get("scenes") or {}).items()
+                if isinstance(raw, Mapping) and raw.get("dt")
             },
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:

@@ -1,11 +1,12 @@
 """Tuned beside documented defaults: in which figures are the best settings that we know of an engine worse than its own?"""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median
 
 from reports.columns import COLUMNS
+from reports.load import EngineNote
 from reports.tables import RAW_TRACKER, Block, Cell, Line, engine_of, left_room
 from reports.wording import MISSING, count, quantity
 
@@ -90,3 +91,11 @@ def sentence(tuning: Tuning) -> str:
     said = f"{tuning.engine}: tuned is worse than default in {len(tuning.worse)} of {count(tuning.compared, 'figure')}"
     said += f" and better in {tuning.better}"
     return said + ("." if math.isnan(tuning.times) else f"; its median frame takes {tuning.times:.3g} times as long.")
+
+
+def aims(notes: Iterable[EngineNote], engine: str) -> str:
+    """What the tuned settings of an engine optimise and what is better in something else, as it said; "" if it did not."""
+    said = next((note.settings for note in notes if note.run == f"{engine}/{TUNED}"), {})
+    optimises, better = said.get("optimises"), said.get("better elsewhere")
+    parts = [f"{engine}/{TUNED} optimises {optimises[0]}."] if optimises else []
+    return " ".join([*parts, f"Better in something else: {better[0]}."] if better else parts)

@@ -25,6 +25,7 @@ from scenarios.resume import earlier_run, how_to_go_on
 from scenarios.scenario import Scenario
 from scenarios.table import table
 from scenarios.table_2.printed import SCENES
+from scenarios.variants import VARIANTS, variants_of
 
 PILES = ("stack_ten", "stack_struck", "balls_216")
 """Scenes of many contacts whose times stand beside those of the everyday ones in `bench`."""
@@ -91,8 +92,10 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     if asked.settings and found:
         tried([row for row in own if row.engine in presets and row.engine not in missing], next(iter(found)), asked.settings,
               asked.jobs)
-    if asked.preset and found and not missing and not any(presets.values()):
-        raise UnknownName("preset", ", ".join(asked.preset), {p for offer in offered.values() for p in offer.presets})
+    known_variants = {variant for name in names for variant in VARIANTS.get(name, {})}
+    if asked.preset and found and not missing and not any(presets.values()) and not known_variants & set(asked.preset):
+        offered_presets = {p for offer in offered.values() for p in offer.presets}
+        raise UnknownName("preset", ", ".join(asked.preset), offered_presets | known_variants)
     jobs, ready = [], []
     for scene in found:
         for seed in dict.fromkeys(asked.seed):
@@ -106,7 +109,8 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
                     jobs += absent
                     ready += [Outcome(job, state, offered[name].trouble) for job in absent]
                     continue
-                for preset, chosen in presets.get(name, []):
+                more = () if first_preset_only and not asked.preset else variants_of(name, found[scene], asked.preset)
+                for preset, chosen in (*presets.get(name, []), *((variant, None) for variant in more)):
                     base, options = ("", {}) if chosen is None else (chosen.base, chosen.options)
                     jobs.append(Job(**common, preset=preset, base=base, options=options))
     firsts = {name: offer.presets[0] if offer.presets else "default" for name, offer in offered.items()}

@@ -191,7 +191,7 @@ class Run:
             rows=self.rows(), series=self.series(),
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
             scenes={
-                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name}
+                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt}
                 for name, s in self.scenarios.items()
             },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,

@@ -11,6 +11,7 @@ from avatarsim.errors import UnknownName
 from avatarsim.scene.scene import Scene
 from scenarios.measure.value import Value
 from scenarios.scenario import Motion, Scenario
+from scenarios.variants import VARIANTS
 
 State = Literal["measured", "crashed", "not-measured", "cannot-say", "refused"]
 
@@ -61,8 +62,9 @@ class Job:
     def settings(self, engine: Engine, *, inside: bool = False, stages: bool = False) -> Settings:
         """Settings to load `engine` with; UnknownName for a preset that it does not have."""
         preset = self.base or self.preset
-        if preset not in engine.presets:
-            raise UnknownName(f"preset of engine {self.engine}", preset, engine.presets)
+        offered = (*engine.presets, *VARIANTS.get(self.engine, {}))
+        if preset not in offered:
+            raise UnknownName(f"preset of engine {self.engine}", preset, offered)
         return Settings(preset, self.options, self.seed, record_inside=inside, time_stages=stages)
 
 

@@ -51,7 +51,7 @@ class Results:
     rows: Sequence[Row]
     outcomes: Sequence[Outcome]
     series: Mapping[str, Mapping[str, Mapping[str, Sequence[float]]]]
-    scenes: Mapping[str, Mapping[str, str | bool]]
+    scenes: Mapping[str, Mapping[str, str | bool | float]]
     provenance: Mapping[str, object]
     exit_code: int | None
     notes: Sequence[str] = ()

@@ -15,11 +15,11 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.laws import contact_laws
 from reference.in_mujoco.motors import Motors, Servo
-from reference.in_mujoco.presets import presets
+from reference.in_mujoco.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import Chosen, in_force, kind_of
+from reference.presets import Chosen, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -46,7 +46,8 @@ class MujocoEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
-        run = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
         return run

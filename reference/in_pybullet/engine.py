@@ -17,10 +17,10 @@ from avatarsim.spatial import rotation
 from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
 from reference.in_pybullet.factors import coefficients, fit, weights
-from reference.in_pybullet.presets import presets
+from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
-from reference.presets import Chosen, in_force, kind_of
+from reference.presets import Chosen, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -50,6 +50,7 @@ class PybulletEngine:
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
         run["bodies outside the multibody solver"] = (len(self._world.maximal), "those whose inertia Bullet "
                                                                                 "finds by itself")

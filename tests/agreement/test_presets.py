@@ -124,7 +124,7 @@ def test_unknown_words_are_refused_by_pybullet() -> None:
 
 @ENGINES
 def test_unknown_preset_is_refused(engine: Engine) -> None:
-    with pytest.raises(UnknownName, match="default, tuned"):
+    with pytest.raises(UnknownName, match="default.*tuned"):
         engine.load(ball_on_slab(), Settings("best"), FRAME)
 
 
@@ -177,3 +177,14 @@ def test_kinds() -> None:
     assert kind_of(replace(drop, narrow=("restitution",))) is Kind.RESTING
     assert kind_of(hand) is Kind.DRIVEN
     assert kind_of(Scene("both", drop.bodies, hand.avatars)) is Kind.MIXED
+
+
+@ENGINES
+def test_every_preset_says_what_it_optimises_and_what_is_better_elsewhere(engine: Engine) -> None:
+    for preset in ("default", "tuned"):
+        engine.load(ball_on_slab(), Settings(preset), FRAME)
+        told = dict(engine.settings_as_run())
+        engine.close()
+        optimises = told["optimises"]
+        assert isinstance(optimises, tuple) and optimises[0] and ("." not in optimises[0])
+        assert ("better elsewhere" in told) == (preset == "tuned")

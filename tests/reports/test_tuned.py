@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from reports.columns import COLUMNS, Column
-from reports.load import Results, Row
+from reports.load import EngineNote, Results, Row
 from reports.tables import blocks
-from reports.tuned import Tuning, sentence, tunings
+from reports.tuned import Tuning, aims, sentence, tunings
 
 OURS = "avatarsim/default"
 OVERLAP = "residual_overlap_max"
@@ -79,3 +79,10 @@ def test_time_is_told_apart_and_ours_and_the_tracker_are_none_of_them() -> None:
 
 def test_an_engine_without_both_presets_is_not_compared() -> None:
     assert found(row("a/tuned", OVERLAP, 1.0), row("b/default", OVERLAP, 1.0)) == ()
+
+
+def test_what_tuned_optimises_is_told_as_the_engine_said_it() -> None:
+    said = {"optimises": ("the least overlap", "a reason"), "better elsewhere": ("dt = 1/240: faster", "a reason")}
+    notes = [EngineNote("a/default", "s", "1", {}, {"optimises": ("nothing", "")}), EngineNote("a/tuned", "s", "1", {}, said)]
+    assert aims(notes, "a") == "a/tuned optimises the least overlap. Better in something else: dt = 1/240: faster."
+    assert aims(notes, "b") == ""

@@ -1,0 +1,35 @@
+"""Figures of other engines above 100 mm on the page, each with its cause and the moment of its replay where it is worst."""
+
+from collections import Counter
+
+import numpy as np
+
+from reports.load import Results
+from reports.wording import count
+from scenarios.explaining import LARGE, Large, large
+
+
+def moment(results: Results, one: Large) -> str:
+    """"#t=0.3417", the time [s] at which the overlap of a run is deepest; "" for other metrics and where no series was kept."""
+    dt = results.frame_times.get(one.row.scenario)
+    series = results.series.get(one.row.scenario, {}).get(one.row.run)
+    if one.row.metric != "residual_overlap_max" or dt is None or series is None or not np.isfinite(series.overlap).any():
+        return ""
+    return f"#t={dt * int(np.nanargmax(series.overlap)):.4g}"
+
+
+def sentence(found: tuple[Large, ...]) -> str:
+    """What to conclude: how many have which cause, those without one first."""
+    if not found:
+        return "No other engine has a figure of this size."
+    causes = Counter("not yet explained" if one.why is None else one.why.cause.value for one in found)
+    order = sorted(causes, key=lambda cause: (cause != "not yet explained", cause != "our adapter", cause))
+    return f"{count(len(found), 'figure')}: {'; '.join(f'{causes[cause]} {cause}' for cause in order)}."
+
+
+def section(results: Results) -> dict[str, object]:
+    """What the template is made of."""
+    found = large(results.rows)
+    return {
+        "large_rows": found, "large_said": sentence(found), "large_from": LARGE, "large_moment": lambda one: moment(results, one),
+    }

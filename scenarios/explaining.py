@@ -1,0 +1,40 @@
+"""Which figures of other engines want an explanation, and which have one. Reports read it here: they know no engine."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from reference.explained import EXPLAINED, Explanation
+from reference.explained import LARGE as LARGE
+from scenarios.behind import Figure
+from scenarios.engines import BASELINE, GATED
+
+ASKED = ("residual_overlap_max", "tracker_offset_rms_free")
+"""Metrics in metres that a reader sees: how deep something is in something else, how far a link is from a user who is free."""
+
+
+@dataclass(frozen=True)
+class Large:
+    """One row that is above LARGE or no number, and why; None while that is not known."""
+
+    row: Figure
+    why: Explanation | None
+
+    @property
+    def said(self) -> str:
+        """The explanation as a sentence that begins with its cause."""
+        return "not yet explained" if self.why is None else f"{self.why.cause.value}: {self.why.sentence}"
+
+
+def large(rows: Iterable[Figure]) -> tuple[Large, ...]:
+    """Every figure of another engine above LARGE, the largest first; what has no explanation stands before what has one."""
+    aside = {BASELINE, GATED[0]}
+    found = [
+        Large(row, EXPLAINED.get((row.scenario, row.run))) for row in rows
+        if row.metric in ASKED and row.run.partition("/")[0] not in aside and row.value is not None and not row.value <= LARGE
+    ]
+    return tuple(sorted(found, key=lambda one: (one.why is not None, -_size(one.row.value))))
+
+
+def _size(value: float | None) -> float:
+    return value if value is not None and math.isfinite(value) else math.inf

@@ -1,0 +1,59 @@
+"""Every large figure of another engine is on the page with its cause, or as one that is not yet explained."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from reference.explained import EXPLAINED, Cause
+from reports import explained, write_report
+from reports.load import load
+from scenarios import catalog
+from scenarios.engines import PRESETS
+from scenarios.explaining import ASKED, LARGE, large
+from tests.reports.conftest import row
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def run_of(results: Json, *rows: Json) -> Json:
+    return results | {"rows": [*list(results["rows"]), *rows]}  # type: ignore[call-overload]
+
+
+def test_explanations_are_of_scenes_and_runs_that_exist() -> None:
+    known = {f"{engine}/{preset}" for engine, presets in PRESETS.items() for preset in presets}
+    for (scene, run), why in EXPLAINED.items():
+        assert scene in catalog.scenarios() and run in known, (scene, run)
+        assert why.sentence.endswith(".") and why.cause in Cause
+
+
+def test_no_large_figure_is_left_out_and_what_is_not_explained_comes_first(run_dir: Write, results: Json) -> None:
+    depth, offset = ASKED
+    data = run_of(
+        results, row("worn_floor", "pybullet/tuned", depth, 0.156, "m"), row("arm_wall", "mujoco/default", depth, 0.2, "m"),
+        row("arm_wall", "mujoco/default", offset, "NaN", "m"), row("arm_wall", "mujoco/tuned", offset, 0.99 * LARGE, "m"),  # type: ignore[arg-type]
+        row("arm_wall", "tracker/default", depth, 3.0, "m"), row("arm_wall", "avatarsim/paper", offset, 3.0, "m"),
+    )
+    folder = run_dir(data)
+    found = large(load(folder).rows)
+    assert [(one.row.scenario, one.row.run, one.row.metric) for one in found] == [
+        ("arm_wall", "mujoco/default", offset), ("arm_wall", "mujoco/default", depth), ("worn_floor", "pybullet/tuned", depth)]
+    assert [one.said.partition(":")[0] for one in found] == ["not yet explained", "not yet explained", "our adapter"]
+    assert math.isnan(found[0].row.value or 0.0)
+    assert explained.sentence(found) == "3 figures: 2 not yet explained; 1 our adapter."
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "not yet explained" in page and "PyBullet takes 16 pieces" in page
+
+
+def test_the_link_leads_to_the_deepest_moment(run_dir: Write, results: Json) -> None:
+    series = {"arm_wall": {"mujoco/default": {"overlap_m": [0.0, None, 0.3, 0.1], "frame_time_us": []}}}
+    data = run_of(results, *(row("arm_wall", "mujoco/default", metric, 0.3, "m") for metric in ASKED))
+    found = load(run_dir(data | {"series": series, "scenes": {"arm_wall": {"title": "", "dt": 0.25}}}))
+    assert {one.row.metric: explained.moment(found, one) for one in large(found.rows)} == {ASKED[0]: "#t=0.5", ASKED[1]: ""}
+    without = load(run_dir(data | {"series": series}))
+    assert [explained.moment(without, one) for one in large(without.rows)] == ["", ""]
+
+
+def test_a_run_without_large_figures_says_so(run_dir: Write, results: Json) -> None:
+    assert explained.sentence(large(load(run_dir(results)).rows)) == "No other engine has a figure of this size."
