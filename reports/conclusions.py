@@ -20,7 +20,8 @@ HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. What rests sleeps in our engine; in the tuned others "
-    "it does not, as asleep it keeps what overlap it has: where all is at rest, most of the difference in time is that."
+    "it does not, as asleep it keeps what overlap it has: where all is at rest, most of the difference in time is that, and the "
+    "row mujoco/sleeping stands for it in scenes whose bodies are to rest."
 )
 
 

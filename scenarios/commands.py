@@ -109,7 +109,7 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
                     jobs += absent
                     ready += [Outcome(job, state, offered[name].trouble) for job in absent]
                     continue
-                more = () if first_preset_only and not asked.preset else variants_of(name, found[scene], asked.preset)
+                more = variants_of(name, found[scene], asked.preset) if asked.command == "compare" or asked.preset else ()
                 for preset, chosen in (*presets.get(name, []), *((variant, None) for variant in more)):
                     base, options = ("", {}) if chosen is None else (chosen.base, chosen.options)
                     jobs.append(Job(**common, preset=preset, base=base, options=options))
