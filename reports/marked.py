@@ -1,5 +1,7 @@
 """What the gate says about a number of a table, in a word as well as in a colour."""
 
+import re
+
 from reports.tables import Cell
 from reports.verdict import believed
 from reports.wording import limit
@@ -19,4 +21,7 @@ def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
         return ("above", f"above {limit(row.bound, row.unit)}")
     if status == "pass":
         return ("held", "holds")
-    return ("", brief(row.note).replace(" us", " µs") if row.metric == "frame_time_p50" else "")
+    if row.metric != "frame_time_p50" or not row.note:
+        return ("", "")
+    # a line of its own for each part, as narrow as the column
+    return ("how", re.sub(r"(?<![;,]) ", "\u00a0", brief(row.note).replace(" us", " µs")))

@@ -7,6 +7,7 @@ from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, hover_notes, ratio_sentence
 from reports.load import Results
+from reports.marked import cell_note
 from reports.table_2 import Table2, markdown
 from reports.tables import Block, Line, blocks
 from reports.verdict import Verdict, believed, losing_scenes, scenes_sentence
@@ -82,6 +83,8 @@ def _cells(line: Line, ours: str) -> str:
     for cell in line.cells:
         text = cell.word or quantity(cell.value, cell.row.unit if cell.row else "")
         word = believed(cell.row, ours) if cell.row else ""
+        if cell.row and cell.row.metric == "frame_time_p50" and cell.value is not None and (how := cell_note(cell, ours)[1]):
+            text += f" [{_text(how)}]"
         text = f"**{text} ✕**" if word == "fail" else f"{text} above bound" if word == "ceiling" else text
         if cell.ratio is not None and text != MISSING:
             text += " (best)" if cell.best else f" ({ratio(cell.ratio)})" if cell.ratio > 1.0 else ""

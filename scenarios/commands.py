@@ -263,6 +263,6 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         show(asked, rows, frozenset())
     else:
         for row in rows:
-            value = row.note if row.value is None else f"{row.value:12.4g} {row.unit}"
+            value = row.note if row.value is None else f"{row.value:12.4g} {row.unit:3} {row.note}".rstrip()
             print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
     return finished(asked, made, ran, code)

@@ -68,7 +68,8 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
 
 
 def write(results: Results, folder: Path) -> None:
-    """Write results.csv, results.json and, once something was timed, bench.csv; each whole or not at all.
+    """Write results.csv, results.json and, once something was timed, bench.csv, in which each time says how it was taken; each
+    whole or not at all.
 
     The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
     InvalidFile if they break it.
@@ -76,7 +77,7 @@ def write(results: Results, folder: Path) -> None:
     write_text(folder / "results.csv", csv_text(results.rows))
     times = [row for row in results.rows if is_time(row.metric)]
     if times:
-        write_text(folder / "bench.csv", csv_text(times))
+        write_text(folder / "bench.csv", csv_text(times, (*COLUMNS, "note")))
     whole = {
         "schema_version": SCHEMA_VERSION,
         "provenance": results.provenance,

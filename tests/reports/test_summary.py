@@ -46,3 +46,12 @@ def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
 def test_the_caveat_and_what_a_factor_against_zero_means_stand_beside_the_table(run_dir: Write, results: Json) -> None:
     table = text_of(run_dir(results)).split("### All scenes")[1]
     assert table.index("avatar is kinematic") < table.index("| scene |") < table.index("where the best is 0 there is none")
+
+
+def test_a_median_time_says_how_it_was_taken(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    note = {"note": "3 x 200 frames, 30 warm-up frames; moving 40 us, resting 3 us"}
+    timed = [row | note if row["metric"] == "frame_time_p50" else row for row in rows]
+    assert "| 31.0 µs [3 x 200 frames; moving 40 µs, resting 3 µs] (best) |" in text_of(run_dir(results | {"rows": timed}))
+    assert "| 31.0 µs (best) |" in text_of(run_dir(results))

@@ -49,6 +49,16 @@ def test_the_page_describes_the_protocol_of_its_run_and_no_other(run_dir: Write,
     assert numbers(text.replace(sentence, "")) == []
 
 
+def test_a_median_time_says_how_it_was_taken_on_both_pages(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    note = {"note": "3 x 200 frames, 30 warm-up frames; moving 40 us, resting 3 us"}
+    folder = run_dir(results | {"rows": [row | note if row["metric"] == "frame_time_p50" else row for row in rows]})
+    said = "<small>3 x 200 frames; moving 40 µs, resting 3 µs</small>"
+    texts = [page(folder), (folder / "scenes" / "arm_wall.html").read_text(encoding="utf-8")]
+    assert [text.replace("\u00a0", " ").count(said) for text in texts] == [8, 4]
+
+
 def test_words_that_no_run_has_changed_state_no_number_of_it() -> None:
     assert numbers(" ".join((*FAIRNESS, *(column.meaning for column in COLUMNS)))) == []
 

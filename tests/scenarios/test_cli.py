@@ -1,5 +1,6 @@
 """The command line: exit codes, the last line, what stands on the screen and what in the files."""
 
+import csv
 import json
 import os
 import subprocess
@@ -199,6 +200,9 @@ def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_benc
         # neither is enough for a tail, which its row says instead
         assert {row["metric"] for row in times if row["value"] is None} == set(TAIL)
         assert found["provenance"]["timing"]["repeats"] == REPEATS
+        kept = list(csv.DictReader((tmp_path / "out" / "latest" / "bench.csv").read_text().splitlines()))
+        [said] = [row["note"] for row in kept if row["metric"] == "frame_time_p50"]
+        assert said == f"{rounds} frames, {WARM_FRAMES} warm-up frames"
 
 
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
