@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -69,7 +69,8 @@ class EngineNote:
 @dataclass(frozen=True, eq=False)
 class Results:
     """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `everyday`: the scenes
-    that stand for the others in short tables; `notes`: the run's own remarks; `exit_code` is None while a run has not ended."""
+    that stand for the others in short tables; `families`: scene -> the scene that it is a variant of; `notes`: the run's own
+    remarks; `exit_code` is None while a run has not ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -79,6 +80,11 @@ class Results:
     titles: Mapping[str, str]
     notes: tuple[str, ...]
     everyday: frozenset[str] = frozenset()
+    families: Mapping[str, str] = field(default_factory=dict)
+
+    def family(self, scene: str) -> str:
+        """The scene that `scene` is a variant of: itself where the file does not say."""
+        return self.families.get(scene) or scene
 
     def scenes(self) -> tuple[str, ...]:
         """Scene names in the order in which they first appear."""
@@ -129,6 +135,10 @@ def load(run_dir: Path) -> Results:
             everyday=frozenset(
                 name for name, raw in (data.get("scenes") or {}).items() if isinstance(raw, Mapping) and raw.get("everyday")
             ),
+            families={
+                name: _text(raw["family"]) for name, raw in (data.get("scenes") or {}).items()
+                if isinstance(raw, Mapping) and raw.get("family")
+            },
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the layout of schema 1") from error
