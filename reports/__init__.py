@@ -58,11 +58,11 @@ def _texts(run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras
     laid_out = layout(results, judged)
     yield SUMMARY, summary(results, judged, extras.two, extras.close)
     yield JUNIT, junit(judged)
-    courses = {}
-    for scene, text, charts in scene_pages(run_dir, results, judged):
-        courses[scene] = charts
-        yield path_of(scene), text
-    yield PAGE, page(results, judged, extras, courses, laid_out)
+    courses, pictures = {}, {}
+    for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):
+        courses[made.scene], pictures[made.scene] = made.charts, made.picture
+        yield path_of(made.scene), made.text
+    yield PAGE, page(results, judged, extras, courses, laid_out, pictures)
 
 
 def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:

@@ -1,6 +1,7 @@
 """The marks, axes and limits of each kind of chart, as Vega-Lite without data: lines over frames, and spans per engine.
 
-The named data sets that a panel has to bring: `lines`, `gaps`, `ceiling` for lines over frames; `spans` for spans.
+The named data sets that a panel has to bring: `lines`, `gaps`, `ceiling` for lines over frames; `spans` for spans; `dots` and
+`medians` for one chart of all scenes.
 """
 
 import math
@@ -16,6 +17,8 @@ from reports.wording import limit
 OVERLAP_FLOOR, OVERLAP_TOP = 1e-9, 1.0
 # Size of a panel's plotting area [px].
 WIDTH, HEIGHT = 330, 150
+# Width [px] of the plotting area of a chart that stands alone in its section.
+STRIPS = 620
 FONT = "sans-serif"
 
 
@@ -108,3 +111,23 @@ def spans(
     ):
         layers.append(mark.encode(y=y, x=alt.X(f"{name}:Q", title=None, scale=scale, axis=axis), color=colour))
     return _frame_of([*_limits(limits, "x", scale), *layers])
+
+
+def strips(
+    data: Mapping[str, object], strokes: Mapping[str, Stroke], scale: alt.Scale, axis: alt.Axis, limits: Mapping[str, float],
+) -> dict[str, object]:
+    """A dot per value in a row per run, a tick at each row's median; `data` holds `dots` and `medians`, (run, value) each."""
+    colour = _colour(strokes)
+    runs = [run for run in strokes if any(row["run"] == run for row in _list(data["medians"]))]
+    y = alt.Y("run:N", title=None, sort=runs, axis=alt.Axis(grid=False, labelColor=TEXT[0], labelPadding=9, ticks=False))
+    x = alt.X("value:Q", title=None, scale=scale, axis=axis)
+    dots = alt.Chart(alt.NamedData("dots")).mark_circle(size=26, opacity=0.42).encode(x=x, y=y, color=colour)
+    ticks = alt.Chart(alt.NamedData("medians")).mark_tick(thickness=2.5, height=15, opacity=1).encode(x=x, y=y, color=colour)
+    frame = _frame_of([*_limits(limits, "x", scale), dots, ticks])
+    held = frame.get("datasets")
+    datasets = (dict(held) if isinstance(held, dict) else {}) | dict(data)
+    return frame | {"datasets": datasets, "width": STRIPS, "height": 22 * len(runs)}
+
+
+def _list(found: object) -> Sequence[Mapping[str, object]]:
+    return found if isinstance(found, list) else []

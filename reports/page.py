@@ -13,12 +13,14 @@ from reports import (
     effects,
     explained,
     first_contact,
+    gallery,
     growth,
     judge,
     law_map_chart,
     losses,
     paper_figures,
     stability,
+    summary_charts,
     sweep_chart,
     table_2_chart,
     timing_words,
@@ -26,6 +28,7 @@ from reports import (
     unseen,
 )
 from reports.broad_phase import BroadPhase
+from reports.card_tables import labelled
 from reports.charts import Panel, overlap_panels, time_panels, time_percentiles
 from reports.closeness import Closeness
 from reports.columns import COLUMNS
@@ -43,13 +46,16 @@ from reports.convergence import Converging
 from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
 from reports.figure_7 import Trace
+from reports.gallery import Picture
 from reports.growth import Growth
 from reports.judge import Trust
 from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
+from reports.metric_words import words
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
+from reports.navigation import linked
 from reports.page_paths import path_of
 from reports.palette import Stroke, dark_rules, strokes
 from reports.ranking import ranks, runs_of, tolerances
@@ -126,6 +132,13 @@ class Layout(NamedTuple):
     overlaps: list[Panel]
     spreads: list[Panel]
 
+    def by_scene(self) -> dict[str, list[Panel]]:
+        """The charts of each scene, which stand on its own page."""
+        found: dict[str, list[Panel]] = defaultdict(list)
+        for panel in (*self.overlaps, *self.spreads):
+            found[panel.scene].append(panel)
+        return found
+
 
 def layout(results: Results, verdict: Verdict) -> Layout:
     """What the page holds; its charts are drawn while Python goes on."""
@@ -137,38 +150,44 @@ def layout(results: Results, verdict: Verdict) -> Layout:
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
-         laid_out: Layout | None = None) -> str:
+         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None) -> str:
     """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
-    scene; `laid_out`: its layout, from whoever let it be drawn before."""
+    scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
     narrow, broad = extras.narrow, extras.broad
-    shown, colours, order, overlaps, spreads = laid_out or layout(results, verdict)
+    shown, colours, order = (laid_out or layout(results, verdict))[:3]
+    percentiles = time_percentiles(results)
+    scripts = [source("gallery.js"), *([source("courses.js")] if courses else [])]
+    found = gallery.cards(results, shown, verdict, pictures or {})
     ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
-    return template.render(
+    return labelled(linked(template.render(
         verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
         scenes_said=scenes_sentence(verdict),
         table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
-        overlaps=overlaps, overlap_summary=overlap_summary(results, verdict.gated),
+        overlap_chart=summary_charts.overlaps(results, colours), overlap_summary=overlap_summary(results, verdict.gated),
+        gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
+        gallery_js=source("gallery.js"), words_of=words,
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
         ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), results.families),
-        policy=policy([source("courses.js")] if courses else []), courses_js=source("courses.js"),
+        policy=policy(scripts), courses_js=source("courses.js"),
         course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **unseen.section(results, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
-        spreads=spreads, time_summary=time_summary(time_percentiles(results), verdict.gated, results.families),
+        time_chart=summary_charts.times(percentiles, colours),
+        time_summary=time_summary(percentiles, verdict.gated, results.families),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
         fairness=(*FAIRNESS, *timing_words.sentences(results.provenance)),
         timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
-        path_of=path_of, more_truths=lambda block: listed(more_truths(results, block)),
+        path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
         narrow=narrow, **(_narrow(narrow) if narrow else {}),
         broad=broad, **(broad_phase_chart.section(broad) if broad else {}),
@@ -181,7 +200,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
         judge=extras.judge, **(judge.section(extras.judge) if extras.judge else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
-    )
+    )))
 
 
 def _narrow(narrow: NarrowPhase) -> dict[str, object]:

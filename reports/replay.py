@@ -8,6 +8,7 @@ import numpy as np
 from avatarsim.spatial import rotation
 from reports import mesh, packed
 from reports.kept import Array, Drawn, Shown
+from reports.moments import worst
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -70,7 +71,8 @@ def replay(
         "ghost": ghost,
         "runs": [
             {"run": one.run, **_poses(one.positions[::step][:, moving], one.orientations[::step][:, moving], *box),
-             "pairs": _pairs(one, step), "broken": _broken(one, step, (depths or {}).get(one.run))} for one in engines
+             "pairs": _pairs(one, step), "worst": _worst(one, step, (depths or {}).get(one.run)),
+             "broken": _broken(one, step, (depths or {}).get(one.run))} for one in engines
         ],
     }
 
@@ -123,6 +125,12 @@ def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
             groups.setdefault(frame // step, {}).setdefault(frame, []).append([first, second, float(f"{1e3 * depth:.3g}")])
     worst = {group: max(states.values(), key=lambda pairs: pairs[0][2]) for group, states in groups.items()}
     return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
+
+
+def _worst(one: Shown, step: int, depth: Array | None) -> dict[str, object] | None:
+    """The drawn state that stands for the worst of a run, and what is wrong there."""
+    found = worst(one, depth)
+    return {"state": found.state // step, "said": found.said} if found else None
 
 
 def _broken(one: Shown, step: int, depth: Array | None) -> list[int]:

@@ -1,6 +1,6 @@
 """scenes/<name>.html: one scene played again in every engine side by side, its course over time, its rows of the table."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -8,15 +8,20 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from reports import scripts, three_js
+from reports.card_tables import labelled
+from reports.charts import Panel
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT
 from reports.courses import Course, charts, courses
-from reports.kept import Drawn, drawn, shown
+from reports.gallery import Picture
+from reports.kept import Drawn, Shown, drawn, shown
 from reports.load import Results, Series
 from reports.marked import cell_note
+from reports.metric_words import words
 from reports.palette import ALARM, GRID, MUTED, TEXT, Stroke, dark_rules
 from reports.replay import counts_of, replay
-from reports.tables import Block
+from reports.tables import RAW_TRACKER, Block, engine_of
+from reports.thumbnail import telling, thumbnail
 from reports.verdict import Verdict, believed
 from reports.wording import count, limit, quantity, ratio
 
@@ -51,12 +56,13 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay."""
+    """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
     dt: float
     replay: Mapping[str, object] | None
+    picture: Picture
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -68,26 +74,46 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     scene, recorded = drawn(run_dir, name), shown(run_dir, name, runs, seed)
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
-    return Kept(scene, courses(series, recorded, scene), dt, replay(scene, recorded, ours, depths) if scene else None)
+    replayed = replay(scene, recorded, ours, depths) if scene else None
+    return Kept(scene, courses(series, recorded, scene), dt, replayed, _picture(name, scene, recorded, ours, series, replayed))
 
 
-def page(block: Block, found: Kept, verdict: Verdict, strokes: Mapping[str, Stroke], around: Neighbours) -> str:
-    """The whole page of one scene as text."""
+def _picture(
+    name: str, scene: Drawn | None, recorded: Sequence[Shown], ours: str, series: Mapping[str, Series],
+    replayed: Mapping[str, object] | None,
+) -> Picture:
+    """The scene at its telling instant, as our engine shows it; as another does where ours shows nothing, such as in a scene
+    that ours refuses."""
+    engines = [one for one in recorded if engine_of(one.run) != RAW_TRACKER]
+    if scene is None or replayed is None or not engines:
+        return Picture("", 0.0)
+    main = next((one for one in engines if one.run == ours), engines[0])
+    raw = next((one for run, one in series.items() if engine_of(run) == RAW_TRACKER), None)
+    state = telling(main, raw)
+    time = float(main.times[state])
+    label = f"The scene {name} at {time:.3g} s, as {main.run} shows it."
+    return Picture(thumbnail(scene, main, state, float(str(replayed["azimuth"])), label), time)
+
+
+def page(
+    block: Block, found: Kept, verdict: Verdict, strokes: Mapping[str, Stroke], around: Neighbours, panels: Sequence[Panel] = (),
+) -> str:
+    """The whole page of one scene as text; `panels`: its static charts."""
     library = three_js.library() if found.replay else None
     sources = [scripts.source("courses.js")] if found.lines else []
     if library and found.replay:
-        sources = [library, scripts.source("replay.js"), *sources]
+        sources = [library, scripts.source("gif.js"), scripts.source("replay.js"), *sources]
     drawn_charts = charts(found.lines, found.dt, POINTS)
     replayed = found.replay or {}
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
-    return environment().get_template("scene.html.j2").render(
+    return labelled(environment().get_template("scene.html.j2").render(
         block=block, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT, gated=gated,
         believed=lambda row: believed(row, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
-        quantity=quantity, limit=limit, ratio=ratio, count=count,
+        quantity=quantity, limit=limit, ratio=ratio, count=count, words_of=words, panels=panels,
         policy=scripts.policy(sources), library=library, words=three_js.WORDS,
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
-        replay_js=scripts.source("replay.js"), courses_js=scripts.source("courses.js"),
+        replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
         charts=drawn_charts, courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),
-    )
+    ))

@@ -1,9 +1,12 @@
 """The pages of all scenes of a run, by the path at which they stand beside index.html."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
+from reports.charts import Panel
 from reports.courses import charts
+from reports.gallery import Picture
 from reports.load import Results
 from reports.palette import strokes
 from reports.scene_page import Neighbours, kept, page
@@ -14,9 +17,20 @@ POINTS = 160
 """Points of a line in the charts of index.html, which holds those of all scenes."""
 
 
-def scene_pages(run_dir: Path, results: Results, verdict: Verdict) -> Iterator[tuple[str, str, list[dict[str, object]]]]:
-    """(scene, text of its page, its charts for index.html), in the order of the table, one after the other: all at once would be
-    large."""
+class Made(NamedTuple):
+    """A scene, the text of its page, and what index.html shows of it: its charts over time and its picture."""
+
+    scene: str
+    text: str
+    charts: list[dict[str, object]]
+    picture: Picture
+
+
+def scene_pages(
+    run_dir: Path, results: Results, verdict: Verdict, panels: Mapping[str, Sequence[Panel]] | None = None,
+) -> Iterator[Made]:
+    """Every scene in the order of the table, one after the other: all at once would be large. `panels`: the static charts that
+    the page of a scene holds."""
     shown = blocks(results)
     runs = [line.run for block in shown for line in block.lines]
     colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
@@ -25,4 +39,5 @@ def scene_pages(run_dir: Path, results: Results, verdict: Verdict) -> Iterator[t
         around = Neighbours(names[k - 1] if k else None, names[k + 1] if k + 1 < len(names) else None)
         own = {run: stroke for run, stroke in colours.items() if any(line.run == run for line in block.lines)}
         found = kept(run_dir, block.scene, results, verdict.gated)
-        yield block.scene, page(block, found, verdict, own, around), charts(found.lines, found.dt, POINTS)
+        text = page(block, found, verdict, own, around, (panels or {}).get(block.scene, ()))
+        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture)

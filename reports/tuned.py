@@ -7,6 +7,7 @@ from statistics import median
 
 from reports.columns import COLUMNS
 from reports.load import EngineNote
+from reports.metric_words import words
 from reports.tables import RAW_TRACKER, Block, Cell, Line, engine_of, left_room
 from reports.wording import MISSING, count, quantity
 
@@ -62,7 +63,7 @@ def _tuning(engine: str, shown: Sequence[Block]) -> Tuning:
             first, second = _worth(before), _worth(after)
             better += first > second + column.same
             if second > first + column.same:
-                measure = column.title if column.key != "truth" or block.truth is None else block.truth
+                measure = column.title if column.key != "truth" or block.truth is None else words(block.truth)
                 worse.append(Figure(block.scene, measure, _said(before), _said(after), second / max(first, column.floor)))
     worse.sort(key=lambda figure: -figure.factor)
     return Tuning(engine, compared, better, tuple(worse), median(times) if times else math.nan)

@@ -144,7 +144,7 @@
   renderer.setScissorTest(true);
   const lead = home.focus.clone();
   let frame = 0, playing = false, speed = 1, clock = 0, poster = true;
-  function draw() {
+  function draw(whole = false) {
     const all = stage.getBoundingClientRect();
     const wide = Math.round(all.width), high = Math.round(all.height);
     const size = renderer.getSize(new THREE.Vector2());
@@ -157,7 +157,7 @@
     for (const view of views) {
       if (view.cell.hidden) continue;
       const cell = view.cell.getBoundingClientRect();
-      if (cell.bottom < 0 || cell.top > window.innerHeight) continue;
+      if (!whole && (cell.bottom < 0 || cell.top > window.innerHeight)) continue;
       data.moving.forEach((k, slot) => put(view.meshes[k], view.moves, frame, slot));
       view.ghosts.forEach((mesh, slot) => put(mesh, ghost, frame, slot));
       mark(view, frame);
@@ -239,6 +239,92 @@
     if (act) { event.preventDefault(); act(); }
   });
 
+  // a link to a moment, the worst moment of each engine, and a moving picture to keep
+  const told = say("told");
+  const link = () => `t=${Number((frame * data.dt).toPrecision(6))}`;
+  function seek() {
+    const wanted = /^#(?:.*&)?t=([^&]+)/.exec(location.hash), seconds = wanted ? Number(wanted[1]) : NaN;
+    if (!Number.isFinite(seconds)) return false;
+    if (playing) play(false);
+    poster = false;
+    show(seconds / data.dt);
+    return true;
+  }
+  window.addEventListener("hashchange", seek);
+  say("link").addEventListener("click", () => {
+    location.hash = link();
+    told.textContent = "The address bar links to this moment.";
+    if (!navigator.clipboard) return;
+    navigator.clipboard.writeText(location.href).then(() => { told.textContent = "A link to this moment is copied."; }, () => {});
+  });
+  root.querySelectorAll("[data-worst]").forEach((one) => one.addEventListener("click", () => {
+    if (playing) play(false);
+    poster = false;
+    show(Number(one.dataset.worst));
+  }));
+
+  // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
+  const film = say("film"), filmed = film.textContent;
+  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12;
+  let filming = false;
+  function shot(pen, ratio) {
+    draw(true);
+    const all = stage.getBoundingClientRect(), style = getComputedStyle(document.body);
+    pen.fillStyle = style.backgroundColor;
+    pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
+    pen.drawImage(canvas, 0, 0, pen.canvas.width, pen.canvas.height);
+    pen.font = `${Math.max(10, Math.round(12.5 * ratio))}px sans-serif`;
+    for (const view of views) {
+      if (view.cell.hidden) continue;
+      const cell = view.cell.getBoundingClientRect();
+      const [x, y, wide, high] = [cell.left - all.left, cell.top - all.top, cell.width, cell.height].map((part) => part * ratio);
+      const bad = view.cell.classList.contains("overlaps");
+      pen.strokeStyle = getComputedStyle(view.cell).borderTopColor;
+      pen.strokeRect(x + 0.5, y + 0.5, wide - 1, high - 1);
+      pen.fillStyle = style.color;
+      pen.fillText(view.run.run, x + 7, y + 17);
+      pen.fillStyle = getComputedStyle(view.said).color;
+      pen.fillText(view.said.textContent, x + 7, y + high - 7, wide - 14);
+      if (bad) pen.strokeRect(x + 1.5, y + 1.5, wide - 3, high - 3);
+    }
+    return pen.getImageData(0, 0, pen.canvas.width, pen.canvas.height).data;
+  }
+  async function record() {
+    play(false);
+    filming = true;
+    const [begun, all] = [frame, stage.getBoundingClientRect()], ratio = Math.min(1, WIDEST / all.width);
+    const still = data.dt / speed, step = Math.max(1, Math.ceil(LEAST_DELAY / still), Math.ceil((last + 1) / MOST_PICTURES));
+    const states = Array.from({ length: Math.floor(last / step) + 1 }, (_, k) => k * step);
+    const sheet = document.createElement("canvas");
+    sheet.width = Math.round(all.width * ratio);
+    sheet.height = Math.round(all.height * ratio);
+    const pen = sheet.getContext("2d", { willReadFrequently: true });
+    const gif = animatedGif(sheet.width, sheet.height);
+    const at = (state) => { show(state); return shot(pen, ratio); };
+    const samples = views.flatMap((view) => (view.run.worst ? [view.run.worst.state] : []))
+      .concat(Array.from({ length: SAMPLES }, (_, k) => Math.round((k * last) / SAMPLES)));
+    gif.choose(samples.map(at));
+    for (const [k, state] of states.entries()) {
+      film.textContent = `Stop: picture ${k + 1} of ${states.length}`;
+      gif.add(at(state), Math.max(2, Math.round(100 * step * still)));
+      await new Promise((done) => setTimeout(done));
+      if (!filming) break;
+    }
+    if (filming) {
+      const made = new Blob([gif.bytes()], { type: "image/gif" }), anchor = document.createElement("a");
+      anchor.href = URL.createObjectURL(made);
+      anchor.download = `${root.dataset.scene}.gif`;
+      anchor.click();
+      setTimeout(() => URL.revokeObjectURL(anchor.href), 10000);
+      told.textContent = `Saved ${anchor.download}: ${states.length} pictures, ${(made.size / 1e6).toFixed(1)} MB.`;
+      root.dataset.filmed = made.size;
+    } else { told.textContent = "Stopped; nothing was saved."; }
+    filming = false;
+    film.textContent = filmed;
+    show(begun);
+  }
+  film.addEventListener("click", () => { if (filming) filming = false; else record(); });
+
   // drag turns, with the right button or shift it moves; the wheel brings nearer only where the canvas has been touched
   let held = null;
   stage.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; stage.setPointerCapture(event.pointerId); stage.focus({ preventScroll: true }); });
@@ -265,8 +351,8 @@
   window.addEventListener("resize", redraw);
   window.addEventListener("scroll", redraw, { passive: true });
   root.dataset.state = "paused";
-  // open on the state in which the worst happens to somebody, rather than on one where nothing does
+  // open on the moment that the address names, else on the worst of all engines rather than on a state where nothing happens
   const worst = views.flatMap((view) => view.run.pairs.map((pairs, k) => [pairs.length ? pairs[0][2] : 0, k]));
   const deepest = worst.reduce((most, one) => (one[0] > most[0] ? one : most), [0, 0]);
-  show(deepest[1]);
+  if (!seek()) show(deepest[1]);
 })();

@@ -86,7 +86,7 @@ def test_without_recordings_the_page_has_its_figures(folder: Path) -> None:
 def test_only_our_own_scripts_may_run(folder: Path) -> None:
     text, tree = page(folder)
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', text)
-    assert policy and policy[1].count("sha256-") == text.count("<script>") == 3
+    assert policy and policy[1].count("sha256-") == text.count("<script>") == 4
     assert "default-src 'none'" in policy[1].replace("&#39;", "'") and "http" not in policy[1]
 
 
