@@ -26,8 +26,8 @@ CHANGES = {
     ("frame time", "1/15 s"): "the coarsest: the fewest frames, the hardest steps",
     ("size", "10"): "one size; units must not matter",
     ("distance", "1000 m"): "one distance; float64 has 1e-13 m there, so it must not matter either",
-    ("together", "draw 0"): "all changes at once; of all draws this and the next have the fewest frames",
-    ("together", "draw 7"): "all changes at once",
+    ("together", "draw 2"): "all changes at once; of all draws but draw 0, this and the next have the fewest frames",
+    ("together", "draw 7"): "all changes at once; in draw 0 one trial of one engine takes half as long as all others together",
 }
 """Kind and level of each change, and why it."""
 
