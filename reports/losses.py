@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from reports.load import Results
+from reports.metric_words import words
 from reports.wording import count, factor, limit
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
 from scenarios.metrics import METRICS
@@ -31,7 +32,7 @@ def sentence(found: Sequence[MetricLosses], ours: str) -> str:
     lost = _most_lost_first(one for one in found if one.lost)
     if not lost:
         return f"No other engine is better than {ours} in any of {count(len(found), 'ranked metric')}."
-    most = "; ".join(f"{one.metric} in {one.said}" for one in lost[:MOST_NAMED])
+    most = "; ".join(f"{words(one.metric)} in {one.said}" for one in lost[:MOST_NAMED])
     level = f" In {count(len(found) - len(lost), 'metric')} none is better anywhere." if len(lost) < len(found) else ""
     ranked = count(len(found), "ranked metric")
     return f"Some other engine is better than {ours} in {len(lost)} of {ranked}, most often: {most}.{level}"
@@ -43,14 +44,9 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     lost = [one for one in made if one.lost]
     return {
         "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
-        "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED, "means": meaning,
+        "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
         "same": same,
     }
-
-
-def meaning(metric: str) -> str:
-    """What a metric means; "" for one that only another version of the harness knows."""
-    return METRICS[metric][1] if metric in METRICS else ""
 
 
 def same(metric: str) -> str:

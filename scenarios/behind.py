@@ -82,7 +82,7 @@ def compared(rows: Iterable[Figure], ours: str) -> Compared:
         for metric, candidates in by_metric.items():
             mine = next((row for row in candidates if row.run == ours), None)
             theirs = rivals(candidates, ours)
-            if mine is None or not theirs:
+            if mine is None or not theirs or (mine.value is None and RANKED[metric].may_lack):
                 continue
             key = scene, metric
             pairs.add(key)

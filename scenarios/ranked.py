@@ -12,10 +12,12 @@ from scenarios.metrics import FAMILIES, METRICS
 @dataclass(frozen=True)
 class Ranked:
     """`same`: values that differ by no more, in the metric's own unit, count as equal; 0 in a list of losses stands at it too.
-    `stays_inside`: an engine that left the allowed side of a scene cannot be best in it."""
+    `stays_inside`: an engine that left the allowed side of a scene cannot be best in it. `may_lack`: too few timed frames give
+    no value, which says nothing about the engine: a row without one is not ranked; any other missing figure is the worst."""
 
     same: float
     stays_inside: bool = False
+    may_lack: bool = False
 
 
 CLOSED_FORM = 1e-4
@@ -69,7 +71,8 @@ RANKED: dict[str, Ranked] = {
     "energy_added_max": Ranked(ENERGY),
     "lift_energy_max": Ranked(ENERGY),
     "rest_energy_end": Ranked(ENERGY),
-    **{f"frame_time_{name}": Ranked(0.0) for name in ("p50", "p95", "p99", "max", "python_p50")},
+    **{f"frame_time_{name}": Ranked(0.0) for name in ("p50", "p95", "python_p50")},
+    **{f"frame_time_{name}": Ranked(0.0, may_lack=True) for name in ("p99", "max")},
 }
 """In the order in which a reader of losses wants them: what is seen first, then what is felt, then what is computed."""
 
@@ -77,11 +80,11 @@ _RAW = "the same frames with the disturbances of a machine that does other thing
 _OWN_WORDS = "an engine counts it of itself and the others do not: to be silent would win; what it leads to is ranked"
 
 UNRANKED: dict[str, str] = {
-    "ratio_standing_max": "here larger is better; towers_fallen ranks the same towers",
+    "ratio_standing_max": "here larger is better; the number of fallen towers ranks the same towers",
     "status_frames": "how much an engine says of its own frames: to be silent would win; what is wrong with the frames is ranked",
     "free_frames": "a property of the scene and its tracker, the same for every engine",
     **{name: _RAW for name in ("frame_time_raw_p50", "frame_time_raw_p95", "frame_time_raw_p99", "frame_time_raw_max")},
-    **{f"frame_time_{phase}_p50": "a part of frame_time_p50, in frames that need not be the same for every engine"
+    **{f"frame_time_{phase}_p50": "a part of the median frame time, in frames that need not be the same for every engine"
        for phase in ("moving", "resting")},
     "warmup": "once per process, and most of it is the import of a package",
     "deterministic": "1 or 0, larger is better; a 0 is said where it occurs",
