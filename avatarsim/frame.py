@@ -3,6 +3,8 @@
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 """
 
+from typing import ClassVar
+
 import numpy as np
 
 from avatarsim.engine import Snapshot
@@ -10,6 +12,7 @@ from avatarsim.loops.checked import CheckedLoop
 from avatarsim.loops.paper import PaperLoop
 from avatarsim.loops.simulated import SimulatedLoop
 from avatarsim.loops.tracked import TrackedLoop
+from avatarsim.rehearsal import Part
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.stage_clock import StageClock
@@ -29,6 +32,9 @@ def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: boo
 
 class Frames:
     """The stages of a frame over one world, in order, each only if the scene calls for its effect."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
+    WRITTEN: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
@@ -80,7 +86,7 @@ class Frames:
         statuses = self.lower.statuses() if self.driven else {}
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
 
-    def parts(self) -> tuple[object, ...]:
-        """Everything whose attributes and arrays a frame changes."""
+    def parts(self) -> tuple[Part, ...]:
+        """All that takes part in a frame."""
         loops = (*((self.target, self.lower) if self.driven else ()), *((self.upper,) if self.effects.dynamics else ()))
         return self, self.world, *loops, *self.clock.stages.values()

@@ -2,6 +2,7 @@
 
 from time import perf_counter_ns
 from types import TracebackType
+from typing import ClassVar
 
 STAGES = ("coupling", "posture", "motion")
 """The stages of a frame that are timed apart."""
@@ -9,6 +10,9 @@ STAGES = ("coupling", "posture", "motion")
 
 class Stage:
     """Counts the calls of one stage since it was made, and its nanoseconds since the frame began when `timing`."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("calls", "ns", "_start")
+    WRITTEN: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, timing: bool) -> None:
         self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0

@@ -1,6 +1,7 @@
 """Method `default` as the frame sees it: the checked lower loop with its springs."""
 
 from operator import itemgetter
+from typing import ClassVar
 
 import numpy as np
 
@@ -105,6 +106,9 @@ def seek_opened(world: Index, kept: Index, way: Index) -> None:
 
 class CheckedLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("_noticed", "_told")
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_way")
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False

@@ -1,5 +1,7 @@
 """Method `paper` as the frame sees it: the lower loop, the velocities it leaves for the upper one, impulses coming back."""
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,6 +45,9 @@ def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
 
 class PaperLoop:
     """The driven bodies of a world under method `paper`. `seed` settles the order in which chains are treated."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int

@@ -1,5 +1,7 @@
 """The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
 
+from typing import ClassVar
+
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
@@ -29,6 +31,9 @@ def advance_opened(world: Index, kept: Index, dt: float) -> int:
 
 class SimulatedLoop:
     """The simulated bodies of a world, and driven ones that keep `stand_off` [m] from them."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
 
     def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
         self.world, self.record, self.status = world, record, DONE

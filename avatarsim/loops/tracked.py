@@ -1,5 +1,7 @@
 """The raw tracker's posture, shown as it is: what an author gets who switches overlap removal off."""
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,9 @@ Index = NDArray[np.int64]
 
 class TrackedLoop:
     """The driven bodies of a world where the user is, in whatever stands there."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_still", "_axes")
 
     def __init__(self, world: World) -> None:
         self.world = world

@@ -1,6 +1,7 @@
 """The tracker's posture of this frame as arrays, and how fast the tracker's links move."""
 
 from math import isfinite
+from typing import ClassVar
 
 from avatarsim.errors import InvalidSample
 from avatarsim.kernel import kernel
@@ -25,6 +26,9 @@ def read_opened(positions: Array, rotations: Array, angles: Array, target: Index
 
 class Target:
     """The latest tracker sample. A bad one raises InvalidSample and leaves the last good one in place."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
 
     def __init__(self, world: World) -> None:
         self.world = world

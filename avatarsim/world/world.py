@@ -1,7 +1,7 @@
 """The whole world as arrays: what never changes, and the state that the stages write."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ class World:
     `centres` (nb, 3) are centres of mass in body frames, the origin of simulated bodies; `hinges` the degree of freedom of every
     hinge angle in a TrackerSample.
     """
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
 
     scene: Scene
     words: NDArray[np.int64]
