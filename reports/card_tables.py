@@ -1,7 +1,7 @@
 """Tables that become cards on a narrow screen: every cell learns the heading of its column, as `data-label`.
 
 The style sheet shows that label before the cell where the screen is too narrow for columns. One pass over the finished page does
-it for all tables, whoever wrote them, so that no template repeats its headings.
+it for all tables, whatever wrote them, so that no template repeats its headings.
 """
 
 import re

@@ -114,7 +114,7 @@ class LogLog:
                           f"{escape(words)}</text>")
 
     def svg(self, described: str) -> str:
-        """The whole picture, described for readers who do not see it."""
+        """The whole picture, described for readers that do not see it."""
         label = escape(described, quote=True)
         return (f'<svg role="img" aria-label="{label}" viewBox="0 0 {WIDTH} {self.height}" width="{WIDTH}" '
                 f'height="{self.height}" stroke="none" fill="{TEXT[0]}">{"".join(self.parts)}</svg>')

@@ -10,7 +10,7 @@ from scenarios.behind import Figure
 from scenarios.engines import BASELINE, GATED
 
 ASKED = ("residual_overlap_max", "tracker_offset_rms_free")
-"""Metrics in metres that a reader sees: how deep something is in something else, how far a link is from a user who is free."""
+"""Metrics in metres that a reader sees: how deep something is in something else, how far a link is from a target that is free."""
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def left_of(skel: Skeleton, settings: PostureSettings, link: int, goal: Goal) ->
 
 @kernel
 def share_within(skel: Skeleton, settings: PostureSettings, way: Array, goal: Goal) -> float:
-    """Largest share up to 1 of a way (nd) that the budget of those who are led still holds."""
+    """Largest share up to 1 of a way (nd) that the budget of the led avatars still holds."""
     share = 1.0
     for link in range(skel.kind.shape[0]):
         if not is_led(skel, skel.first + link, goal):
@@ -64,7 +64,7 @@ def share_within(skel: Skeleton, settings: PostureSettings, way: Array, goal: Go
 
 @kernel
 def is_spent(skel: Skeleton, settings: PostureSettings, goal: Goal) -> bool:
-    """Whether a root or a joint of those who are led has nothing left of its budget in this frame."""
+    """Whether a root or a joint of the led avatars has nothing left of its budget in this frame."""
     for link in range(skel.kind.shape[0]):
         if is_led(skel, skel.first + link, goal):
             move, turn = left_of(skel, settings, link, goal)
@@ -75,7 +75,7 @@ def is_spent(skel: Skeleton, settings: PostureSettings, goal: Goal) -> bool:
 
 @kernel
 def allow_what_is_left(skel: Skeleton, settings: PostureSettings, goal: Goal, allowed_out: Array) -> None:
-    """Allow those who are led the share of a step (nd) by which it stays within the budget, where contacts do not shove it aside,
+    """Allow the led avatars the share of a step (nd) by which it stays within the budget, where contacts do not shove it aside,
     and all others none."""
     for link in range(skel.kind.shape[0]):
         d = skel.first_dof[link]
