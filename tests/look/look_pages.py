@@ -106,6 +106,16 @@ def scenes(run: Path) -> list[Path]:
     return found[:3]
 
 
+def shortest(run: Path) -> Path:
+    """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
+    lengths = {}
+    for page in (run / "scenes").glob("*.html"):
+        bar = re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text(encoding="utf-8"))
+        if bar and int(bar[1]) > 20:
+            lengths[page] = int(bar[1])
+    return min(sorted(lengths), key=lambda page: lengths[page])
+
+
 def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = run / "index.html"
@@ -170,7 +180,7 @@ def test_every_scene_has_a_card_and_the_filter_leaves_what_fits(run: Path, opene
     # a link to a scene that is filtered away brings it back
     one.value(f"location.hash = 'scene-{first}'")
     one.until(f"{left} === {total}")
-    one.value("document.getElementById('scenes').scrollIntoView()")
+    one.value("document.getElementById('scenes').scrollIntoView({behavior: 'instant'})")
     one.picture(SCREENSHOTS / f"scenes-{run.name}-{name}.png")
     assert one.errors == []
 
@@ -230,7 +240,7 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
 
 def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
     one, _ = opened
-    page = scenes(run)[0]
+    page = shortest(run)
     one.downloads(tmp_path)
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
@@ -238,7 +248,6 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
     one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
     saved = tmp_path / f"{page.stem}.gif"
-    one.until("true")
     for _ in range(100):
         if saved.exists():
             break

@@ -1,5 +1,6 @@
 """The README's table is what the command writes from the committed figures, and nothing else."""
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ from reports import headline
 from reports.__main__ import HEADLINE, README
 from reports.load import load
 
+ABOUT = README.parent / "reports" / "pictures" / "about.json"
 Json = dict[str, object]
 Write = Callable[[object], Path]
 
@@ -22,16 +24,42 @@ def test_the_readme_holds_what_the_committed_figures_say() -> None:
 
 def test_the_readme_s_pictures_are_there_and_small() -> None:
     found = re.findall(r"!\[([^\]]+)\]\(([^)]+)\)", README.read_text(encoding="utf-8"))
-    assert len(found) == 2 and all(len(words) > 40 for words, _ in found)
+    assert len(found) >= 2 and all(len(words) > 40 for words, _ in found)
     sizes = [(README.parent / path).stat().st_size for _, path in found]
-    assert all(10_000 < size < 400_000 for size in sizes)
+    assert all(10_000 < size < 500_000 for size in sizes)
+
+
+def test_table_and_pictures_are_of_one_run() -> None:
+    """Neither names its run, as before `make headline` wrote both; or both name the same, and the README tells which."""
+    facts = headline.facts_of(headline.load(HEADLINE))
+    named = {name: facts[name] for name in ("run", "commit", "date") if name in facts}
+    about = json.loads(ABOUT.read_text(encoding="utf-8")) if ABOUT.exists() else {"pictures": []}
+    assert {name: about[name] for name in ("run", "commit", "date") if name in about} == named
+    readme = README.read_text(encoding="utf-8")
+    assert all(text[: headline.SHORT_COMMIT if name == "commit" else None] in readme for name, text in named.items())
+    if named:
+        shown = {Path(path).name for path in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", readme)}
+        assert shown == set(about["pictures"]) == {path.name for path in ABOUT.parent.iterdir()} - {ABOUT.name}
+
+
+def test_what_a_run_did_not_keep_is_said(run_dir: Write, results: Json) -> None:
+    provenance: Json = {"started": "2026-11-24T09:29:45+00:00", "commit": 40 * "a"}
+    assert headline.origin(load(run_dir(results)), "r1") == {"run": "r1", "commit": "unknown", "date": "unknown"}
+    told = headline.origin(load(run_dir(results | {"provenance": provenance})), "r2")
+    assert told == {"run": "r2", "commit": 40 * "a", "date": "2026-11-24"}
+    without: Json = {"started": None, "commit": None}
+    assert headline.origin(load(run_dir(results | {"provenance": without})), "r3")["commit"] == "unknown"
 
 
 def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> None:
     path = tmp_path / "headline.csv"
-    path.write_text(headline.numbers(load(run_dir(results))))
+    provenance = results["provenance"]
+    assert isinstance(provenance, dict)
+    results = results | {"provenance": provenance | {"started": "2026-11-24T09:29:45+00:00", "commit": "0123456789abcdef"}}
+    path.write_text(headline.numbers(load(run_dir(results)), "20261124-092945-compare"))
     words = headline.block(headline.load(path))
-    assert words.startswith("Measured on some cores of Abacus 9, Python 3.11.\n")
+    assert words.startswith("Table and pictures are of one run, `20261124-092945-compare`, at commit `0123456789ab`, on "
+                            "2026-11-24. Measured on some cores of Abacus 9, Python 3.11.\n")
     assert "| arm_wall | overlap | **300 nm** | 4.00 mm | 60.0 µm | 10.0 µm | 100 mm |" in words
     assert "|  | frame time | **31.0 µs** | 190 µs | 420 µs | 880 µs | — |" in words
     # ours loses here, and a run that crashed has no number
@@ -42,7 +70,7 @@ def test_what_is_no_number_is_said(run_dir: Write, results: Json, tmp_path: Path
     rows = results["rows"]
     assert isinstance(rows, list)
     broken = run_dir(results | {"rows": [rows[0] | {"value": "NaN"}, *rows[1:]]})
-    (tmp_path / "headline.csv").write_text(headline.numbers(load(broken)))
+    (tmp_path / "headline.csv").write_text(headline.numbers(load(broken), "broken"))
     assert "| arm_wall | overlap | NaN |" in headline.block(headline.load(tmp_path / "headline.csv"))
 
 
