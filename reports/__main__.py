@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 0
         if chosen.command == "headline":
             HEADLINE.write_text(headline.numbers(load(chosen.run), chosen.run.resolve().name), encoding="utf-8")
-            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.block(headline.load(HEADLINE))),
+            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.told(headline.load(HEADLINE))),
                               encoding="utf-8")
             print(f"{HEADLINE}\n{README}")
             return 0

@@ -23,14 +23,14 @@ MEASURES = {
 """Columns of the verdict table that the README shows, and what they are called there."""
 ROUNDING = 1e-9
 """Smaller figures, in any unit of the table, are rounding of numbers of everyday size, and are written as 0."""
+ABOUT = "about"
+"""Scene of the lines that say where the figures come from."""
 DAY = len("2026-11-24")
 """Characters of a time in ISO 8601 that say the day."""
 UNKNOWN = "unknown"
 """Stands for what a run did not keep."""
 SHORT_COMMIT = 12
 """Characters of a commit's hash that are printed: enough to be the only one that begins so."""
-ABOUT = "about"
-"""Scene of the lines that say where the figures come from."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,15 @@ def origin(results: Results, run: str) -> dict[str, str]:
     return {"run": run, "commit": str(commit or UNKNOWN), "date": str(started or UNKNOWN)[:DAY]}
 
 
-def numbers(results: Results, run: str) -> str:
-    """The committed file for a run of that name: every engine in its everyday scenes; in all its scenes where it has none of
-    those."""
+def numbers(results: Results, run: str = "") -> str:
+    """The committed file for a run, which it names where the `run` has a name: every engine in its everyday scenes; in all its
+    scenes where it has none of those."""
     written = io.StringIO()
     writer = csv.writer(written, lineterminator="\n")
     writer.writerow(HEAD)
-    for name, text in [*origin(results, run).items(), *_facts(results.provenance)]:
+    for name, text in origin(results, run).items() if run else ():
+        writer.writerow([ABOUT, name, "", text, "", ""])
+    for name, text in _facts(results.provenance):
         writer.writerow([ABOUT, name, "", text, "", ""])
     for block in blocks(results):
         for figure in _figures(block) if block.scene in results.everyday or not results.everyday else ():
@@ -101,7 +103,7 @@ def load(path: Path) -> tuple[Figure, ...]:
 
 def block(figures: Sequence[Figure]) -> str:
     """The words between the marks, as Markdown: where the figures come from, then the table. Who is best stands in bold."""
-    facts = facts_of(figures)
+    facts = {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
     shown = [figure for figure in figures if figure.scene != ABOUT]
     runs = tuple(dict.fromkeys(figure.run for figure in shown if not figure.run.startswith("tracker/")))
     said = [f"{facts.get('cpus', 'some')} cores of {facts.get('cpu', 'an unknown processor')}"]
@@ -114,21 +116,7 @@ def block(figures: Sequence[Figure]) -> str:
             raw = next((_text(figure) for run, figure in by_run.items() if run.startswith("tracker/")), MISSING)
             cells = [_text(by_run[run]) if run in by_run else MISSING for run in runs]
             table.append(f"| {scene if place == 0 else ''} | {measure} | {' | '.join(cells)} | {raw} |")
-    return "\n".join([f"{_whence(facts)}Measured on {', '.join(said)}.", "", *table])
-
-
-def facts_of(figures: Sequence[Figure]) -> dict[str, str]:
-    """What the committed file says of the run behind its figures, by name."""
-    return {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
-
-
-def _whence(facts: Mapping[str, str]) -> str:
-    """The sentence on the run behind table and pictures; "" where the committed file names none."""
-    if "run" not in facts:
-        return ""
-    commit = facts.get("commit", UNKNOWN)
-    named = f"commit `{commit[:SHORT_COMMIT]}`" if commit != UNKNOWN else "an unknown commit"
-    return f"Table and pictures are of one run, `{facts['run']}`, at {named}, on {facts.get('date', 'an unknown day')}. "
+    return "\n".join([f"Measured on {', '.join(said)}.", "", *table])
 
 
 def _text(figure: Figure) -> str:
@@ -143,3 +131,20 @@ def replaced(readme: str, words: str) -> str:
     if not begins or not ends or BEGINS in rest or ENDS in after:
         raise InvalidFile("README.md", "no marks for the table, or several", f"{BEGINS} and {ENDS}, once each")
     return f"{before}{BEGINS}\n{words}\n{ENDS}{after}"
+
+
+def facts_of(figures: Sequence[Figure]) -> dict[str, str]:
+    """What the committed file says of the run behind its figures, by name."""
+    return {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
+
+
+def told(figures: Sequence[Figure]) -> str:
+    """What stands between the README's marks: the run behind table and pictures where the committed file names one, then the
+    words of `block`."""
+    facts = facts_of(figures)
+    if "run" not in facts:
+        return block(figures)
+    commit = facts.get("commit", UNKNOWN)
+    named = f"commit `{commit[:SHORT_COMMIT]}`" if commit != UNKNOWN else "an unknown commit"
+    when = facts.get("date", "an unknown day")
+    return f"Table and pictures are of one run, `{facts['run']}`, at {named}, on {when}.\n\n{block(figures)}"

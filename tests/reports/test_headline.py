@@ -19,7 +19,7 @@ Write = Callable[[object], Path]
 
 def test_the_readme_holds_what_the_committed_figures_say() -> None:
     text = README.read_text(encoding="utf-8")
-    assert headline.replaced(text, headline.block(headline.load(HEADLINE))) == text
+    assert headline.replaced(text, headline.told(headline.load(HEADLINE))) == text
 
 
 def test_the_readme_s_pictures_are_there_and_small() -> None:
@@ -53,13 +53,9 @@ def test_what_a_run_did_not_keep_is_said(run_dir: Write, results: Json) -> None:
 
 def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> None:
     path = tmp_path / "headline.csv"
-    provenance = results["provenance"]
-    assert isinstance(provenance, dict)
-    results = results | {"provenance": provenance | {"started": "2026-11-24T09:29:45+00:00", "commit": "0123456789abcdef"}}
-    path.write_text(headline.numbers(load(run_dir(results)), "20261124-092945-compare"))
+    path.write_text(headline.numbers(load(run_dir(results))))
     words = headline.block(headline.load(path))
-    assert words.startswith("Table and pictures are of one run, `20261124-092945-compare`, at commit `0123456789ab`, on "
-                            "2026-11-24. Measured on some cores of Abacus 9, Python 3.11.\n")
+    assert words.startswith("Measured on some cores of Abacus 9, Python 3.11.\n")
     assert "| arm_wall | overlap | **300 nm** | 4.00 mm | 60.0 µm | 10.0 µm | 100 mm |" in words
     assert "|  | frame time | **31.0 µs** | 190 µs | 420 µs | 880 µs | — |" in words
     # ours loses here, and a run that crashed has no number
@@ -70,7 +66,7 @@ def test_what_is_no_number_is_said(run_dir: Write, results: Json, tmp_path: Path
     rows = results["rows"]
     assert isinstance(rows, list)
     broken = run_dir(results | {"rows": [rows[0] | {"value": "NaN"}, *rows[1:]]})
-    (tmp_path / "headline.csv").write_text(headline.numbers(load(broken), "broken"))
+    (tmp_path / "headline.csv").write_text(headline.numbers(load(broken)))
     assert "| arm_wall | overlap | NaN |" in headline.block(headline.load(tmp_path / "headline.csv"))
 
 
@@ -84,3 +80,15 @@ def test_an_empty_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "headline.csv").write_text(",".join(headline.HEAD) + "\n")
     with pytest.raises(InvalidFile, match="no row"):
         headline.load(tmp_path / "headline.csv")
+
+
+def test_a_run_that_has_a_name_is_told_before_its_table(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    provenance: Json = {"started": "2026-11-24T09:29:45+00:00", "commit": "0123456789abcdef"}
+    path = tmp_path / "headline.csv"
+    path.write_text(headline.numbers(load(run_dir(results | {"provenance": provenance})), "20261124-092945-compare"))
+    figures = headline.load(path)
+    assert headline.told(figures) == (
+        "Table and pictures are of one run, `20261124-092945-compare`, at commit `0123456789ab`, on 2026-11-24.\n\n"
+        + headline.block(figures))
+    path.write_text(headline.numbers(load(run_dir(results))))
+    assert headline.told(headline.load(path)) == headline.block(headline.load(path))
