@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look fuzz check ablate bench sweep map stability nearness report lint lock prune clean FORCE
+.PHONY: help setup compare test look headline fuzz check ablate bench sweep map stability nearness report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -96,6 +96,11 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	export NUMBA_DISABLE_JIT=1; $(ASK) $(ALL_AT_ONCE) $(NOJIT) || { $(ASK) $(AGAIN) $(NOJIT); exit 1; }
 	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
 	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
+
+# Pictures first, since they need a browser: without one the table stays too, and both go on telling of the same run.
+headline: $(READY)  ## the README's table and pictures again, all of the last run, with its commit and date (needs a Chromium)
+	@$(VENV_PYTHON) -m tests.look.pictures
+	@$(VENV_PYTHON) -m reports headline
 
 look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py

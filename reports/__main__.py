@@ -37,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
     keep = commands.add_parser("baseline", help="make a run's accuracy the committed baseline")
     keep.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     keep.add_argument("--to", type=Path, default=COMMITTED, metavar="FILE", help="another file")
-    head = commands.add_parser("headline", help="write the table of the README from a run")
+    head = commands.add_parser("headline", help="write the table of the README from a run (`make headline`: its pictures too)")
     head.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     return top
 
@@ -55,8 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(chosen.to)
             return 0
         if chosen.command == "headline":
-            HEADLINE.write_text(headline.numbers(load(chosen.run)), encoding="utf-8")
-            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.block(headline.load(HEADLINE))),
+            HEADLINE.write_text(headline.numbers(load(chosen.run), chosen.run.resolve().name), encoding="utf-8")
+            README.write_text(headline.replaced(README.read_text(encoding="utf-8"), headline.told(headline.load(HEADLINE))),
                               encoding="utf-8")
             print(f"{HEADLINE}\n{README}")
             return 0

@@ -35,6 +35,12 @@ CLOCK, ELSEWHERE = "clock", "busy elsewhere"
 """Facts about the machine, by the names that they have in the file."""
 ABOUT = "about"
 """Scene of the lines that say where the figures come from."""
+DAY = len("2026-11-24")
+"""Characters of a time in ISO 8601 that say the day."""
+UNKNOWN = "unknown"
+"""Stands for what a run did not keep."""
+SHORT_COMMIT = 12
+"""Characters of a commit's hash that are printed: enough to be the only one that begins so."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +55,20 @@ class Figure:
     best: bool
 
 
-def numbers(results: Results) -> str:
-    """The committed file for a run: every engine in its everyday scenes; in all its scenes where it has none of those."""
+def origin(results: Results, run: str) -> dict[str, str]:
+    """Where the figures and pictures of the README come from: the name of the `run`, its day, and the commit that ran."""
+    started, commit = results.provenance.get("started"), results.provenance.get("commit")
+    return {"run": run, "commit": str(commit or UNKNOWN), "date": str(started or UNKNOWN)[:DAY]}
+
+
+def numbers(results: Results, run: str = "") -> str:
+    """The committed file for a run, which it names where the `run` has a name: every engine in its everyday scenes; in all its
+    scenes where it has none of those."""
     written = io.StringIO()
     writer = csv.writer(written, lineterminator="\n")
     writer.writerow(HEAD)
+    for name, text in origin(results, run).items() if run else ():
+        writer.writerow([ABOUT, name, "", text, "", ""])
     for name, text in _facts(results.provenance):
         writer.writerow([ABOUT, name, "", text, "", ""])
     for block in blocks(results):
@@ -143,3 +158,20 @@ def replaced(readme: str, words: str) -> str:
     if not begins or not ends or BEGINS in rest or ENDS in after:
         raise InvalidFile("README.md", "no marks for the table, or several", f"{BEGINS} and {ENDS}, once each")
     return f"{before}{BEGINS}\n{words}\n{ENDS}{after}"
+
+
+def facts_of(figures: Sequence[Figure]) -> dict[str, str]:
+    """What the committed file says of the run behind its figures, by name."""
+    return {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
+
+
+def told(figures: Sequence[Figure]) -> str:
+    """What stands between the README's marks: the run behind table and pictures where the committed file names one, then the
+    words of `block`."""
+    facts = facts_of(figures)
+    if "run" not in facts:
+        return block(figures)
+    commit = facts.get("commit", UNKNOWN)
+    named = f"commit `{commit[:SHORT_COMMIT]}`" if commit != UNKNOWN else "an unknown commit"
+    when = facts.get("date", "an unknown day")
+    return f"Table and pictures are of one run, `{facts['run']}`, at {named}, on {when}.\n\n{block(figures)}"

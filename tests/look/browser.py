@@ -130,12 +130,12 @@ class Browser:
         elif kind == "Page.loadEventFired":
             self.loaded = True
 
-    def open(self, page: Path) -> None:
-        """Load a page from disk and wait until it is there."""
+    def open(self, page: Path, hash_: str = "") -> None:
+        """Load a page from disk, at "#..." where that is said, and wait until it is there."""
         self.loaded = False
         self.errors.clear()
         self.requests.clear()
-        self.tell("Page.navigate", url=page.resolve().as_uri())
+        self.tell("Page.navigate", url=page.resolve().as_uri() + hash_)
         until = time.monotonic() + PATIENCE
         while not self.loaded:
             if time.monotonic() > until:
@@ -163,6 +163,10 @@ class Browser:
         self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
         wish = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.tell("Emulation.setEmulatedMedia", features=[wish])
+
+    def downloads(self, folder: Path) -> None:
+        """Let the page save files, into `folder` and nowhere else."""
+        self.tell("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(folder.resolve()))
 
     def picture(self, place: Path, clip: Mapping[str, float] | None = None) -> None:
         """A screenshot of the window as PNG, or of `clip` (x, y, width, height, scale) of the page."""

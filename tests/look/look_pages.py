@@ -5,19 +5,28 @@ screenshots in reports/out/look/ for eyes.
 """
 
 import json
+import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy
 import pytest
+from PIL import Image, ImageSequence
 
 from reports import write_report
+from scenarios.metrics import METRICS
 from tests.look.browser import Browser, browser
 from tests.reports.conftest import whole_run
 from tests.reports.recorded import recording, scene
 
 OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
 SCREENSHOTS = OUT / "look"
-SIZES = {"wide": (1280, 900), "narrow": (420, 900)}
+SIZES = {"wide": (1400, 900), "narrow": (390, 900)}
+TALLEST = 12_000
+"""Height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
+LARGEST_GIF = 20_000_000
+"""Bytes; a moving picture of a whole scene that is larger cannot be sent to anyone."""
 
 COLOURS = """
 new Promise((done) => {
@@ -97,6 +106,16 @@ def scenes(run: Path) -> list[Path]:
     return found[:3]
 
 
+def shortest(run: Path) -> Path:
+    """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
+    lengths = {}
+    for page in (run / "scenes").glob("*.html"):
+        bar = re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text(encoding="utf-8"))
+        if bar and int(bar[1]) > 20:
+            lengths[page] = int(bar[1])
+    return min(sorted(lengths), key=lambda page: lengths[page])
+
+
 def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = run / "index.html"
@@ -105,6 +124,8 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     assert one.value("document.querySelectorAll('figure svg').length") > 4
     assert one.value(BLANK) == 0
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+    if name.startswith("wide"):
+        assert one.value("document.documentElement.scrollHeight") < TALLEST
     for choice in one.value("[...document.querySelectorAll('#courses-scene option')].map((one) => one.value)"):
         picked = f"""(() => {{
             const box = document.getElementById("courses-scene");
@@ -119,13 +140,135 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     one.picture(SCREENSHOTS / f"index-{run.name}-{name}.png")
 
 
+def test_links_at_the_top_reach_every_section(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(run / "index.html")
+    sections = one.value("[...document.querySelectorAll('section')].map((one) => one.id)")
+    assert sections and all(sections)
+    assert one.value("[...document.querySelectorAll('nav a')].map((one) => one.getAttribute('href').slice(1))") == sections
+    for section in (sections[-1], "scenes"):
+        one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
+        assert one.value("location.hash") == f"#{section}"
+
+
+def test_every_scene_has_a_card_and_the_filter_leaves_what_fits(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(run / "index.html")
+    total = one.value("document.querySelectorAll('.scene-card').length")
+    assert total == one.value("document.querySelectorAll('#ranking tbody').length")
+    drawn = one.value("""[...document.querySelectorAll('svg.thumb')].filter((svg) => {
+        const box = svg.getBoundingClientRect();
+        return box.width > 100 && box.height > 60 && svg.querySelector('path, circle')
+            && getComputedStyle(svg.querySelector('path, circle')).fill !== 'rgb(0, 0, 0)';
+    }).length""")
+    assert drawn == sum('id="replay-data"' in page.read_text(encoding="utf-8") for page in (run / "scenes").glob("*.html"))
+    left = "[...document.querySelectorAll('.scene-card')].filter((card) => card.getBoundingClientRect().height > 0).length"
+    assert one.value(left) == total
+
+    def choose(control: str, value: str) -> int:
+        one.value(f"""(() => {{ const box = document.getElementById('gallery-{control}');
+            box.value = {json.dumps(value)}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
+        return int(one.value(left))
+
+    families = one.value("[...document.querySelectorAll('#gallery-family option')].map((one) => one.value)")
+    assert sum(choose("family", family) for family in families if family) == total
+    assert choose("family", "") == total
+    first = one.value("document.querySelector('.scene-card').id.slice(6)")
+    assert 1 <= choose("words", f"{first.split('_')[0]} {first.split('_')[-1]}") <= total
+    assert choose("words", "no scene has these words") == 0
+    assert one.value("document.getElementById('gallery-count').textContent") == f"0 of {total} scenes"
+    # a link to a scene that is filtered away brings it back
+    one.value(f"location.hash = 'scene-{first}'")
+    one.until(f"{left} === {total}")
+    one.value("document.getElementById('scenes').scrollIntoView({behavior: 'instant'})")
+    one.picture(SCREENSHOTS / f"scenes-{run.name}-{name}.png")
+    assert one.errors == []
+
+
+def test_tables_are_cards_where_there_is_no_room(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(run / "index.html")
+    shown = one.value("getComputedStyle(document.querySelector('#ranking tbody td'), '::before').content")
+    display = one.value("getComputedStyle(document.querySelector('#ranking tr')).display")
+    assert (display, shown != "none") == (("block", True) if name.startswith("narrow") else ("table-row", False))
+
+
+def test_no_metric_is_called_by_its_identifier(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(run / "index.html")
+    one.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    one.value("document.querySelectorAll('code').forEach((one) => one.remove())")
+    text = str(one.value("document.querySelector('main').innerText"))
+    assert [metric for metric in METRICS if "_" in metric and re.search(rf"\b{metric}\b", text)] == []
+
+
+def test_a_link_leads_to_a_moment(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    page = scenes(run)[0]
+    one.open(page)
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    step = float(one.value("JSON.parse(document.getElementById('replay-data').textContent).dt"))
+    shown = "Number(document.getElementById('replay').dataset.frame)"
+    one.value(f"location.hash = 't={7 * step:.6g}'")
+    one.until(f"{shown} === 7")
+    one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: %r}))" % (3 * step))
+    one.until(f"{shown} === 3")
+    one.value("document.querySelector('[data-part=link]').click()")
+    linked = str(one.value("location.hash"))
+    assert float(linked.removeprefix("#t=")) == pytest.approx(3 * step, rel=1e-5)
+    # and at load, as from a card of the index
+    one.open(run / "index.html")
+    one.open(page, linked)
+    one.until(f"{shown} === 3")
+    one.value("location.hash = 't=nonsense'")
+    assert one.value(shown) == 3 and one.errors == []
+
+
+def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    for page in scenes(run):
+        one.open(page)
+        one.until("document.getElementById('replay').dataset.frame !== undefined")
+        runs = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.worst)")
+        wanted = [worst["state"] for worst in runs if worst]
+        assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == wanted
+        for number, state in enumerate(wanted):
+            one.value(f"document.querySelectorAll('[data-worst]')[{number}].click()")
+            one.until(f"document.getElementById('replay').dataset.frame === '{state}'")
+        assert one.errors == []
+
+
+def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
+    one, _ = opened
+    page = shortest(run)
+    one.downloads(tmp_path)
+    one.open(page)
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    one.value("document.querySelector('[data-part=film]').click()")
+    one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
+    one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
+    saved = tmp_path / f"{page.stem}.gif"
+    for _ in range(100):
+        if saved.exists():
+            break
+        time.sleep(0.1)
+    assert 1000 < saved.stat().st_size == int(one.value("document.getElementById('replay').dataset.filmed")) < LARGEST_GIF
+    with Image.open(saved) as film:
+        pictures = [numpy.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)]
+        assert film.format == "GIF" and film.info["loop"] == 0 and len(pictures) > 5
+    # many colours, and something moves
+    assert len(numpy.unique(pictures[0].reshape(-1, 3), axis=0)) > 10
+    assert any((later != pictures[0]).any() for later in pictures[1:])
+    quiet(one, page)
+
+
 def test_the_index_leads_to_every_scene_and_back(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     one.open(run / "index.html")
     every = "[...document.querySelectorAll('a[href*=\"scenes/\"]')].map((one) => one.getAttribute('href'))"
     links = one.value(f"[...new Set({every})]")
-    assert links and all((run / link).exists() for link in links)
-    one.open(run / links[0])
+    assert links and all((run / link.partition("#")[0]).exists() for link in links)
+    one.open(run / links[0].partition("#")[0])
     assert one.value("document.querySelector('.brand a').getAttribute('href')") == "../index.html"
 
 

@@ -1,5 +1,6 @@
 """The README's table is what the command writes from the committed figures, and nothing else."""
 
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,20 +12,43 @@ from reports import headline
 from reports.__main__ import HEADLINE, README
 from reports.load import load
 
+ABOUT = README.parent / "reports" / "pictures" / "about.json"
 Json = dict[str, object]
 Write = Callable[[object], Path]
 
 
 def test_the_readme_holds_what_the_committed_figures_say() -> None:
     text = README.read_text(encoding="utf-8")
-    assert headline.replaced(text, headline.block(headline.load(HEADLINE))) == text
+    assert headline.replaced(text, headline.told(headline.load(HEADLINE))) == text
 
 
 def test_the_readme_s_pictures_are_there_and_small() -> None:
     found = re.findall(r"!\[([^\]]+)\]\(([^)]+)\)", README.read_text(encoding="utf-8"))
-    assert len(found) == 2 and all(len(words) > 40 for words, _ in found)
+    assert len(found) >= 2 and all(len(words) > 40 for words, _ in found)
     sizes = [(README.parent / path).stat().st_size for _, path in found]
-    assert all(10_000 < size < 400_000 for size in sizes)
+    assert all(10_000 < size < 500_000 for size in sizes)
+
+
+def test_table_and_pictures_are_of_one_run() -> None:
+    """Neither names its run, as before `make headline` wrote both; or both name the same, and the README tells which."""
+    facts = headline.facts_of(headline.load(HEADLINE))
+    named = {name: facts[name] for name in ("run", "commit", "date") if name in facts}
+    about = json.loads(ABOUT.read_text(encoding="utf-8")) if ABOUT.exists() else {"pictures": []}
+    assert {name: about[name] for name in ("run", "commit", "date") if name in about} == named
+    readme = README.read_text(encoding="utf-8")
+    assert all(text[: headline.SHORT_COMMIT if name == "commit" else None] in readme for name, text in named.items())
+    if named:
+        shown = {Path(path).name for path in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", readme)}
+        assert shown == set(about["pictures"]) == {path.name for path in ABOUT.parent.iterdir()} - {ABOUT.name}
+
+
+def test_what_a_run_did_not_keep_is_said(run_dir: Write, results: Json) -> None:
+    provenance: Json = {"started": "2026-11-24T09:29:45+00:00", "commit": 40 * "a"}
+    assert headline.origin(load(run_dir(results)), "r1") == {"run": "r1", "commit": "unknown", "date": "unknown"}
+    told = headline.origin(load(run_dir(results | {"provenance": provenance})), "r2")
+    assert told == {"run": "r2", "commit": 40 * "a", "date": "2026-11-24"}
+    without: Json = {"started": None, "commit": None}
+    assert headline.origin(load(run_dir(results | {"provenance": without})), "r3")["commit"] == "unknown"
 
 
 def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> None:
@@ -75,3 +99,15 @@ def test_an_empty_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "headline.csv").write_text(",".join(headline.HEAD) + "\n")
     with pytest.raises(InvalidFile, match="no row"):
         headline.load(tmp_path / "headline.csv")
+
+
+def test_a_run_that_has_a_name_is_told_before_its_table(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    provenance: Json = {"started": "2026-11-24T09:29:45+00:00", "commit": "0123456789abcdef"}
+    path = tmp_path / "headline.csv"
+    path.write_text(headline.numbers(load(run_dir(results | {"provenance": provenance})), "20261124-092945-compare"))
+    figures = headline.load(path)
+    assert headline.told(figures) == (
+        "Table and pictures are of one run, `20261124-092945-compare`, at commit `0123456789ab`, on 2026-11-24.\n\n"
+        + headline.block(figures))
+    path.write_text(headline.numbers(load(run_dir(results))))
+    assert headline.told(headline.load(path)) == headline.block(headline.load(path))
