@@ -54,8 +54,10 @@ def usual(name: str) -> Array:
     return depths(MujocoEngine(), EARLY) if name == "mujoco" else depths(PybulletEngine(), {})
 
 
+# conjugate gradients take more iterations than Newton: with its 100 they stop before they have converged, on some processors
 @pytest.mark.parametrize("options", [
-    {"solver": "CG"}, {"solver": "PGS"}, {"islands": False}, {"warm_starts": False}, {"iterations": 30}, {"tolerance": 1e-12},
+    {"solver": "CG", "iterations": 400}, {"solver": "PGS"}, {"islands": False}, {"warm_starts": False}, {"iterations": 30},
+    {"tolerance": 1e-12},
     {"noslip_iterations": 3},
 ], ids=str)
 def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None:
