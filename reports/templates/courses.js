@@ -6,7 +6,7 @@
   const data = JSON.parse(found.textContent);
   const root = document.getElementById("courses-charts");
   // drawn narrower where there is little room, so that the words keep their size
-  const WIDTH = root.clientWidth > 0 && root.clientWidth < 480 ? 340 : 560, HEIGHT = 132, LEFT = 62, RIGHT = 10, TOP = 8, BOTTOM = 22;
+  const WIDTH = window.innerWidth < 520 ? 340 : 560, HEIGHT = 132, LEFT = 62, RIGHT = 10, TOP = 8, BOTTOM = 22;
   const make = (name, about, inside) => {
     const node = document.createElementNS("http://www.w3.org/2000/svg", name);
     for (const [key, value] of Object.entries(about)) node.setAttribute(key, value);

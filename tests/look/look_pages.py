@@ -126,6 +126,7 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
     if name.startswith("wide"):
         assert one.value("document.documentElement.scrollHeight") < TALLEST
+    one.value("document.querySelector('#courses details').open = true")
     for choice in one.value("[...document.querySelectorAll('#courses-scene option')].map((one) => one.value)"):
         picked = f"""(() => {{
             const box = document.getElementById("courses-scene");
