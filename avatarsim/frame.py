@@ -33,6 +33,11 @@ def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: boo
 class Frames:
     """The stages of a frame over one world, in order, each only if the scene calls for its effect."""
 
+    # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
+    # would keep those of this one in a dictionary
+    __slots__ = (
+        "_counted", "clock", "driven", "effects", "lower", "passed", "record", "target", "time", "upper", "world",
+    )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
 
