@@ -12,9 +12,10 @@ from reports import timing_words
 from reports.columns import COLUMNS, Column
 from reports.files import lines
 from reports.load import Results
-from reports.tables import Block, Cell, blocks
+from reports.tables import Block, Cell, blocks, together
 from reports.wording import MISSING, quantity
 from scenarios.measure.protocol import brief
+from scenarios.unseen.rooms import PREFIX
 
 BEGINS, ENDS = "<!-- headline: written by `python -m reports headline` -->", "<!-- end of headline -->"
 HEAD = ("scene", "measure", "unit", "run", "value", "best")
@@ -23,6 +24,10 @@ MEASURES = {
     "chatter": "frames in contact that shake", "p50": "frame time", "python": "as called from Python",
 }
 """Columns of the verdict table that the README shows, and what they are called there."""
+ROOMS = "motion nobody tuned for, worst of {} rooms"
+"""What the last rows of the table are called: clips recombined by a seed drawn from the commit."""
+IN_ROOMS = ("overlap", "offset", "chatter")
+"""Columns of the verdict table in those rows: times would be the worst of scenes that differ."""
 LEFT_OUT = (
     "Joint limits are not in this table: the other engines have no word for the swing cone and the twist of a ball joint, and "
     "three limited hinges in its place limit other angles; the report has the figures."
@@ -71,11 +76,18 @@ def numbers(results: Results, run: str = "") -> str:
         writer.writerow([ABOUT, name, "", text, "", ""])
     for name, text in _facts(results.provenance):
         writer.writerow([ABOUT, name, "", text, "", ""])
-    for block in blocks(results):
-        for figure in _figures(block) if block.scene in results.everyday or not results.everyday else ():
-            value = "" if figure.value is None else "0" if abs(figure.value) < ROUNDING else f"{figure.value:.4g}"
-            writer.writerow([figure.scene, figure.measure, figure.unit, figure.run, value, "best" if figure.best else ""])
+    for figure in _shown(results):
+        value = "" if figure.value is None else "0" if abs(figure.value) < ROUNDING else f"{figure.value:.4g}"
+        writer.writerow([figure.scene, figure.measure, figure.unit, figure.run, value, "best" if figure.best else ""])
     return written.getvalue()
+
+
+def _shown(results: Results) -> list[Figure]:
+    """Every everyday scene, or every scene of a run without any; then the rooms of unseen motions as one."""
+    found = [figure for block in blocks(results) if block.scene in results.everyday or not results.everyday
+             for figure in _figures(block, tuple(MEASURES))]
+    rooms = {row.scenario for row in results.rows if row.scenario.startswith(PREFIX)}
+    return found + (_figures(together(results, rooms, ROOMS.format(len(rooms))), IN_ROOMS) if rooms else [])
 
 
 def _facts(provenance: Mapping[str, object]) -> list[tuple[str, str]]:
@@ -100,10 +112,10 @@ def _called(column: Column, cells: Sequence[Cell]) -> str:
     return f"{MEASURES[column.key]}, {how}" if how else MEASURES[column.key]
 
 
-def _figures(block: Block) -> list[Figure]:
+def _figures(block: Block, measures: Sequence[str]) -> list[Figure]:
     found = []
     for index, column in enumerate(COLUMNS):
-        if column.key in MEASURES:
+        if column.key in measures:
             cells = [(line.run, line.cells[index]) for line in block.lines]
             if any(cell.value is not None and not run.startswith("tracker/") for run, cell in cells):
                 unit = next((cell.row.unit for _, cell in cells if cell.row), column.unit)

@@ -2,7 +2,7 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 
 from reports.columns import COLUMNS, Column, is_truth_error, ratio_to_best, truth_metric, worst
@@ -69,6 +69,11 @@ def blocks(results: Results, first: Sequence[str] = ()) -> tuple[Block, ...]:
         grouped[row.scenario].append(row)
     ours = gated_run(results.rows)
     return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours) for s in dict.fromkeys(order))
+
+
+def together(results: Results, scenes: Container[str], title: str) -> Block:
+    """Several scenes as one block called `title`: of each run the worst figure over all of them."""
+    return _block(title, [row for row in results.rows if row.scenario in scenes], title, gated_run(results.rows))
 
 
 def _block(scene: str, rows: list[Row], title: str, ours: str) -> Block:

@@ -62,6 +62,22 @@ def test_from_a_run_to_words(run_dir: Write, results: Json, tmp_path: Path) -> N
     assert "| ball_drop | error to closed form | 0.3 | — | — | **0.02** | — |" in words
 
 
+def test_rooms_of_unseen_motions_are_one_row_with_the_worst_of_each_run(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    drawn = [
+        rows[0] | {"scenario": f"unseen_{room}", "engine": engine, "preset": "default", "metric": "chatter_frames",
+                   "value": value, "unit": "%", "bound": None, "ceiling": None, "status": "info", "note": ""}
+        for room, ours, theirs in (("floor", 3.0, 1.0), ("wall", 9.0, 0.5))
+        for engine, value in (("avatarsim", ours), ("mujoco", theirs))
+    ]
+    path = tmp_path / "headline.csv"
+    path.write_text(headline.numbers(load(run_dir(results | {"rows": [*rows, *drawn]}))))
+    (line,) = [line for line in headline.block(headline.load(path)).splitlines() if "nobody tuned for" in line]
+    assert line.startswith("| motion nobody tuned for, worst of 2 rooms | frames in contact that shake | 9.00 % |")
+    assert "| **1.00 %** |" in line
+
+
 def test_times_stand_with_their_protocol_beside_those_from_python_and_with_the_machine(
     run_dir: Write, results: Json, tmp_path: Path
 ) -> None:
