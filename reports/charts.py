@@ -14,8 +14,8 @@ import numpy as np
 
 from reports.columns import worst
 from reports.conclusions import (
-    FRAME_30_HZ,
     FRAME_60_HZ,
+    FRAME_90_HZ,
     OVERLAP_BOUND,
     overlap_sentence,
     overlap_text,
@@ -135,7 +135,7 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
     times = [value for runs in found.values() for three in runs.values() for value in three]
     times += [float(v) for runs in results.series.values() for s in runs.values() for v in s.frame_time]
     scale, axis, low, _ = time_axis(times)
-    budgets = {"60 Hz": FRAME_60_HZ, "30 Hz": FRAME_30_HZ}
+    budgets = {"60 Hz": FRAME_60_HZ, "90 Hz": FRAME_90_HZ}
     spread = spans(strokes, scale, axis, budgets)
     orders: list[tuple[Mapping[str, object], str, str]] = []
     concluded: list[tuple[str, str]] = []

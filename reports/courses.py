@@ -71,8 +71,10 @@ def courses(series: Mapping[str, Series], shown: Sequence[Shown], scene: Drawn |
     for run, own in series.items():
         if own.overlap.size:
             found["overlap"].append(Course(run, 0, own.overlap))
-        if own.frame_time.size:
-            found["time"].append(Course(run, 1, own.frame_time))
+        timed = np.flatnonzero(np.isfinite(own.frame_time))
+        if timed.size:
+            # frames before the first that was timed are no gap in what was measured
+            found["time"].append(Course(run, 1 + int(timed[0]), own.frame_time[timed[0] :]))
     engines = [one for one in shown if not one.run.startswith("tracker/")]
     for one in engines:
         if scene is not None and any(body["mass"] for body in scene.bodies):

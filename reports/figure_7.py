@@ -31,12 +31,13 @@ SEEN = 1e-6
 @dataclass(frozen=True, eq=False)
 class Trace:
     """One method's frames in the scene of Figure 7: time [us] (F,), whether the raw hand is inside something (F,), and the share
-    [%] of all its frames that each stage takes, empty where nobody measured it."""
+    [%] of all its frames that each stage takes, empty where nobody measured it; `first` frames before them were not timed."""
 
     run: str
     us: Array
     contact: Flags
     stages: Mapping[str, float] = field(default_factory=dict)
+    first: int = 0
 
 
 def load(run_dir: Path) -> tuple[Trace, ...]:
@@ -58,12 +59,13 @@ def from_series(results: Results) -> tuple[Trace, ...]:
     found = []
     for run in METHODS:
         if run in runs and runs[run].frame_time.size:
-            times = runs[run].frame_time
+            first = int(np.argmax(np.isfinite(runs[run].frame_time)))
+            times = runs[run].frame_time[first:]
             touches = np.zeros(times.size, dtype=bool)
-            # state k + 1 is what the k-th timed frame has led to
-            known = raw[1 : times.size + 1]
+            # state k + 1 is what frame k has led to
+            known = raw[first + 1 : first + times.size + 1]
             touches[: known.size] = ~(known <= SEEN)
-            found.append(Trace(run, times, touches))
+            found.append(Trace(run, times, touches, first=first))
     return tuple(found)
 
 
@@ -71,27 +73,31 @@ def figure_7(traces: Sequence[Trace]) -> list[Panel]:
     """Frame time over frames, a panel per method, contact as a grey band."""
     made: list[Panel] = []
     for trace in traces:
-        said = _phases(trace.run, trace.us, trace.contact)
-        drawn = picture(_spec(trace.run, trace.us, trace.contact), f"Frame time over frames. {said}", f"f7{len(made)}")
+        said = _phases(trace)
+        drawn = picture(_spec(trace), f"Frame time over frames. {said}", f"f7{len(made)}")
         made.append(Panel(trace.run, drawn, said))
     return made
 
 
-def _phases(run: str, times: Array, touches: Flags) -> str:
+def _phases(trace: Trace) -> str:
     """Median time while the tracker overlaps nothing, and while it does."""
+    run, times, touches = trace.run, trace.us, trace.contact
     idle, busy = times[~touches], times[touches]
     phases = (("while idle", idle), ("in contact", busy))
     parts = [f"{quantity(float(np.median(own)), 'us')} {name}" for name, own in phases if own.size]
-    slowest = f"slowest {quantity(float(np.nanmax(times)), 'us')} in frame {int(np.nanargmax(times)) + 1} of {times.size}"
+    frame = trace.first + int(np.nanargmax(times)) + 1
+    slowest = f"slowest {quantity(float(np.nanmax(times)), 'us')} in frame {frame} of {trace.first + times.size}"
     said = f"{run}: {', '.join(parts)}, {slowest}."
     return said if busy.size else f"{said} No contact in these frames: `make bench` times all of the scene."
 
 
-def _spec(run: str, times: Array, touches: Flags) -> dict[str, object]:
+def _spec(trace: Trace) -> dict[str, object]:
+    run, times, touches = trace.run, trace.us, trace.contact
     stroke, top = strokes([METHODS[0], run])[run], float(np.nanmax(times))
     step = max(1, -(-times.size // MOST_POINTS))
     dots = [
-        {"frame": k + 1, "us": float(f"{times[k : k + step].max():.4g}"), "contact": top if touches[k : k + step].any() else 0.0}
+        {"frame": trace.first + k + 1, "us": float(f"{times[k : k + step].max():.4g}"),
+         "contact": top if touches[k : k + step].any() else 0.0}
         for k in range(0, times.size, step)
     ]
     base, x = alt.Chart({"values": dots}), alt.X("frame:Q", title="frame", axis=alt.Axis(grid=False, tickCount=5),

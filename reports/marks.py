@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import altair as alt
 
-from reports.conclusions import FRAME_30_HZ, OVERLAP_BOUND
+from reports.conclusions import FRAME_60_HZ, OVERLAP_BOUND
 from reports.palette import ALARM, GRID, MUTED, TEXT, Stroke
 from reports.wording import limit
 
@@ -31,10 +31,10 @@ def overlap_axis() -> tuple[alt.Scale, alt.Axis]:
 
 
 def time_axis(times: Iterable[float]) -> tuple[alt.Scale, alt.Axis, float, float]:
-    """(scale, axis, lowest, highest) [us]: whole decades below, wide enough for the 30 Hz line above."""
+    """(scale, axis, lowest, highest) [us]: whole decades below, wide enough for the 60 Hz line above."""
     usable = [value for value in times if math.isfinite(value) and value > 0.0]
     low = 10.0 ** math.floor(math.log10(min(usable, default=10.0)))
-    high = max(2.0 * FRAME_30_HZ, 1.05 * max(usable, default=10.0))
+    high = max(2.0 * FRAME_60_HZ, 1.05 * max(usable, default=10.0))
     ticks = [10.0**k for k in range(round(math.log10(low)), math.floor(math.log10(high)) + 1)]
     names = ",".join(f"'{round(math.log10(t))}':'{limit(t, 'us')}'" for t in ticks)
     axis = alt.Axis(values=ticks, labelExpr=f"{{{names}}}[round(log(datum.value)/log(10))]")

@@ -180,7 +180,10 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         **unseen.section(results, verdict.gated),
         **paper_figures.section(results, extras.two, extras.figure_7),
         time_chart=summary_charts.times(percentiles, colours),
-        time_summary=time_summary(percentiles, verdict.gated, results.families),
+        time_summary=time_summary(percentiles, verdict.gated, results.families, {
+            row.scenario: row.value for row in results.rows
+            if row.run == verdict.gated and row.metric == "frame_time_max" and row.value is not None
+        }),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),

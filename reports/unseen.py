@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from reports.columns import worst
 from reports.load import Results, Row
 from reports.tables import RAW_TRACKER, engine_of
@@ -123,7 +125,7 @@ def _line(results: Results, scene: str, run: str, rows: Sequence[Row]) -> Line:
     whole = next((row for row in rows if row.metric == "run"), None)
     nothing = f"{whole.status}: {whole.note}".removesuffix(": ") if whole else ""
     outside = any(row.metric == "wrong_side_frames" and row.value is not None and not row.value <= 0.0 for row in rows)
-    timed = int(series.frame_time.size) if series else 0
+    timed = int(np.isfinite(series.frame_time).sum()) if series else 0
     return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed, outside, nothing)
 
 

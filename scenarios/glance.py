@@ -1,10 +1,14 @@
 """How much of each scene is timed when there are many: all of an everyday one, of others what an engine's speed allows.
 
+What all engines of a scene are compared by is a window of its frames that contains contact: where the user meets something only
+after what there is time for, timing begins a little before that, and the frames before it run without being timed.
+
 One process per engine and preset serves all scenes. Whether an engine carries anything from one scene into the next shows: the
 hashes of its last frames are compared with those of processes that ran one scene only.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from scenarios.job import Job
 from scenarios.machine import Meter
@@ -21,32 +25,51 @@ LEAST = TAIL_FRAMES // 5
 """Frames timed at least. With fewer, what falls would be timed in the air, and the 95th percentile of these frames could lie
 above the 99th of all TAIL_FRAMES that a fast engine runs."""
 CHEAP = 0.015
-"""Time [s] that one repeat of an engine may take so that it is run REPEATS times, or over TAIL_FRAMES frames. With twice as much
-the pass takes a tenth longer; with half of it, a fifth of our own rows lose their tail."""
+"""Time [s] that one repeat of an engine may take so that it is run REPEATS times, or over TAIL_FRAMES frames, or over the whole
+scene. With twice as much the pass takes a tenth longer; with half of it, a fifth of our own rows lose their tail."""
+BEFORE = 3
+"""One of so many frames of the window lies before the user's first contact: what contact adds shows beside what it adds to. With
+one of twenty there would be none to compare with, with one of two half the time is spent in the air."""
 PATIENCE = 60.0
 """Longest a glance may wait for one answer [s]."""
 
 
 def glance(
     jobs: Sequence[Job], costs: Sequence[float], length: int, seats: Seats, at_length: bool = False, meter: Meter | None = None,
+    meets: int = 0,
 ) -> list[Clocked]:
-    """Time all `jobs` of one scene of `length` frames, as often and over as many frames as `rounds` says for what a frame of each
-    `costs` [s]; of an everyday scene all, `at_length`. Loading is done side by side."""
-    plan = [(REPEATS, MOST_FRAMES)] * len(jobs) if at_length else rounds(costs, length)
+    """Time all `jobs` of one scene of `length` frames, as `rounds` says for what a frame of each `costs` [s] and for the frame in
+    which the user `meets` something; of an everyday scene all, `at_length`. Loading is done side by side."""
+    plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs) if at_length else rounds(costs, length, meets)
     return timed_pass(
-        jobs, True, frames=[frames for _, frames in plan], repeats=[repeats for repeats, _ in plan],
-        seats=[seats.at(job.run) for job in jobs], meter=meter,
+        jobs, True, frames=[each.frames for each in plan], repeats=[each.repeats for each in plan],
+        seats=[seats.at(job.run) for job in jobs], meter=meter, firsts=[each.first for each in plan],
     )
 
 
-def rounds(costs: Sequence[float], length: int) -> list[tuple[int, int]]:
-    """(repeats, frames) of each engine of a scene. All have the same first frames, by which they are compared: what fits into a
-    SLICE. Those of which TAIL_FRAMES take little go on to that many, and those of which a repeat takes little have REPEATS."""
-    whole = min(length, TAIL_FRAMES)
+class Round(NamedTuple):
+    """So many repeats of so many frames from frame `first` on."""
+
+    repeats: int
+    first: int
+    frames: int
+
+
+def rounds(costs: Sequence[float], length: int, meets: int = 0) -> list[Round]:
+    """What is timed of each engine of a scene. All have the same window, by which they are compared: what fits into a SLICE, with
+    the frame in which the user `meets` something in it. Those of which TAIL_FRAMES take little have that many, those of which the
+    whole scene takes little have all of it, and those of which a repeat takes little have REPEATS."""
+    tail, whole = min(length, TAIL_FRAMES), min(length, MOST_FRAMES)
     cost = sum(costs)
-    same = min(whole, max(LEAST, round(SLICE / cost))) if cost > 0.0 else whole
+    same = min(tail, max(LEAST, round(SLICE / cost))) if cost > 0.0 else tail
+    first = max(0, min(meets - same // BEFORE, whole - same))
     plan = []
     for each in costs:
-        frames = same if each * whole > CHEAP else whole
-        plan.append((1 if each * frames > CHEAP else REPEATS, frames))
+        if each * whole <= CHEAP:
+            begins, frames = 0, whole
+        elif each * tail <= CHEAP:
+            begins, frames = min(first, whole - tail), tail
+        else:
+            begins, frames = first, same
+        plan.append(Round(1 if each * frames > CHEAP else REPEATS, begins, frames))
     return plan

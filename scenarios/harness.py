@@ -15,6 +15,7 @@ from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.glance import MANY, PATIENCE, glance
 from scenarios.job import Job, Outcome
 from scenarios.machine import Meter, load_average
+from scenarios.measure.overlap import SEEN
 from scenarios.measure.timing import frame_times, time_notes
 from scenarios.processes import Died, Pool
 from scenarios.progress import Progress
@@ -137,7 +138,12 @@ class Run:
         ran = [self.outcomes[job.stem] for job in jobs]
         costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)
         at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
-        return glance(jobs, costs, length, seats, at_length, meter)
+        return glance(jobs, costs, length, seats, at_length, meter, self._meets(jobs[0]))
+
+    def _meets(self, job: Job) -> int:
+        """The frame in which the user of a scene is first in something, from the raw tracker's own overlaps; 0 without any."""
+        raw = self.outcomes.get(replace(job, engine=BASELINE, preset="default").stem)
+        return next((k for k, depth in enumerate(raw.overlap_m) if depth > SEEN), 0) if raw else 0
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
@@ -166,16 +172,18 @@ class Run:
             found += rows
         return found
 
-    def series(self) -> dict[str, dict[str, dict[str, Sequence[float]]]]:
+    def series(self) -> dict[str, dict[str, dict[str, Sequence[float | None]]]]:
         """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame that all engines of
         the scene were timed over."""
-        found: dict[str, dict[str, dict[str, Sequence[float]]]] = {}
+        found: dict[str, dict[str, dict[str, Sequence[float | None]]]] = {}
         for job in self.jobs:
             outcome, clocked = self.outcomes.get(job.stem), self.clocked.get(job.stem)
             if outcome is None or outcome.state != "measured" or job.run in found.get(job.scenario, {}):
                 # with several seeds the pages show the first
                 continue
-            times = clocked.timed.compared_us.tolist() if clocked and clocked.timed else []
+            times: list[float | None] = []
+            if clocked and clocked.timed:
+                times = [None] * clocked.timed.compared.first + clocked.timed.compared_us.tolist()
             found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
         return found
 

@@ -50,7 +50,7 @@ class Results:
 
     rows: Sequence[Row]
     outcomes: Sequence[Outcome]
-    series: Mapping[str, Mapping[str, Mapping[str, Sequence[float]]]]
+    series: Mapping[str, Mapping[str, Mapping[str, Sequence[float | None]]]]
     scenes: Mapping[str, Mapping[str, str | bool | float]]
     provenance: Mapping[str, object]
     exit_code: int | None

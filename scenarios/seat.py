@@ -22,13 +22,16 @@ Repeat = tuple[list[int], dict[str, list[int]], str]
 
 
 class Prepared:
-    """The first frames of a job, loaded anew and ready to be timed."""
+    """Frames of a job, loaded anew and ready to be timed: so many from frame `first` on, those before it run and not timed."""
 
-    def __init__(self, job: Job, frames: int) -> None:
+    def __init__(self, job: Job, frames: int, first: int = 0) -> None:
         what = asked(job)
-        self.dt, self.samples = what.scenario.dt, what.first(frames)
+        self.dt, samples = what.scenario.dt, what.first(first + frames)
+        self.samples = samples[first:]
         self.engine: Engine = opened(job.engine)
         self.shown = self.engine.load(what.scene, job.settings(self.engine, stages=True), self.dt)
+        for sample in samples[:first]:
+            self.shown = self.engine.advance(sample, self.dt)
 
     def timed(self) -> Repeat:
         """Run the frames; once."""
@@ -60,8 +63,7 @@ def _serve(connection: Connection) -> None:
     try:
         while (order := connection.recv()) is not None:
             begun = time.perf_counter()
-            job, frames = order
-            prepared = Prepared(job, frames)
+            prepared = Prepared(*order)
             connection.send((time.perf_counter() - begun, None))
             if connection.recv() is None:
                 return
@@ -84,9 +86,9 @@ class Seat:
         self.child, self.end = begin(_serve)
         self.patience, self.gone = patience, False
 
-    def prepare(self, job: Job, frames: int) -> None:
-        """Let it load `job`, of which it will be asked so many frames."""
-        self._say((job, frames))
+    def prepare(self, job: Job, frames: int, first: int = 0) -> None:
+        """Let it load `job` and run up to frame `first`; it will be asked so many frames from there on."""
+        self._say((job, frames, first))
 
     def go(self) -> None:
         """Let it run what it has loaded."""

@@ -9,7 +9,7 @@ import numpy as np
 from scenarios.job import Job
 from scenarios.machine import Meter, clock, load_average
 from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
-from scenarios.measure.timing import Timed
+from scenarios.measure.timing import Shared, Timed
 from scenarios.seat import Repeat, Seat
 
 MOST_FRAMES = 900
@@ -29,10 +29,11 @@ class Clocked:
 
 
 class Turns:
-    """What one job has given so far, turn by turn. In a `fresh` process its warm-up is a figure of its own."""
+    """What one job has given so far, turn by turn, from frame `first` on. In a `fresh` process its warm-up is a figure of its
+    own."""
 
-    def __init__(self, job: Job, seat: Seat, fresh: bool) -> None:
-        self.job, self.seat, self.fresh = job, seat, fresh
+    def __init__(self, job: Job, seat: Seat, fresh: bool, first: int = 0) -> None:
+        self.job, self.seat, self.fresh, self.first = job, seat, fresh, first
         self.note, self.warmup, self.warm_frames, self.spent = "", nan, 0, 0.0
         self.repeats: list[Repeat] = []
 
@@ -69,16 +70,18 @@ class Turns:
         names = sorted({name for repeat in self.repeats for name in repeat[1]})
         silent = [0] * around.shape[1]
         stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
-        timed = Timed(around, stages, self.warmup, tuple(repeat[2] for repeat in self.repeats), self.warm_frames)
+        hashes = tuple(repeat[2] for repeat in self.repeats)
+        timed = Timed(around, stages, self.warmup, hashes, self.warm_frames, self.first)
         return Clocked(self.job, timed, self.note or timed.protocol.said)
 
 
-def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
-    """Let all load side by side, each for so many frames; those that are ready, in a quiet moment."""
+def loaded(table: Sequence[Turns], counts: Sequence[int], warm: bool = True) -> list[Turns]:
+    """Let all load side by side, each for so many frames from its first on, or from the scene's to get `warm`; those that are
+    ready, in a quiet moment."""
     asked = [at for at in table if not at.note]
     for at, count in zip(table, counts, strict=True):
         if not at.note:
-            at.seat.prepare(at.job, count)
+            at.seat.prepare(at.job, count, 0 if warm else at.first)
     for at in asked:
         at.hear()
     return [at for at in asked if not at.note]
@@ -87,18 +90,19 @@ def loaded(table: Sequence[Turns], counts: Sequence[int]) -> list[Turns]:
 def timed_pass(
     jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
     seats: Sequence[Seat] = (), repeats: int | Sequence[int] = REPEATS, meter: Meter | None = None,
+    firsts: Sequence[int] | None = None,
 ) -> list[Clocked]:
     """Time all `jobs` of one scene, each in a fresh process, or in those of `seats`, one each, which go on. They warm up side by
     side, each on a load that is thrown away; then one at a time, turn by turn, `repeats` times round, each on a load of its own.
 
     `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES), `repeats`
-    how often, for all or for each. `meter` hears of every turn."""
+    how often, for all or for each, `firsts` at which frame timing begins. `meter` hears of every turn."""
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
     often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
     meter, table = meter or Meter(), list[Turns]()
     try:
         for k, job in enumerate(jobs):
-            table.append(Turns(job, seats[k] if seats else Seat(), fresh=not seats))
+            table.append(Turns(job, seats[k] if seats else Seat(), fresh=not seats, first=0 if firsts is None else firsts[k]))
         for at in loaded(table, [WARM_FRAMES] * len(table)):
             at.seat.go()
         for at in table:
@@ -106,7 +110,7 @@ def timed_pass(
         for turn in range(max(often, default=0)):
             plan = zip(table, counts, often, strict=True)
             again = [(at, count) for at, count, most in plan if turn < most and (full or at.spent < ENOUGH)]
-            for at in loaded([at for at, _ in again], [count for _, count in again]):
+            for at in loaded([at for at, _ in again], [count for _, count in again], warm=False):
                 at.turn(meter)
     except BaseException:
         for at in table if not seats else ():
@@ -130,11 +134,12 @@ def timing_facts(meter: Meter) -> dict[str, object]:
 
 def compared(found: Sequence[Clocked]) -> list[Clocked]:
     """The engines of one scene, each told which repeats and frames all of them had: by those they are compared."""
-    shapes = [clocked.timed.around_ns.shape for clocked in found if clocked.timed is not None]
-    if not shapes:
+    every = [clocked.timed for clocked in found if clocked.timed is not None]
+    if not every:
         return list(found)
-    repeats, frames = (min(shape[k] for shape in shapes) for k in (0, 1))
+    repeats = min(timed.around_ns.shape[0] for timed in every)
+    first, last = max(timed.first for timed in every), min(timed.first + timed.around_ns.shape[1] for timed in every)
+    shared = Shared(repeats, first, max(0, last - first))
     return [
-        clocked if clocked.timed is None else replace(clocked, timed=replace(clocked.timed, shared=(repeats, frames)))
-        for clocked in found
+        clocked if clocked.timed is None else replace(clocked, timed=replace(clocked.timed, shared=shared)) for clocked in found
     ]

@@ -75,6 +75,8 @@
       cursor.setAttribute("x2", across(time));
       told.textContent = lines.map((line) => {
         const k = Math.floor((time - line.first) / line.step + 1e-6);
+        // times end, and may begin, where timing did; what is measured of every state has a value at any time
+        if (about.key === "time" && (k < 0 || k >= line.codes.length)) return `${line.run} not timed`;
         const code = line.codes[Math.max(0, Math.min(line.codes.length - 1, k))];
         const value = code ? real(code) : NaN;
         return `${line.run} ${about.key === "overlap" && code === 1 ? "0" : quantity(value, about.unit)}`;

@@ -23,16 +23,19 @@ def counted(number: int, noun: str) -> str:
 
 @dataclass(frozen=True)
 class Protocol:
-    """How a time was taken: `frames` different frames, each `repeats` times, after `warm_frames` on another load of the scene."""
+    """How a time was taken: `frames` different frames from frame `first` of the scene on, each `repeats` times, after
+    `warm_frames` on another load of the scene."""
 
     repeats: int
     frames: int
     warm_frames: int
+    first: int = 0
 
     @property
     def said(self) -> str:
         """In the words of every row."""
-        return f"{self.repeats} x {counted(self.frames, 'frame')}, {counted(self.warm_frames, 'warm-up frame')}"
+        begins = f" from frame {self.first}" if self.first else ""
+        return f"{self.repeats} x {counted(self.frames, 'frame')}{begins}, {counted(self.warm_frames, 'warm-up frame')}"
 
     @property
     def has_tail(self) -> bool:

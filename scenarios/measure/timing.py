@@ -20,6 +20,15 @@ TAIL = ("frame_time_p99", "frame_time_max", "frame_time_raw_p99", "frame_time_ra
 """Figures that few frames decide: only from a row with enough of them."""
 
 
+@dataclass(frozen=True)
+class Shared:
+    """What every engine of a scene was timed over: so many repeats, and so many frames from frame `first` of the scene on."""
+
+    repeats: int
+    first: int
+    frames: int
+
+
 @dataclass(frozen=True, eq=False)
 class Timed:
     """What the timing pass saw: R repeats of the same F frames.
@@ -30,7 +39,8 @@ class Timed:
                 one that had run other scenes
     hashes      state hash of the last frame of each repeat
     warm_frames frames run before, on a load of their own
-    shared      repeats and frames, the first of each, that every engine of the scene had; None: all
+    first       frame of the scene at which timing begins; those before it ran and were not timed
+    shared      repeats and frames that every engine of the scene had; None: all
     """
 
     around_ns: Integers
@@ -38,19 +48,26 @@ class Timed:
     warmup: float = 0.0
     hashes: tuple[str, ...] = ()
     warm_frames: int = 0
-    shared: tuple[int, int] | None = None
+    first: int = 0
+    shared: Shared | None = None
 
     @property
     def protocol(self) -> Protocol:
         """How all of it was timed."""
         repeats, frames = self.around_ns.shape
-        return Protocol(repeats, frames, self.warm_frames)
+        return Protocol(repeats, frames, self.warm_frames, self.first)
 
     @property
     def compared(self) -> Protocol:
         """The part of it that every engine of the scene had."""
-        repeats, frames = self.shared or self.around_ns.shape
-        return Protocol(repeats, frames, self.warm_frames)
+        if self.shared is None:
+            return self.protocol
+        return Protocol(self.shared.repeats, self.shared.frames, self.warm_frames, self.shared.first)
+
+    def of_compared(self, nanoseconds: Integers) -> Integers:
+        """(repeats, frames) that every engine of the scene had, of (R, F)."""
+        begins = self.compared.first - self.first
+        return nanoseconds[: self.compared.repeats, begins : begins + self.compared.frames]
 
     @property
     def engine_ns(self) -> Integers:
@@ -66,8 +83,7 @@ class Timed:
     @property
     def compared_us(self) -> Array:
         """(frames,) the same over the repeats and frames that every engine of the scene had."""
-        repeats, frames = self.compared.repeats, self.compared.frames
-        return np.asarray(self.engine_ns[:repeats, :frames].min(axis=0) / 1e3)
+        return np.asarray(self.of_compared(self.engine_ns).min(axis=0) / 1e3)
 
 
 def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[bool] = ()) -> Values:
@@ -78,9 +94,8 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     this one had, and Missing where that is not enough. Where frames in which all is `resting` and others are both many, each kind
     has its median. deterministic: 1 when all repeats ended in the same bits, and in those of the accuracy pass, another process,
     whose hashes by frame are `recorded`."""
-    repeats, frames = timed.compared.repeats, timed.compared.frames
-    raw = timed.engine_ns[:repeats, :frames] / 1e3
-    best, around = timed.compared_us, timed.around_ns[:repeats, :frames].min(axis=0) / 1e3
+    raw = timed.of_compared(timed.engine_ns) / 1e3
+    best, around = timed.compared_us, timed.of_compared(timed.around_ns).min(axis=0) / 1e3
     found: dict[str, Value] = {}
     for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
@@ -97,7 +112,7 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
             continue
         found[f"stage_share_{name}"] = 100.0 * float(spent.sum()) / total if total > 0.0 else 0.0
     if timed.hashes:
-        last = timed.around_ns.shape[1]
+        last = timed.first + timed.around_ns.shape[1]
         elsewhere = recorded[last : last + 1]
         found["deterministic"] = float(len({*timed.hashes, *elsewhere}) == 1)
     return found
@@ -113,7 +128,8 @@ def _tail(timed: Timed) -> dict[str, Value]:
 
 def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:
     """Metric -> (frames,) which of the compared frames it is about; empty unless there are enough of both kinds."""
-    rests = np.asarray(resting[: timed.compared.frames], dtype=np.bool_)
+    begins = timed.compared.first
+    rests = np.asarray(resting[begins : begins + timed.compared.frames], dtype=np.bool_)
     if len(rests) < timed.compared.frames or min(rests.sum(), (~rests).sum()) < PHASE_FRAMES:
         return {}
     return {"frame_time_moving_p50": ~rests, "frame_time_resting_p50": rests}

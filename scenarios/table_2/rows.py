@@ -95,7 +95,9 @@ def runs(folder: Path) -> list[Run]:
     for scene in SCENES:
         for name, series in results["series"].get(scene, {}).items():
             who = name.replace("/", ".")
-            if series["frame_time_us"] and scene in scenes_of(folder, who):
+            # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
+            from_start = series["frame_time_us"] and series["frame_time_us"][0] is not None
+            if from_start and scene in scenes_of(folder, who):
                 recording = load(folder / "recordings" / f"{scene}.{who}.0.npz")
                 overlap = max((float(value) for value in series["overlap_m"]), default=math.nan)
                 times, p99 = np.array(series["frame_time_us"], dtype=np.float64), float(tails.get((scene, name), math.nan))

@@ -7,11 +7,12 @@ import pytest
 
 from scenarios import glance as module
 from scenarios.catalog import get
-from scenarios.glance import CHEAP, LEAST, SLICE, rounds
+from scenarios.glance import BEFORE, CHEAP, LEAST, SLICE, rounds
 from scenarios.job import Job
 from scenarios.measure.protocol import REPEATS, TAIL_FRAMES, WARM_FRAMES
+from scenarios.measure.timing import Shared
 from scenarios.seats import Seats
-from scenarios.timing import Clocked, compared
+from scenarios.timing import MOST_FRAMES, Clocked, compared, timed_pass
 from tests.scenarios.bad_engines import joined
 
 BAD = ("dies", "raises", "tunnels")
@@ -51,7 +52,7 @@ def test_who_dies_says_so_and_the_next_scene_gets_a_new_process(
             assert dies.timed is None and "killed by signal 9" in dies.note
             assert raises.timed is None and "the solver has lost its way" in raises.note
             # it is compared by what those had that are left
-            assert lives.timed is not None and lives.timed.shared == (REPEATS, 9) and lives.timed.warm_frames == 9
+            assert lives.timed is not None and lives.timed.shared == Shared(REPEATS, 0, 9) and lives.timed.warm_frames == 9
 
 
 def test_somebody_who_stops_it_waits_for_nobody() -> None:
@@ -62,21 +63,44 @@ def test_somebody_who_stops_it_waits_for_nobody() -> None:
     assert not child.is_alive()
 
 
-def test_what_is_fast_has_enough_for_a_tail_whatever_is_slow_beside_it() -> None:
-    slow = SLICE / LEAST
+def test_what_is_fast_has_the_whole_scene_or_enough_for_a_tail_whatever_is_slow_beside_it() -> None:
+    slow, medium = SLICE / LEAST, 0.9 * CHEAP / TAIL_FRAMES
     assert slow * LEAST > CHEAP
-    assert rounds([FAST, slow, slow], 600) == [(REPEATS, TAIL_FRAMES), (1, LEAST), (1, LEAST)]
-    assert rounds([FAST, FAST], 600) == [(REPEATS, TAIL_FRAMES)] * 2
-    assert rounds([0.0, FAST], 600) == [(REPEATS, TAIL_FRAMES)] * 2
+    assert rounds([FAST, slow, medium], 600) == [(REPEATS, 0, 600), (1, 0, LEAST), (REPEATS, 0, TAIL_FRAMES)]
+    assert rounds([FAST, FAST], 2 * MOST_FRAMES) == [(REPEATS, 0, MOST_FRAMES)] * 2
+    assert rounds([0.0, FAST], 600) == [(REPEATS, 0, 600)] * 2
+
+
+@pytest.mark.parametrize("meets", [0, 20, 300, 599])
+def test_the_window_that_all_have_holds_the_first_contact(meets: int) -> None:
+    slow, medium = SLICE / LEAST, 0.9 * CHEAP / TAIL_FRAMES
+    fast, tail, window = rounds([FAST, medium, slow], 600, meets)
+    assert window.first <= meets < window.first + window.frames <= 600
+    # what is timed for longer has all of the window, and frames before contact unless it comes at once
+    for longer in (fast, tail):
+        assert longer.first <= window.first and window.first + window.frames <= longer.first + longer.frames
+    assert window.first == 0 or meets - window.first >= window.frames // BEFORE
+
+
+def test_frames_before_the_window_run_and_are_not_timed() -> None:
+    late, early = (Job("hand_over_table", "avatarsim", preset, frames=40) for preset in ("default", "paper"))
+    found = compared(timed_pass([late, early], True, frames=[10, 25], firsts=[30, 15]))
+    whole = timed_pass([late], True, frames=[40])[0].timed
+    for clocked in found:
+        assert clocked.timed is not None and clocked.timed.shared == Shared(REPEATS, 30, 10)
+        assert clocked.timed.compared_us.shape == (10,)
+    assert found[0].timed is not None and "10 frames from frame 30" in found[0].note
+    # it ends in the bits of a run that was timed from its start
+    assert whole is not None and set(found[0].timed.hashes) == set(whole.hashes)
 
 
 @pytest.mark.parametrize("length", [10, LEAST, 75, 600])
 @pytest.mark.parametrize("slow", [1e-5, SLICE / 100, SLICE / 50, 0.1])
 def test_all_have_the_first_frames_and_none_more_than_there_are(length: int, slow: float) -> None:
     plan = rounds([FAST, slow, slow / 2.0], length)
-    frames = [count for _, count in plan]
-    assert min(frames) >= min(length, LEAST) and max(frames) == min(length, TAIL_FRAMES)
-    assert all(repeats in (1, REPEATS) for repeats, _ in plan) and plan[0][0] == REPEATS
+    frames = [each.frames for each in plan]
+    assert min(frames) >= min(length, LEAST) and max(frames) == length
+    assert all(each.repeats in (1, REPEATS) and each.first == 0 for each in plan) and plan[0].repeats == REPEATS
 
 
 def test_an_everyday_scene_is_timed_at_its_length_as_often_as_any() -> None:

@@ -8,7 +8,7 @@ import pytest
 from scenarios.job import Job
 from scenarios.machine import Meter
 from scenarios.measure.protocol import REPEATS
-from scenarios.measure.timing import Timed
+from scenarios.measure.timing import Shared, Timed
 from scenarios.timing import Clocked, compared, timed_pass, timing_facts
 from tests.scenarios.bad_engines import joined
 
@@ -67,5 +67,5 @@ def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
     found = [Clocked(Job("zeno", "tracker", "default"), Timed(np.ones(shape, dtype=np.int64))) for shape in shapes]
     none = Clocked(Job("zeno", "tracker", "default"), None, "it died")
     told = compared([*found, none])
-    assert [clocked.timed.shared for clocked in told if clocked.timed] == [(1, 46)] * 3 and told[-1] is none
+    assert [clocked.timed.shared for clocked in told if clocked.timed] == [Shared(1, 0, 46)] * 3 and told[-1] is none
     assert compared([none]) == [none]

@@ -5,7 +5,7 @@ import pytest
 
 from scenarios.measure.counts import work
 from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES
-from scenarios.measure.timing import TAIL, Timed, frame_times, time_notes
+from scenarios.measure.timing import TAIL, Shared, Timed, frame_times, time_notes
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist_scene, resting
 
@@ -79,7 +79,7 @@ def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_ha
     around = np.full((REPEATS, TAIL_FRAMES), 9000, dtype=np.int64)
     around[0, :50], around[1, :50], around[0, 7] = 3000, 1000, 50_000
     around[:, -1] = 70_000
-    timed = Timed(around, warm_frames=30, shared=(1, 50))
+    timed = Timed(around, warm_frames=30, shared=Shared(1, 0, 50))
     found = frame_times(timed)
     # one repeat of 50 frames: the second repeat, faster there, is not counted, which the others did not have
     assert found["frame_time_p50"] == found["frame_time_python_p50"] == found["frame_time_raw_p50"] == 3.0
