@@ -1,4 +1,5 @@
-"""What happens over the time of a scene: overlap, energy, contacts, iterations and frame time of every engine, side by side."""
+"""What happens over the time of a scene: overlap, distance from the user, energy, contacts,
+iterations and frame time of every engine, side by side."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -32,6 +33,7 @@ class Measure:
 
 MEASURES = (
     Measure("overlap", "Overlap", "m", "Deepest penetration of the state shown, by the judge; below 1 nm it lies on the floor."),
+    Measure("offset", "Distance from the user", "m", "Farthest link origin from where the raw tracker has it."),
     Measure("energy", "Energy", "J", "Kinetic and potential energy of all simulated bodies, counted from where they began."),
     Measure("contacts", "Contacts", "", "Contacts as each engine counts them itself; where it has no count of them, near pairs."),
     Measure("iterations", "Iterations", "", "Passes of each engine's own solver; what a pass is differs from engine to engine."),
@@ -77,6 +79,9 @@ def courses(series: Mapping[str, Series], shown: Sequence[Shown], scene: Drawn |
             found["time"].append(Course(run, 1 + int(timed[0]), own.frame_time[timed[0] :]))
     engines = [one for one in shown if not one.run.startswith("tracker/")]
     for one in engines:
+        if one.raw_positions.shape[1]:
+            apart = np.linalg.norm(one.positions[:, -one.raw_positions.shape[1] :] - one.raw_positions, axis=2)
+            found["offset"].append(Course(one.run, 0, apart.max(axis=1)))
         if scene is not None and any(body["mass"] for body in scene.bodies):
             found["energy"].append(Course(one.run, 0, energy(one, scene)))
         for key, names in (("contacts", ("contacts", "pairs")), ("iterations", ("iterations",))):

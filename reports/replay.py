@@ -8,7 +8,7 @@ import numpy as np
 from avatarsim.spatial import rotation
 from reports import mesh, packed
 from reports.kept import Array, Drawn, Shown
-from reports.moments import worst
+from reports.moments import moments
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -127,10 +127,9 @@ def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
     return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
 
 
-def _worst(one: Shown, step: int, depth: Array | None) -> dict[str, object] | None:
-    """The drawn state that stands for the worst of a run, and what is wrong there."""
-    found = worst(one, depth)
-    return {"state": found.state // step, "said": found.said} if found else None
+def _worst(one: Shown, step: int, depth: Array | None) -> list[dict[str, object]]:
+    """The drawn states that stand for the worst of a run, and what is wrong in each."""
+    return [{"state": found.state // step, "said": found.said} for found in moments(one, depth)]
 
 
 def _broken(one: Shown, step: int, depth: Array | None) -> list[int]:

@@ -301,7 +301,7 @@
     const pen = sheet.getContext("2d", { willReadFrequently: true });
     const gif = animatedGif(sheet.width, sheet.height);
     const at = (state) => { show(state); return shot(pen, ratio); };
-    const samples = views.flatMap((view) => (view.run.worst ? [view.run.worst.state] : []))
+    const samples = views.flatMap((view) => view.run.worst.map((moment) => moment.state))
       .concat(Array.from({ length: SAMPLES }, (_, k) => Math.round((k * last) / SAMPLES)));
     gif.choose(samples.map(at));
     for (const [k, state] of states.entries()) {

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reports.kept import Shown, shown
-from reports.moments import worst
+from reports.kept import Array, Shown, shown
+from reports.moments import Moment, moments
 from tests.reports.recorded import STATES, recording
 
 
@@ -15,6 +15,11 @@ from tests.reports.recorded import STATES, recording
 def one(tmp_path: Path) -> Shown:
     recording(tmp_path, "falls", "mine/default")
     return shown(tmp_path, "falls", ["mine/default"])[0]
+
+
+def worst(one: Shown, depth: Array | None) -> Moment | None:
+    """The first of all that is wrong, or None."""
+    return next(iter(moments(one, depth)), None)
 
 
 def test_nothing_wrong_is_no_moment(one: Shown) -> None:
@@ -46,3 +51,14 @@ def test_what_is_no_number_is_worst(one: Shown) -> None:
     found = worst(one, depth)
     assert found is not None and (found.state, found.said) == (12, "a pose is no number")
     json.dumps({"state": found.state})
+
+
+def test_a_link_that_goes_to_and_fro_shakes_and_jumps(one: Shown) -> None:
+    one.positions[:] = one.positions[:1]
+    one.raw_positions[:] = one.positions[:, -one.raw_positions.shape[1] :]
+    # 20 mm to and fro from state 6 to state 11, 100 mm from state 14 on
+    one.positions[6:12:2, -1, 0] += 0.02
+    one.positions[14:, -1, 0] += 0.1
+    found = {moment.said: moment.state for moment in moments(one, np.zeros(STATES))}
+    print(found)
+    assert found == {"100 mm from its user": 14, "shakes by 20.0 mm": 8, "jumps 100 mm beyond its user in a frame": 14}
