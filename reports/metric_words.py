@@ -34,6 +34,7 @@ WORDS: dict[str, str] = {
     "joint_limit_excess_max": "angle beyond joint limits",
     "joint_gap_max": "gap at a joint",
     "reach_cone_excess_max": "angle beyond a reach cone",
+    "tracker_offset_max": "farthest from the user",
     "tracker_offset_rms": "offset from the user, all frames",
     "tracker_offset_rms_free": "offset from the user while nothing is in the way",
     "free_frames": "frames in which nothing is in the way",

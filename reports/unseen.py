@@ -18,8 +18,8 @@ ORIGIN = "unseen"
 
 @dataclass(frozen=True)
 class Measure:
-    """One column: metric, heading, unit, the difference up to which two figures are level, and whether an engine that left the
-    allowed side of a room is out of the comparison there."""
+    """One column: metric, heading, unit; the difference up to which two figures are level, infinite where nothing is compared
+    because not every engine can state it; whether an engine that left the allowed side of a room is out of the comparison."""
 
     metric: str
     title: str
@@ -35,11 +35,18 @@ MEASURES = (
     Measure(REVERSAL, "reversals, p95", "m", 1e-4),
     Measure("jerk_ratio", "jerk over target's", "", 0.05),
     Measure("tracker_offset_rms", "offset from target, rms", "m", 1e-3),
+    Measure("tracker_offset_max", "farthest from target", "m", 1e-3),
     Measure("silent_offset_frames", "frames far off in silence", "frames", 0.5),
+    Measure("joint_limit_excess_max", "beyond joint limits", "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
 SHAKES = MEASURES[1]
+BEST = "/tuned"
+"""How runs of other engines with their best settings end: they stand beside ours, everything else in a fold."""
+SAID = {"trapped": "in a trap", "walled": "with a wall between", "resyncs": "jumps that untied limbs", "crossings": "crossings",
+        "status_frames": "reported as not ended well"}
+"""Counts by which ours says that it is not where its target is, and what they are called."""
 PROMISED = ("residual_overlap_max", "wrong_side_frames", "not_finite_frames", "joint_limit_excess_max", "reach_cone_excess_max")
 """Metrics that have a bound in these rooms."""
 
@@ -68,13 +75,15 @@ class Line:
 
 @dataclass(frozen=True)
 class Unseen:
-    """All lines, ours first in each room; the promises that ours broke; the seeds; what they were drawn from, "" if not said."""
+    """All lines, ours first in each room; the promises that ours broke; the seeds; what they were drawn from, "" if not said; by
+    room what ours said of itself, in counts above 0."""
 
     ours: str
     lines: tuple[Line, ...]
     broken: tuple[str, ...]
     seeds: tuple[int, ...]
     origin: str
+    told: tuple[tuple[str, tuple[tuple[str, float], ...]], ...] = ()
 
     @property
     def rooms(self) -> tuple[str, ...]:
@@ -113,7 +122,13 @@ def unseen(results: Results, ours: str) -> Unseen | None:
         ours, tuple(_line(results, scene, run, grouped[scene, run]) for scene, run in keys),
         tuple(_broken(row) for row in rows if row.run == ours and row.metric in PROMISED and _breaks(row)),
         tuple(dict.fromkeys(row.seed for row in rows)), str(results.provenance.get(ORIGIN, "")),
+        tuple((scene.removeprefix(PREFIX), _told(grouped[scene, ours])) for scene in order if (scene, ours) in grouped),
     )
+
+
+def _told(rows: Sequence[Row]) -> tuple[tuple[str, float], ...]:
+    found = {row.metric: row.value for row in rows if row.metric in SAID and row.value}
+    return tuple((SAID[metric], value) for metric, value in found.items() if value is not None)
 
 
 def _line(results: Results, scene: str, run: str, rows: Sequence[Row]) -> Line:
@@ -177,6 +192,13 @@ def conclusion(found: Unseen) -> str:
     return " ".join(parts)
 
 
+def statuses(found: Unseen) -> str:
+    """What ours said of itself while it was not where its target was, room by room."""
+    parts = [f"{room}: {', '.join(f'{number:.0f} {name}' for name, number in counts)}" for room, counts in found.told if counts]
+    return f"Frames and events that {found.ours} itself reports: {'; '.join(parts)}." if parts else (
+        f"{found.ours} reports no frame in a trap, behind a wall or not ended well.")
+
+
 def source(found: Unseen) -> str:
     """Where the motions come from."""
     drawn = found.origin or f"seed {listed(tuple(map(str, found.seeds)))}"
@@ -197,13 +219,24 @@ def verdict_sentence(found: Unseen) -> str:
     return f"{told} {promises}, and shakes in up to {quantity(figure, '%')} of the frames in contact (room {room}{beside})."
 
 
-def cell_rows(found: Unseen) -> list[dict[str, object]]:
+def worst_first(found: Unseen) -> list[Line]:
+    """The lines by room, the room in which ours shakes most first."""
+    def badness(room: str) -> float:
+        own = found.line(room, found.ours)
+        figure = own.of(SHAKES.metric) if own else None
+        return math.inf if figure is None or math.isnan(figure) else figure
+
+    rooms = sorted(found.rooms, key=lambda room: -badness(room))
+    return sorted(found.lines, key=lambda line: rooms.index(line.room))
+
+
+def cell_rows(lines: Sequence[Line], ours: str) -> list[dict[str, object]]:
     """The lines for the template: a room's name on its first line only."""
     rows, before = list[dict[str, object]](), ""
-    for line in found.lines:
+    for line in lines:
         rows.append({
             "room": line.room if line.room != before else "", "scene": f"{PREFIX}{line.room}", "run": line.run,
-            "texts": line.texts, "timed": line.timed or MISSING, "nothing": line.nothing, "ours": line.run == found.ours,
+            "texts": line.texts, "timed": line.timed or MISSING, "nothing": line.nothing, "ours": line.run == ours,
             "outside": line.outside,
         })
         before = line.room
@@ -215,8 +248,13 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     found = unseen(results, ours)
     if found is None:
         return {"unseen": None, "unseen_verdict": ""}
+    ordered = worst_first(found)
     return {
         "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
-        "unseen_source": source(found),
-        "unseen_heads": [measure.title for measure in MEASURES], "unseen_rows": cell_rows(found),
+        "unseen_source": f"{statuses(found)} {source(found)}",
+        "unseen_heads": [measure.title for measure in MEASURES],
+        "unseen_tables": (
+            ("", cell_rows([line for line in ordered if line.run == ours or line.run.endswith(BEST)], ours)),
+            ("Every engine and preset", cell_rows(ordered, ours)),
+        ),
     }

@@ -39,6 +39,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "joint_limit_excess_max": ("deg", "largest angle beyond a hinge's limits or a ball's swing and twist, from poses"),
     "joint_gap_max": ("m", "largest distance of a link from where its joint holds it on its parent"),
     "reach_cone_excess_max": ("deg", "largest angle by which a limb points outside its reach cone"),
+    "tracker_offset_max": ("m", "largest distance of a link origin from the raw tracker's, over all frames"),
     "tracker_offset_rms": ("m", "root mean square distance of link origins from the raw tracker's"),
     "tracker_offset_rms_free": ("m", "the same over frames in which the raw posture overlaps nothing, is within its limits "
                                 "and on the right side"),

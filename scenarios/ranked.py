@@ -40,6 +40,7 @@ RANKED: dict[str, Ranked] = {
     "escaped_bodies": Ranked(SHARE),
     "not_finite_frames": Ranked(FRAMES),
     "tracker_offset_rms_free": Ranked(LENGTH, stays_inside=True),
+    "tracker_offset_max": Ranked(LENGTH, stays_inside=True),
     "tracker_offset_rms": Ranked(LENGTH, stays_inside=True),
     "tracker_angle_rms_free": Ranked(ANGLE, stays_inside=True),
     "tracker_angle_rms": Ranked(ANGLE, stays_inside=True),

@@ -34,8 +34,8 @@ def rms(values: Array) -> float:
 
 
 def tracker_offset(recording: Recording, scene: Scene, free: NDArray[np.bool_]) -> Values:
-    """tracker_offset_rms [m], tracker_angle_rms [deg], their _free twins, and free_frames [%], the share of frames that these
-    stand on; `free` (F+1,): the raw posture is possible.
+    """tracker_offset_max [m], the farthest link origin of any frame; tracker_offset_rms [m], tracker_angle_rms [deg], their _free
+    twins, and free_frames [%], the share of frames that these stand on; `free` (F+1,): the raw posture is possible.
 
     Empty without avatars."""
     if not scene.links or recording.frames == 0:
@@ -44,6 +44,7 @@ def tracker_offset(recording: Recording, scene: Scene, free: NDArray[np.bool_]) 
     none = Missing("in no frame that was run is the raw tracker's own posture free", "scene")
     return {
         "free_frames": 100.0 * float(np.mean(chosen)),
+        "tracker_offset_max": float(offset.max()),
         "tracker_offset_rms": rms(offset),
         "tracker_offset_rms_free": rms(offset[chosen]) if chosen.any() else none,
         **({} if angle.shape[1] == 0 else {

@@ -15,7 +15,8 @@ EVERY = np.ones(5, dtype=bool)
 def test_following_exactly_is_zero() -> None:
     found = tracker_offset(resting(arm_scene(), 4), arm_scene(), EVERY)
     assert found.pop("free_frames") == 100.0 and set(found.values()) == {0.0}
-    assert set(found) == {"tracker_offset_rms", "tracker_offset_rms_free", "tracker_angle_rms", "tracker_angle_rms_free"}
+    offsets = {"tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free"}
+    assert set(found) == {*offsets, "tracker_angle_rms", "tracker_angle_rms_free"}
 
 
 def test_an_injected_offset_comes_out_and_free_frames_apart() -> None:
@@ -25,7 +26,7 @@ def test_an_injected_offset_comes_out_and_free_frames_apart() -> None:
     positions[3, 1, 1] += 0.004
     free = np.array([True, True, True, False, True])
     found = tracker_offset(replace(recording, positions=positions), fist_scene(), free)
-    assert found["free_frames"] == 75.0
+    assert found["free_frames"] == 75.0 and found["tracker_offset_max"] == pytest.approx(0.007, abs=1e-15)
     assert found["tracker_offset_rms_free"] == pytest.approx(0.003, abs=1e-15)
     assert found["tracker_offset_rms"] == pytest.approx(np.sqrt((3 * 0.003**2 + 0.007**2) / 4), abs=1e-15)
 
