@@ -64,6 +64,7 @@ class MujocoEngine:
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
             armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
+            planes=chosen["floors"].value == "planes",
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
