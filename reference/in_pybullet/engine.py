@@ -181,10 +181,13 @@ class PybulletEngine:
         damping, margin = self._number("damping"), self._number("collision_margin")
         for k, part in enumerate(self._world.parts):
             for body, link in sorted({(part.body, part.link), *part.carriers}):
+                # apart: of a link Bullet drops friction and restitution, without a word, if told together with damping or margin
                 yield body, link, {
                     "restitution": float(restitution[k]), "lateralFriction": float(friction[k]), "rollingFriction": 0.0,
-                    "spinningFriction": 0.0, "linearDamping": damping, "angularDamping": damping, "collisionMargin": margin,
+                    "spinningFriction": 0.0,
                 }
+                yield body, link, {"linearDamping": damping, "angularDamping": damping}
+                yield body, link, {"collisionMargin": margin}
             if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
                 yield part.body, part.link, {"activationState": pybullet.ACTIVATION_STATE_ENABLE_SLEEPING}
             # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction

@@ -196,7 +196,7 @@ _FOLLOWS: Preset = {
                                  "and trail all that moves"),
     "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges at their default gain; a ball's motor of gain 0.1 "
                              "corrects a fiftieth. A row of its own, in scenes of recorded motion: mocap_run is 8.8 mm off "
-                             "while free, default 118, tuned 198; limits and overlap are as bad as the default's"),
+                             "while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
 }
 
 OPTIMISES: Mapping[str, str] = {
@@ -213,7 +213,7 @@ BETTER_ELSEWHERE = (
     "dt = 1/240 s there: fewer steps, worst overlap 21 mm",
     "pieces_as_links = false: a third less time where links have several pieces, a hand in a corner 0.6 mm deep instead of 0",
     "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): mocap_run 8.8 mm off while free instead of "
-    "198, at 28 to 78 mm of overlap",
+    "110, at 18 to 93 mm of overlap",
     "ball_gain = 0.25: a body thrown back by a wall is 3.8 mm from its user instead of 18 mm; limbs follow by 1 mm worse",
 )
 """Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
