@@ -214,7 +214,7 @@ _LIMITS = (
     )),
     _excess("hand_in_corner*", "*/default", _engine(
         "hinges of fingers that are pressed into a corner: MuJoCo's default limit is a spring of 20 ms (at two steps 58 degrees "
-        "instead of 96), and PyBullet's root constraint of 100 kN breaks them (88 degrees at 60 N instead of 131)."
+        "instead of 96), and PyBullet's root constraint of 100 kN breaks them (79 degrees at 60 N instead of 135)."
     )),
     _excess("*", "mujoco/default", _engine(
         "a MuJoCo ball joint limits its total turn only, so that default joints know neither swing cone nor twist; contacts "
