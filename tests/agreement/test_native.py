@@ -106,3 +106,19 @@ def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path:
     assert (tmp_path / path).read_bytes() == before
     native.write(opened("tracker"), tmp_path, Job("driven_10cm_wall", "tracker", "default"))
     assert native.written(tmp_path, "driven_10cm_wall", "tracker/default", 0) == ""
+
+
+@pytest.mark.parametrize("preset", ["default", "tuned"])
+@pytest.mark.parametrize("name", ["falling_rod", "painleve"])
+def test_the_floor_of_rods_is_the_plane_of_its_top_and_both_ends_are_met(name: str, preset: str) -> None:
+    scenario, engine = catalog.get(name), MujocoEngine()
+    scene = scenario.build()
+    engine.load(scene, Settings(preset), scenario.dt)
+    model = engine._model
+    floors = np.flatnonzero(model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE))
+    assert [scene.names[0]] == ["floor"] and len(floors) == 1
+    assert model.geom_pos[floors[0]] + scene.bodies[0].position == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+    most = 0
+    for k in range(scenario.frames):
+        most = max(most, int(engine.advance(scenario.motion(scene, 0)(k), scenario.dt).counts["contacts"]))
+    assert most == 2 * (len(scene.bodies) - 1)

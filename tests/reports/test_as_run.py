@@ -16,7 +16,9 @@ NAME, RUN = "arm_wall", "mujoco/default"
 
 
 def note(**more: object) -> Json:
-    settings = {"dt": [0.002, "MuJoCo's documented time step [s]"], f"{COMPILED}geom solref": ["(0.02, 1) x 2", "time constant [s]"]}
+    settings = {
+        "dt": [0.002, "MuJoCo's documented time step [s]"], f"{COMPILED}geom solref": ["(0.02, 1) x 2", "time constant [s]"],
+    }
     return {"name": "mujoco", "preset": "default", "scenario": NAME, "seed": 0, "version": "3.17.0", "cannot_say": {},
             "settings": settings, "recording": "", **more}
 
