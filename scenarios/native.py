@@ -34,6 +34,7 @@ def write(engine: object, folder: Path, job: Job) -> None:
 
 def written(folder: Path, scene: str, run: str, seed: int) -> str:
     """Path, below a run's `folder`, of what was written for that scene, run and seed; "" if nothing was."""
-    stem = Job(scene, *run.split("/", 1), seed=seed).stem
+    engine, _, preset = run.partition("/")
+    stem = Job(scene, engine, preset, seed).stem
     found = sorted((folder / FOLDER).glob(f"{stem}.*.gz"))
     return f"{FOLDER}/{found[0].name}" if found else ""

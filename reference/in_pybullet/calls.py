@@ -24,10 +24,10 @@ def grouped(rows: Iterable[tuple[str, Arguments]]) -> list[str]:
     """changeDynamics of many (body and link, arguments): one loop for all that are given the same to nine digits."""
     same: dict[tuple[tuple[str, object], ...], list[str]] = {}
     for where, arguments in rows:
-        told = ((name, float(f"{value:.9g}") if isinstance(value, float) else value) for name, value in arguments.items())
-        same.setdefault(tuple(told), []).append(where)
+        rounded = ((name, float(f"{value:.9g}") if isinstance(value, float) else value) for name, value in arguments.items())
+        same.setdefault(tuple(rounded), []).append(where)
     lines = []
-    for arguments, places in same.items():
-        line = call("changeDynamics", Name("body"), Name("link"), **dict(arguments))
+    for told, places in same.items():
+        line = call("changeDynamics", Name("body"), Name("link"), **dict(told))
         lines += [f"for body, link in ({', '.join(places)},):", f"    {line}"]
     return lines
