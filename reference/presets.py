@@ -15,6 +15,8 @@ Value = bool | int | float | str | tuple[float, ...] | None
 """What a setting may be."""
 
 
+COMPILED = "compiled: "
+"""How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
 TUNED = "tuned"
 """The preset beside which settings stand that are better in something else."""
 

@@ -1,4 +1,4 @@
-"""Figures of other engines above 100 mm on the page, each with its cause and the moment of its replay where it is worst."""
+"""Large figures of other engines on the page, each with its cause and the moment of its replay where it is worst."""
 
 from collections import Counter
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from reports.load import Results
 from reports.wording import count
-from scenarios.explaining import LARGE, Large, large
+from scenarios.explaining import LARGE, LARGE_ANGLE, Large, large
 
 
 def moment(results: Results, one: Large) -> str:
@@ -31,5 +31,6 @@ def section(results: Results) -> dict[str, object]:
     """What the template is made of."""
     found = large(results.rows)
     return {
-        "large_rows": found, "large_said": sentence(found), "large_from": LARGE, "large_moment": lambda one: moment(results, one),
+        "large_rows": found, "large_said": sentence(found), "large_from": LARGE,
+        "large_angle": LARGE_ANGLE, "large_moment": lambda one: moment(results, one),
     }

@@ -69,6 +69,7 @@ from reports.tables import Block, blocks, more_truths
 from reports.tuned import tunings
 from reports.verdict import Verdict, losing_scenes, scenes_sentence
 from reports.wording import count, limit, listed, quantity, ratio
+from scenarios.native import COMPILED
 
 TEMPLATES = Path(__file__).parent / "templates"
 # Printed on every page, whatever the figures say.
@@ -252,7 +253,8 @@ def _card(run: str, notes: list[EngineNote]) -> EngineCard:
     settings: dict[str, dict[tuple[str, str], list[str]]] = defaultdict(lambda: defaultdict(list))
     cannot: dict[tuple[str, str], list[str]] = defaultdict(list)
     for note in notes:
-        for name, value in note.settings.items():
+        # what became of settings in numbers is each scene's own and stands on its page
+        for name, value in ((name, value) for name, value in note.settings.items() if not name.startswith(COMPILED)):
             settings[name][value].append(note.scenario)
         for said in note.cannot_say.items():
             cannot[said].append(note.scenario)

@@ -8,6 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from reports import scripts, three_js
+from reports.as_run import AsRun, as_run
 from reports.card_tables import labelled
 from reports.charts import Panel
 from reports.columns import COLUMNS
@@ -56,13 +57,15 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture."""
+    """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
+    settings in force."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
     dt: float
     replay: Mapping[str, object] | None
     picture: Picture
+    settings: Sequence[AsRun]
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -75,7 +78,8 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
     replayed = replay(scene, recorded, ours, depths) if scene else None
-    return Kept(scene, courses(series, recorded, scene), dt, replayed, _picture(name, scene, recorded, ours, series, replayed))
+    picture = _picture(name, scene, recorded, ours, series, replayed)
+    return Kept(scene, courses(series, recorded, scene), dt, replayed, picture, as_run(run_dir, results, name, seed))
 
 
 def _picture(
@@ -114,6 +118,7 @@ def page(
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
         replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
-        charts=drawn_charts, courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
+        as_run=found.settings, charts=drawn_charts,
+        courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),
     ))

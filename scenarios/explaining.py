@@ -4,18 +4,25 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from reference.explained import EXPLAINED, Explanation
+from reference.explained import DEPTH, EXCESS, OFFSET, Explanation, explanation
 from reference.explained import LARGE as LARGE
+from reference.explained import LARGE_ANGLE as LARGE_ANGLE
 from scenarios.behind import Figure
 from scenarios.engines import BASELINE, GATED
+from scenarios.variants import base_of
 
-ASKED = ("residual_overlap_max", "tracker_offset_rms_free")
+ASKED = (DEPTH, OFFSET)
 """Metrics in metres that a reader sees: how deep something is in something else, how far a link is from a target that is free."""
+BOUNDS = {DEPTH: LARGE, OFFSET: LARGE, EXCESS: LARGE_ANGLE}
+"""Every metric of which large figures are explained, and what is large, in its own unit."""
+SAME = 0.01
+"""Share by which a variant of a preset may differ from it and still have its explanation: its settings are the same but for those
+that the row is about. Larger would hand on the cause of a figure that has another one."""
 
 
 @dataclass(frozen=True)
 class Large:
-    """One row that is above LARGE or no number, and why; None while that is not known."""
+    """One row that is above its bound or no number, and why; None while that is not known."""
 
     row: Figure
     why: Explanation | None
@@ -27,13 +34,24 @@ class Large:
 
 
 def large(rows: Iterable[Figure]) -> tuple[Large, ...]:
-    """Every figure of another engine above LARGE, the largest first; what has no explanation stands before what has one."""
+    """Every figure of another engine above its bound, lengths before angles and the largest first; what has no explanation stands
+    before what has one."""
     aside = {BASELINE, GATED[0]}
-    found = [
-        Large(row, EXPLAINED.get((row.scenario, row.run))) for row in rows
-        if row.metric in ASKED and row.run.partition("/")[0] not in aside and row.value is not None and not row.value <= LARGE
-    ]
-    return tuple(sorted(found, key=lambda one: (one.why is not None, -_size(one.row.value))))
+    asked = [row for row in rows if row.metric in BOUNDS and row.run.partition("/")[0] not in aside and row.value is not None]
+    values = {(row.scenario, row.seed, row.metric, row.run): row.value for row in asked}
+    found = [Large(row, _why(row, values)) for row in asked if not (row.value is not None and row.value <= BOUNDS[row.metric])]
+    return tuple(sorted(found, key=lambda one: (one.why is not None, one.row.metric == EXCESS, -_size(one.row.value))))
+
+
+def _why(row: Figure, values: dict[tuple[str, int, str, str], float | None]) -> Explanation | None:
+    """The rule of its own run, or of the preset that its run is a variant of where that has the same value."""
+    found, base = explanation(row.scenario, row.run, row.metric), base_of(row.run)
+    if found is not None or not base:
+        return found
+    other = values.get((row.scenario, row.seed, row.metric, base))
+    same = other is not None and row.value is not None and (
+        abs(row.value - other) <= SAME * abs(other) or math.isnan(row.value) and math.isnan(other))
+    return explanation(row.scenario, base, row.metric) if same else None
 
 
 def _size(value: float | None) -> float:

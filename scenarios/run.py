@@ -11,7 +11,7 @@ from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses_each
-from scenarios import drawn, overlapping, record
+from scenarios import drawn, native, overlapping, record
 from scenarios.asked import Asked, asked
 from scenarios.engines import opened
 from scenarios.figures import figures, told
@@ -66,6 +66,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     try:
         frames.append(engine.load(scene, settings, scenario.dt))
         about["settings"] = dict(engine.settings_as_run())
+        native.write(engine, folder, job)
         spent = []
         for sample in samples:
             begun = perf_counter()

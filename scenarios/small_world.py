@@ -16,6 +16,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import bounce_state, stop_distance, stop_time
 from scenarios.cases import LAID, pair_table
 from scenarios.expected import Course, Rest
+from scenarios.scenario import INFINITE, Region
 
 GRAVITY, MASS = 9.81, 1.0
 """Gravity [m/s^2] at scale 1, mass [kg] of every body at every scale."""
@@ -31,6 +32,8 @@ FACE, HIGH = 3.0, 2.0
 """Where the wall begins along x, and at which height the ball is shot [m]."""
 THICK = 20.0
 """Thickness of floor and wall [m]: at a thousandth of the size still more than an engine that stops 2 mm inside needs."""
+TALL = 2.0
+"""Height and width of the wall [m]."""
 FALLEN = 0.01
 """From then on [s] the energy of the ball that falls is looked at."""
 STACK = ("lower", "middle", "upper")
@@ -56,7 +59,7 @@ class Place:
 def bodies(place: Place) -> tuple[Body, ...]:
     """Floor, its top at z = 0, wall, and the six bodies that move or rest."""
     s = place.scale
-    floor, wall = (Piece(Box(place.edges(6.0, 4.0, THICK))),), (Piece(Box(place.edges(THICK, 2.0, 2.0))),)
+    floor, wall = (Piece(Box(place.edges(6.0, 4.0, THICK))),), (Piece(Box(place.edges(THICK, TALL, TALL))),)
     ball, slider = (Piece(Sphere(s * RADIUS)),), (Piece(Box(place.edges(*SLIDES))),)
     cube, shot = (Piece(Box(place.edges(EDGE, EDGE, EDGE))),), (Piece(Sphere(s * SHOT)),)
     found = [
@@ -83,6 +86,14 @@ def small_world(name: str, place: Place) -> Scene:
     }
     materials = pair_table(("floor", "wall", "ball", "box", "shot"), stated)
     return Scene(name, bodies(place), materials=materials, gravity=(0.0, 0.0, -place.scale * GRAVITY))
+
+
+def regions(place: Place) -> tuple[Region, ...]:
+    """Where the ball that is shot may be: where the face that it meets is its nearest way out of the wall. Deeper it is nearer to
+    another side, and nothing brings it back."""
+    lost = place.at(FACE + 0.5 * TALL, 0.0, 0.0)[0]
+    return (Region(("shot",), (-INFINITE, -INFINITE, -INFINITE), (lost, INFINITE, INFINITE), "the ball does not go through "
+                                                                                             "the wall"),)
 
 
 def dropped(place: Place, time: float) -> Vector:

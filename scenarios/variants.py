@@ -4,14 +4,37 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from scenarios.scenario import Scenario
 
+RECORDED = ("mocap_", "unseen_")
+"""How the names of scenes begin in which a body follows recorded motion."""
+
 
 def something_rests(scenario: Scenario) -> bool:
     """Whether the scenario states bodies that are to rest."""
     return "rests" in scenario.expects
 
 
-VARIANTS: Mapping[str, Mapping[str, Callable[[Scenario], bool]]] = {"mujoco": {"sleeping": something_rests}}
+def body_follows(scenario: Scenario) -> bool:
+    """Whether a body of many links follows a recorded motion: the clips, and what nothing was tuned for. All scenes with limbs
+    would cost half a minute more and ask nothing else."""
+    return scenario.name.startswith(RECORDED)
+
+
+VARIANTS: Mapping[str, Mapping[str, Callable[[Scenario], bool]]] = {
+    "mujoco": {"sleeping": something_rests, "servos": body_follows}, "pybullet": {"follows": body_follows},
+}
 """Engine -> variant -> whether it takes part in a scenario. The settings are the engine's own, under that name."""
+
+BASE: Mapping[tuple[str, str], str] = {
+    ("mujoco", "sleeping"): "tuned", ("mujoco", "servos"): "tuned", ("pybullet", "follows"): "default",
+}
+"""(engine, variant) -> the preset that it changes."""
+
+
+def base_of(run: str) -> str:
+    """"engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
+    engine, _, variant = run.partition("/")
+    preset = BASE.get((engine, variant))
+    return "" if preset is None else f"{engine}/{preset}"
 
 
 def variants_of(engine: str, scenario: Scenario, asked: Sequence[str]) -> Iterator[str]:

@@ -13,13 +13,14 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_mujoco.cannot_say import cannot_say
+from reference.in_mujoco.compiled import mjcf, resolved
 from reference.in_mujoco.laws import contact_laws
 from reference.in_mujoco.motors import Motors, Servo
 from reference.in_mujoco.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import Chosen, in_force, kind_of, purpose
+from reference.presets import COMPILED, Chosen, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -50,7 +51,15 @@ class MujocoEngine:
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
-        return run
+        return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
+
+    def native(self) -> tuple[str, str]:
+        """MJCF of what `load` made, settings written after compilation included."""
+        head = (
+            f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}; steps per frame: "
+            f"{self._count}. Numbers have six digits. The tracker moves mocap bodies and controls in every step. -->\n"
+        )
+        return "xml", head + mjcf(self._world.spec, self._model, self._data)
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the model, put everything at its first pose, show it."""
@@ -64,6 +73,7 @@ class MujocoEngine:
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
             armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
+            planes=chosen["floors"].value == "planes",
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()

@@ -35,10 +35,10 @@ DEFAULT: Preset = {
     "friction_time_resting": Chosen(0.0, "used by one-step contacts only"),
     "limit_steps": Chosen(0.0, "0: " + DOCUMENTED + " time constant 0.02 s of joint limits; else in steps"),
     "swing_limits": Chosen(False, "a cone is no documented joint limit of MuJoCo"),
-    "drive": Chosen("welds", "the documented way to follow motion capture: one mocap body per link, welded to the link. Motors: "
-                             "servos in the joints, and the root welded; they want DISCRETE, under IMPLICITFAST swing limits and "
-                             "servos diverge. Welds follow better: 0.9 mm off in mocap_punch_wall, 2.7 in avatar_into_wall, "
-                             "servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
+    "drive": Chosen("welds", "of two usual ways to follow motion capture the nearer one: a mocap body per link, welded to it. "
+                             "Motors: servos in the joints, and the root alone welded; they want DISCRETE, under IMPLICITFAST "
+                             "swing limits and servos diverge. Welds follow better: 0.9 mm off in mocap_punch_wall, 2.7 in "
+                             "avatar_into_wall, servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
     "motor_stiffness": Chosen(400.0, "of servos [N m/rad], too stiff for fingers; used by drive 'motors' only"),
     "motor_damping_ratio": Chosen(1.0, "neither overshoots nor creeps; used by drive 'motors' only"),
     "motor_force": Chosen(30.0, "largest torque of a servo [N m]: at 150 arms are 2.2 mm in a wall at 1/240, at 30 0.07 mm; used "
@@ -59,8 +59,10 @@ DEFAULT: Preset = {
     "armature": Chosen(0.0, DOCUMENTED + " (rotor inertia of a joint, here as a share of its link's inertia)"),
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins)"),
     "sleep": Chosen(False, DOCUMENTED + " (trees at rest are computed like all others)"),
+    "floors": Chosen("boxes", "a fixed box is a box, as the scene has it"),
 }
-"""MuJoCo's defaults, and its documented way to follow motion capture."""
+"""MuJoCo's defaults, and every link welded to a mocap body: the documentation offers mocap bodies and welds, and says of no body
+how many of its links to weld."""
 
 _HARD = Chosen((0.9999, 0.9999, 0.001), "a contact that gives way by 1e-4 of the force only: the law below "
                                         "acts in full")
@@ -73,7 +75,7 @@ _ALWAYS: Preset = {
     "clamp_targets": Chosen(True, "asking a joint for more than its limit only bends the limit"),
     "sleep": Chosen(False, "bodies fall asleep as deep in one another as they are and stay so: stack_ten is over 1 um in 98 % of "
                            "frames instead of 10, stack_struck 2.6 mm deep instead of 1.2. Where that does not matter, frames of "
-                           "what rests take a ninth: 0.13 ms instead of 1.15 in rest_ten_minutes"),
+                           "what rests take a sixteenth: 45 us instead of 722 in rest_ten_minutes"),
 }
 
 _ONE_STEP: Preset = {
@@ -158,7 +160,17 @@ _WILD: Preset = {
     "lead_stops": Chosen(False, "a user who asks for the impossible all the time: with it limbs are up to 33 mm in one another"),
 }
 
+_PLANE: Preset = {
+    "floors": Chosen("planes", "the only fixed body is a level box that nothing can reach the edges of: rods of 1 m start "
+                               "above its middle and slide at most 3 m/s for a second on 20 m by 8, or fall over on 4 m by 4. "
+                               "A plane is the same world there, and meets both ends of a rod at any depth, where a box makes "
+                               "one contact once the axis is inside: by default 32 mm deep at the ends instead of 1.01 m, 126 "
+                               "mm instead of 1.87 m; tuned alike"),
+}
+"""For every preset: which geom a floor is was never a question of stiffness."""
+
 SCENES: Mapping[str, Preset] = {
+    **dict.fromkeys(("falling_rod", "painleve"), _PLANE),
     "hand_in_corner": {"margin": _CLOSE},
     "squeeze": {"margin": Chosen(0.002, "at 1 mm the hand is 0.24 mm in the slab, at 2 mm 0.06, at 4 mm 0.20")},
     **dict.fromkeys(("bounce_ladder", "bounce_ladder_30", "bounce_ladder_240", "bounce_ladder_1000"), _LADDER),
@@ -188,7 +200,24 @@ SCENES: Mapping[str, Preset] = {
 _SLEEPING: Preset = {
     "sleep": Chosen(True, "MuJoCo's documented flag: trees that stay below its velocity tolerance are not computed until "
                           "something wakes them. A row of its own, in scenes with bodies that are to rest: frames of what "
-                          "rests take a ninth, and what falls asleep keeps the overlap that it has"),
+                          "rests take a sixteenth, and what falls asleep keeps the overlap that it has"),
+}
+
+_SERVOS: Preset = {
+    "drive": Chosen("motors", "the usual idiom where a body follows motion capture: a servo in each joint, the root alone welded "
+                              "to its mocap body. A row of its own, in scenes of recorded motion"),
+    "integrator": Chosen("DISCRETE", "servos damp outside the constraints: under IMPLICITFAST they and swing limits diverge"),
+    "dt": Chosen(1.0 / 240.0, "a quarter of the steps of tuned; in unseen_gallery 116 mm deep, then no numbers; at 1/960 0.1 mm"),
+    "refsafe": Chosen(False, "stops shorter than two steps are what DISCRETE is for"),
+    "contact": Chosen("soft", "nothing that is driven needs to bounce"),
+    "contact_steps": Chosen(0.1, "a stop within the step"),
+    "limit_steps": Chosen(0.1, "a stop within the step: hinges are 0.0003 degrees beyond their limits"),
+    "armature": Chosen(4.0, "mocap_punch_wall is 0.0 mm deep and 0.6 degrees beyond limits; at 0.3, which is tuned, 7 mm and "
+                            "6.8"),
+    "motor_force": Chosen(100.0, "at 30 N m fast limbs come late: mocap_spin 148 mm off and 25 degrees beyond its limits, at "
+                                 "300 30 mm and 0.6, but mocap_punch_wall 5.3 mm deep instead of 3.1"),
+    "lead": Chosen(1.0, "aiming ahead by a servo's own lag: mocap_walk_wall 19 mm off at 300 N m; without and at 30 N m 127"),
+    "weld_time": Chosen(0.04, "of the root's weld [s], whose lag is led too"),
 }
 
 OPTIMISES: Mapping[str, str] = {
@@ -197,6 +226,8 @@ OPTIMISES: Mapping[str, str] = {
              "nearest to the user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead "
              "of 4 mm",
     "sleeping": "time where bodies rest; all else as tuned",
+    "servos": "time, and torques that a motor could have, where a body of many links follows a recorded motion; all else as "
+              "tuned",
 }
 """What each preset was chosen for, in one sentence."""
 
@@ -205,7 +236,9 @@ BETTER_ELSEWHERE = (
     "dt = 1/240 s there: a quarter of the steps, 15 mm",
     "weld_time = 0.015 s: links 1 mm of 28 mm nearer to their user, overlap 5 mm more",
     "margin = 0.002 m: offset smaller by up to 0.5 mm, worst overlap 4.6 mm instead of 0.0 mm",
-    "sleep = true: frames of what rests take a ninth (row mujoco/sleeping), a stack of ten is over 1 um in 98 % of frames, "
+    "drive = motors, integrator = DISCRETE, dt = 1/240 s (row mujoco/servos): a quarter of the steps, links farther from their "
+    "user",
+    "sleep = true: frames of what rests take a sixteenth (row mujoco/sleeping), a stack of ten is over 1 um in 98 % of frames, "
     "not in 10",
 )
 """Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
@@ -220,4 +253,5 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
     best = {**tuned[kind], **SCENES.get(scene, {})}
-    return {"default": DEFAULT, "tuned": best, "sleeping": {**best, **_SLEEPING}}
+    default = {**DEFAULT, "floors": best["floors"]}
+    return {"default": default, "tuned": best, "sleeping": {**best, **_SLEEPING}, "servos": {**best, **_SERVOS}}

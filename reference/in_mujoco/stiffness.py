@@ -21,9 +21,13 @@ CONTACTS = ("soft", "one_step")
 restitution)."""
 
 
+FLOORS = ("boxes", "planes")
+"""What a fixed box is: a box, or an infinite plane at its top."""
+
+
 def check_words(chosen: dict[str, Chosen]) -> None:
     """Raise for words that MuJoCo or the adapter does not know, and for a step or servos that are not above 0."""
-    for name, ours in (("contact", CONTACTS), ("drive", DRIVES)):
+    for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS)):
         if chosen[name].value not in ours:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
     words_of = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}

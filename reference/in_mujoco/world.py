@@ -27,7 +27,7 @@ NARROWEST = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """The compiled model and where the scene's parts are in it.
+    """The compiled model, what it was compiled from, and where the scene's parts are in it.
 
     body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
     hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (welded links,) -> mocap
@@ -35,6 +35,7 @@ class World:
     whether an avatar has a part in it.
     """
 
+    spec: mujoco.MjSpec
     model: mujoco.MjModel
     body_ids: Indices
     free: tuple[Indices, Indices, Indices]
@@ -49,12 +50,13 @@ class World:
 
 
 def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool, armature: float,
-                servo: Servo | None = None) -> World:
+                servo: Servo | None = None, planes: bool = False) -> World:
     """Compile the scene. Time steps and contact stiffness are set afterwards: they depend on the step.
 
     `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
     `gravity_on_links`: whether the avatar weighs; `armature`: inertia added to each joint, as a share of the largest
-    inertia of its link about it; `servo`: what is in each joint, whose links are welded to the tracker if there is none.
+    inertia of its link about it; `servo`: what is in each joint, whose links are welded to the tracker if there is none;
+    `planes`: fixed boxes are infinite planes at their tops, which is the same world where nothing leaves the top.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -70,12 +72,14 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
             made.add_freejoint(name=f"b{k}")
             _inertia(made, body)
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
+        if planes and body.role is Role.FIXED:
+            _planes(made)
     _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
     if servo is not None:
         damp_swings(model, servo)
-    return _addresses(scene, laws, model, geoms, pairs)
+    return _addresses(scene, laws, spec, model, geoms, pairs)
 
 
 def _avatars(
@@ -178,6 +182,15 @@ def _geoms(spec: mujoco.MjSpec, body: mujoco.MjsBody, k: int, pieces: tuple[Piec
     return names
 
 
+def _planes(body: mujoco.MjsBody) -> None:
+    """Each box of a fixed body becomes the plane of its upper face; its size is what a viewer draws."""
+    for geom in body.geoms:
+        if geom.type == mujoco.mjtGeom.mjGEOM_BOX:
+            wide, long, half = geom.size
+            geom.pos = np.array(geom.pos) + rotation.rotate(np.array(geom.quat), (0.0, 0.0, half))
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_PLANE, [wide, long, 1.0]
+
+
 def _mesh(spec: mujoco.MjSpec, name: str, shape: ConvexHull) -> str:
     """The hull of the vertices. MuJoCo moves a mesh to its centre of mass; its compiler moves the geom back."""
     mesh = spec.add_mesh(name=name)
@@ -208,7 +221,7 @@ def _directions(law: Law) -> int:
     return 3 if law.friction > 0.0 else 1
 
 
-def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list[str]],
+def _addresses(scene: Scene, laws: Laws, spec: mujoco.MjSpec, model: mujoco.MjModel, geoms: list[list[str]],
                pairs: list[tuple[Law, bool]]) -> World:
     def ints(values: list[int]) -> Indices:
         return np.array(values, dtype=np.int64)
@@ -228,6 +241,7 @@ def _addresses(scene: Scene, laws: Laws, model: mujoco.MjModel, geoms: list[list
     order = [pairs[int(model.pair(p).name[1:])] for p in range(model.npair)]
     hinges = sum(avatar.hinge_count for avatar in scene.avatars)
     return World(
+        spec=spec,
         model=model,
         body_ids=ints([model.body(f"b{k}").id for k in range(len(scene.names))]),
         free=(ints(moving), ints([qpos(f"b{k}") for k in moving]),

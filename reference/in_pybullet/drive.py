@@ -11,6 +11,7 @@ from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from reference.in_pybullet.ball_stops import BallStops
+from reference.in_pybullet.calls import Name, call
 from reference.in_pybullet.shapes import wxyz, xyzw
 from reference.in_pybullet.world import World
 from reference.presets import Chosen
@@ -90,6 +91,39 @@ class Drive:
                     body, -1, -1, -1, pybullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], at, [0, 0, 0, 1], turn,
                     physicsClientId=self._client,
                 ))
+
+    def calls(self) -> list[str]:
+        """What moves roots and joints in every step, as Python; `target...` and `...s` of it are the tracker's."""
+        numbers, forward = self._numbers, bool(self._chosen["feed_forward"].value)
+        lines = ["", "# in every step, ahead of the tracker by its own lag:" if forward else "# in every step:"]
+        for index, (part, _) in enumerate(self._world.roots):
+            body = self._world.parts[part].body
+            if self._constraints:
+                lines.append(call(
+                    "changeConstraint", self._constraints[index], Name("target_centre"), Name("target_turn"),
+                    maxForce=self._most[index],
+                ))
+            else:
+                lines.append(f"# velocity that reaches the target within the step, at most {numbers['root_speed']} m/s")
+                lines.append(call("resetBaseVelocity", body, Name("velocity"), Name("spin")))
+        gains = {"velocityGains": numbers["velocity_gain"], "forces": numbers["hinge_force"]}
+        for body, (joints, _) in self._hinges.items():
+            n, control = len(joints), Name("pybullet.POSITION_CONTROL")
+            lines.append(call(
+                "setJointMotorControlArray", body, joints, control, targetPositions=Name("target_angles"),
+                targetVelocities=Name("target_speeds") if forward else [0.0] * n, positionGains=[numbers["position_gain"]] * n,
+                **{name: [value] * n for name, value in gains.items()},
+            ))
+        for body, joints, _ in self._balls:
+            n, control = len(joints), Name("pybullet.POSITION_CONTROL")
+            lines.append(call(
+                "setJointMotorControlMultiDofArray", body, joints, control, targetPositions=Name("target_turns"),
+                positionGains=[numbers["ball_gain"]] * n, velocityGains=[numbers["velocity_gain"]] * n,
+                forces=[[numbers["ball_force"]] * 3] * n,
+            ))
+            if body in self._stops:
+                lines.append(f"# a joint beyond its limits is moved with {numbers['limit_force']} N m instead")
+        return lines if len(lines) > 2 else []
 
     def plan(self, goals: Goals, step: float) -> None:
         """Work out what every step of a frame will be told: postures 1 to n of `goals`, each one step [s] after the one before.

@@ -1,6 +1,6 @@
 """PyBullet behind the Engine protocol."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from time import perf_counter_ns
 
@@ -14,6 +14,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
+from reference.in_pybullet.calls import Name, call, grouped
 from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
 from reference.in_pybullet.factors import coefficients, fit, weights
@@ -138,27 +139,39 @@ class PybulletEngine:
             pybullet.setPhysicsEngineParameter(fixedTimeStep=self._step, physicsClientId=self._client)
 
     def _set_engine(self) -> None:
-        client, weightless = self._client, not self._chosen["gravity_on_links"].value
-        # without simulated bodies gravity acts on nothing that is not held by its user
-        falls = any(role is Role.SIMULATED for role in self._scene.roles) or not weightless
-        pybullet.setGravity(*(self._scene.gravity if falls else (0.0, 0.0, 0.0)), physicsClientId=client)
-        self._lifts = falls and weightless
-        pybullet.setPhysicsEngineParameter(
-            numSolverIterations=int(self._number("solver_iterations")), contactSlop=self._number("contact_slop"),
-            contactBreakingThreshold=self._number("breaking_threshold"),
-            restitutionVelocityThreshold=self._number("restitution_threshold"), deterministicOverlappingPairs=1,
-            physicsClientId=client,
-        )
+        client = self._client
+        pybullet.setGravity(*self._gravity(), physicsClientId=client)
+        self._lifts = self._falls() and not self._chosen["gravity_on_links"].value
+        for parameters in self._parameters():
+            pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=client)
+
+    def _falls(self) -> bool:
+        """Whether gravity acts at all: without simulated bodies it acts on nothing that is not held by its user."""
+        return any(role is Role.SIMULATED for role in self._scene.roles) or bool(self._chosen["gravity_on_links"].value)
+
+    def _gravity(self) -> tuple[float, ...]:
+        return tuple(float(g) for g in self._scene.gravity) if self._falls() else (0.0, 0.0, 0.0)
+
+    def _parameters(self) -> list[dict[str, float]]:
+        """What the engine is told, call by call."""
+        told: list[dict[str, float]] = [{
+            "numSolverIterations": int(self._number("solver_iterations")), "contactSlop": self._number("contact_slop"),
+            "contactBreakingThreshold": self._number("breaking_threshold"),
+            "restitutionVelocityThreshold": self._number("restitution_threshold"), "deterministicOverlappingPairs": 1,
+        }]
         if self._chosen["set_contact_erp"].value:
-            pybullet.setPhysicsEngineParameter(contactERP=self._number("contact_erp"), physicsClientId=client)
+            told.append({"contactERP": self._number("contact_erp")})
         if self._chosen["split_impulse"].value:
-            pybullet.setPhysicsEngineParameter(
-                useSplitImpulse=1, splitImpulsePenetrationThreshold=0.0, physicsClientId=client
-            )
+            told.append({"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0})
+        return told
 
     def _set_bodies(self) -> None:
-        """Factors of Table 1, damping, margins and contact prediction of every body and link."""
-        scene, client = self._scene, self._client
+        for body, link, arguments in self._dynamics():
+            pybullet.changeDynamics(body, link, **arguments, physicsClientId=self._client)
+
+    def _dynamics(self) -> Iterator[tuple[int, int, dict[str, float]]]:
+        """Factors of Table 1, damping, margins and contact prediction of every body and link: (body, link, what it is told)."""
+        scene = self._scene
         bounces, slides = coefficients(scene)
         bounce_matters, slide_matters = weights(scene)
         restitution = fit(scene, bounces, bounce_matters).values
@@ -167,19 +180,35 @@ class PybulletEngine:
             restitution = np.zeros(len(scene.names))
         damping, margin = self._number("damping"), self._number("collision_margin")
         for k, part in enumerate(self._world.parts):
-            for body, link in {(part.body, part.link), *part.carriers}:
-                pybullet.changeDynamics(
-                    body, link, restitution=float(restitution[k]), lateralFriction=float(friction[k]),
-                    rollingFriction=0.0, spinningFriction=0.0, linearDamping=damping, angularDamping=damping,
-                    collisionMargin=margin, physicsClientId=client,
-                )
+            for body, link in sorted({(part.body, part.link), *part.carriers}):
+                # apart: of a link Bullet drops friction and restitution, without a word, if told together with damping or margin
+                yield body, link, {
+                    "restitution": float(restitution[k]), "lateralFriction": float(friction[k]), "rollingFriction": 0.0,
+                    "spinningFriction": 0.0,
+                }
+                yield body, link, {"linearDamping": damping, "angularDamping": damping}
+                yield body, link, {"collisionMargin": margin}
             if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
-                pybullet.changeDynamics(
-                    part.body, part.link, activationState=pybullet.ACTIVATION_STATE_ENABLE_SLEEPING, physicsClientId=client
-                )
+                yield part.body, part.link, {"activationState": pybullet.ACTIVATION_STATE_ENABLE_SLEEPING}
             # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction
             if self._number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
-                pybullet.changeDynamics(part.body, part.link, contactProcessingThreshold=0.0, physicsClientId=client)
+                yield part.body, part.link, {"contactProcessingThreshold": 0.0}
+
+    def native(self) -> tuple[str, str]:
+        """The calls that set engine, bodies, motors and constraints after `load`, as Python."""
+        places = {(body, link): f"({body}, {link})" for body, link, _ in self._dynamics()}
+        parts = zip(self._scene.names, self._world.parts, strict=True)
+        lines = [
+            f"# {self._scene.name} as pybullet/{self._settings.preset} ran it, PyBullet {self.version}",
+            f"# Steps per frame: {self._count}. Bodies are made by createMultiBody with the scene's inertias;",
+            "# which pairs do not meet is said by setCollisionFilterPair.",
+            *(f"# {name}: body {part.body}, link {part.link}" for name, part in parts),
+            "import pybullet", "", f"step = {self._step!r}",
+            call("setGravity", *self._gravity()), call("setPhysicsEngineParameter", fixedTimeStep=Name("step")),
+            *(call("setPhysicsEngineParameter", **parameters) for parameters in self._parameters()),
+            *grouped((places[body, link], arguments) for body, link, arguments in self._dynamics()), *self._drive.calls(),
+        ]
+        return "py", "\n".join([*lines, ""])
 
     def _lift(self) -> None:
         """Hold driven links against gravity, by their mass centres: Bullet has no gravity per body.

@@ -2,36 +2,75 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 
-from reference.explained import EXPLAINED, Cause
+import pytest
+
+from reference.explained import EXCESS, EXPLAINED, LARGE_ANGLE, Cause, explanation
 from reports import explained, write_report
 from reports.load import load
 from scenarios import catalog
 from scenarios.engines import PRESETS
-from scenarios.explaining import ASKED, LARGE, large
+from scenarios.explaining import ASKED, BOUNDS, LARGE, SAME, large
+from scenarios.offered import scenarios
+from scenarios.variants import BASE
 from tests.reports.conftest import row
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
 
 
+@dataclass(frozen=True)
+class Figure:
+    """A row of results, as short as can be."""
+
+    scenario: str
+    run: str
+    metric: str
+    value: float
+    seed: int = 0
+    unit: str = "m"
+
+
 def run_of(results: Json, *rows: Json) -> Json:
     return results | {"rows": [*list(results["rows"]), *rows]}  # type: ignore[call-overload]
 
 
-def test_explanations_are_of_scenes_and_runs_that_exist() -> None:
-    known = {f"{engine}/{preset}" for engine, presets in PRESETS.items() for preset in presets}
-    for (scene, run), why in EXPLAINED.items():
-        assert scene in catalog.scenarios() and run in known, (scene, run)
-        assert why.sentence.endswith(".") and why.cause in Cause
+def test_rules_are_of_scenes_and_runs_that_exist_and_each_is_the_first_of_something() -> None:
+    scenes = [*catalog.scenarios(), *scenarios("compare", "unseen_*")]
+    runs = [f"{engine}/{preset}" for engine, presets in PRESETS.items() for preset in presets]
+    runs += [f"{engine}/{variant}" for engine, variant in BASE]
+    used = {id(explanation(scene, run, metric)) for scene in scenes for run in runs for metric in BOUNDS}
+    for rule in EXPLAINED:
+        assert id(rule.why) in used, rule.why.sentence
+        assert rule.why.sentence.endswith(".") and rule.why.cause in Cause and set(rule.metrics) <= set(BOUNDS)
+        for patterns, known in ((rule.scenes, scenes), (rule.runs, runs)):
+            assert all(any(fnmatchcase(name, pattern) for name in known) for pattern in patterns), rule.why.sentence
+
+
+def test_broken_joints_are_asked_for_after_lengths() -> None:
+    rows = [
+        Figure("arm_wall", "mujoco/default", EXCESS, 1.5 * LARGE_ANGLE), Figure("mocap_run", "mujoco/default", ASKED[1], 0.2),
+        Figure("arm_wall", "mujoco/tuned", EXCESS, 0.9 * LARGE_ANGLE),
+    ]
+    assert [(one.row.run, one.row.metric) for one in large(rows)] == [("mujoco/default", ASKED[1]), ("mujoco/default", EXCESS)]
+
+
+@pytest.mark.parametrize(("factor", "explained_too"), [(1.0 + 0.5 * SAME, True), (1.0 + 2.0 * SAME, False), (math.nan, False)])
+def test_a_variant_has_the_explanation_of_its_preset_where_it_has_its_value(factor: float, explained_too: bool) -> None:
+    rows = [Figure("scale_km", "mujoco/tuned", ASKED[0], 143.0), Figure("scale_km", "mujoco/sleeping", ASKED[0], 143.0 * factor)]
+    why = {one.row.run: one.why for one in large(rows)}
+    assert why["mujoco/tuned"] is not None and (why["mujoco/sleeping"] is why["mujoco/tuned"]) is explained_too
 
 
 def test_no_large_figure_is_left_out_and_what_is_not_explained_comes_first(run_dir: Write, results: Json) -> None:
     depth, offset = ASKED
     data = run_of(
         results, row("worn_floor", "pybullet/tuned", depth, 0.156, "m"), row("arm_wall", "mujoco/default", depth, 0.2, "m"),
-        row("arm_wall", "mujoco/default", offset, "NaN", "m"), row("arm_wall", "mujoco/tuned", offset, 0.99 * LARGE, "m"),  # type: ignore[arg-type]
+        row("arm_wall", "mujoco/default", offset, "NaN", "m"),  # type: ignore[arg-type]
+        row("arm_wall", "mujoco/tuned", offset, 0.99 * LARGE, "m"),
         row("arm_wall", "tracker/default", depth, 3.0, "m"), row("arm_wall", "avatarsim/paper", offset, 3.0, "m"),
     )
     folder = run_dir(data)

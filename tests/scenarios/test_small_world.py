@@ -7,7 +7,8 @@ from avatarsim.errors import StartOverlaps
 from avatarsim.start_check import require_free
 from avatarsim.world.world import build
 from scenarios import catalog
-from scenarios.small_world import FACE, GRAVITY, NEAR, SHOT, Place, dropped, shot, slides, small_world
+from scenarios.measure.side import outside
+from scenarios.small_world import FACE, GRAVITY, NEAR, SHOT, TALL, Place, dropped, regions, shot, slides, small_world
 
 TIMES = np.linspace(0.0, 2.0, 41)
 
@@ -58,3 +59,13 @@ def test_coincident_bodies_are_refused_with_exact_depths() -> None:
     with pytest.raises(StartOverlaps) as again:
         require_free(build(catalog.get("coincident_start").build()))
     assert again.value.pairs == refused.value.pairs
+
+
+@pytest.mark.parametrize("place", [Place(), Place(1e-3), Place(1e3), Place(1.0, (6e4, -8e4, 1e3))])
+def test_a_ball_that_is_lost_in_the_wall_is_on_the_wrong_side_and_one_found_deep_in_its_face_is_not(place: Place) -> None:
+    scene = small_world("world", place)
+    positions = np.tile(np.array([body.position for body in scene.bodies]), (3, 1, 1))
+    ball = scene.names.index("shot")
+    for row, past in enumerate((-SHOT, 0.3 * TALL, 0.6 * TALL)):
+        positions[row, ball] = place.at(FACE + past, 0.0, 2.0)
+    assert outside(positions, regions(place), scene.names).tolist() == [False, False, True]

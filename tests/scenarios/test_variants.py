@@ -8,11 +8,12 @@ from scenarios.__main__ import main, parser
 from scenarios.commands import plan
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.variants import VARIANTS, variants_of
+from scenarios.offered import scenarios
+from scenarios.variants import BASE, VARIANTS, base_of, variants_of
 
 
 def test_mujoco_sleeps_where_bodies_are_to_rest_only() -> None:
-    taking_part = {name for name, scenario in catalog.scenarios().items() if list(variants_of("mujoco", scenario, ()))}
+    taking_part = {name for name, scenario in catalog.scenarios().items() if "sleeping" in variants_of("mujoco", scenario, ())}
     assert {"stack_ten", "rest_ten_minutes", "heavy_on_light"} <= taking_part and len(taking_part) < 20
     assert not taking_part & {"two_arms", "mocap_run", "free_flight", "hand_in_corner"}
     assert list(variants_of("pybullet", catalog.get("stack_ten"), ())) == []
@@ -24,17 +25,39 @@ def test_a_variant_that_is_not_asked_for_does_not_run() -> None:
     assert list(variants_of("mujoco", stack, ["sleeping"])) == ["sleeping"]
 
 
-@pytest.mark.parametrize(("engine", "name"), [(engine, name) for engine, names in VARIANTS.items() for name in names])
-def test_every_variant_loads_and_says_what_differs_from_tuned(engine: str, name: str) -> None:
-    made, job = opened(engine), Job("stack_ten", engine, name)
-    scenario, scene, _ = job.asked()
+@pytest.mark.parametrize(("engine", "name", "changed"), [
+    ("mujoco", "sleeping", {"sleep"}),
+    ("mujoco", "servos", {
+        "drive", "integrator", "dt", "dt as run", "refsafe", "contact", "contact_steps", "limit_steps", "armature", "motor_force",
+        "weld_time",
+    }),
+    ("pybullet", "follows", {"feed_forward", "ball_gain"}),
+])
+def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, name: str, changed: set[str]) -> None:
+    made, base = opened(engine), BASE[engine, name]
+    # a body on a wall is what follows; a stack is what rests
+    where = "driven_10cm_wall" if engine == "pybullet" or name == "servos" else "stack_ten"
+    scenario, scene, _ = Job(where, engine, name).asked()
     told = {}
-    for preset in ("tuned", name):
-        made.load(scene, Job("stack_ten", engine, preset).settings(made), scenario.dt)
-        told[preset] = dict(made.settings_as_run())
+    for preset in (base, name):
+        made.load(scene, Job(where, engine, preset).settings(made), scenario.dt)
+        told[preset] = {key: value[0] if isinstance(value, tuple) else value for key, value in made.settings_as_run().items()}
     made.close()
-    differs = {key for key in told[name] if key in told["tuned"] and told["tuned"][key] != told[name][key]}
-    assert differs == {"sleep", "optimises"}
+    differs = {key for key in told[name] if key in told[base] and told[base][key] != told[name][key]}
+    assert {key for key in differs if " " not in key or key == "dt as run"} == changed | {"optimises"}
+
+
+def test_every_variant_has_a_base_that_its_engine_has() -> None:
+    assert set(BASE) == {(engine, name) for engine, names in VARIANTS.items() for name in names}
+    assert all(preset in opened(engine).presets for (engine, _), preset in BASE.items())
+    assert base_of("mujoco/servos") == "mujoco/tuned" and base_of("mujoco/tuned") == base_of("stranger/servos") == ""
+
+
+def test_bodies_of_many_links_follow_recorded_motion_in_rows_of_their_own_and_hands_do_not() -> None:
+    for engine, name in (("mujoco", "servos"), ("pybullet", "follows")):
+        taking_part = {scene for scene, scenario in scenarios("compare").items() if name in variants_of(engine, scenario, ())}
+        assert {"mocap_run", "mocap_punch_wall", "unseen_door"} <= taking_part and len(taking_part) < 30
+        assert not taking_part & {"hand_over_table", "ball_drop", "hand_in_corner", "stack_ten"}
 
 
 def test_a_preset_that_no_engine_has_is_still_an_error() -> None:
@@ -44,6 +67,7 @@ def test_a_preset_that_no_engine_has_is_still_an_error() -> None:
 
 
 @pytest.mark.parametrize(("words", "runs"), [
+    (("compare", "--filter", "mocap_run"), {("mocap_run", "servos")}),
     (("compare", "--filter", "stack_ten,zeno,two_arms"), {("stack_ten", "sleeping"), ("zeno", "sleeping")}),
     (("compare", "--filter", "stack_ten", "--preset", "tuned"), set()),
     (("run", "stack_ten"), set()),

@@ -6,9 +6,9 @@ it; a world in millimetres has lengths and a gravity a thousand times as large i
 
 from collections.abc import Mapping
 
-from scenarios.promises import FINITE, NO_OVERLAP
+from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
 from scenarios.scenario import RENDERED, Bound, Scenario
-from scenarios.small_world import Place, expects, small_world
+from scenarios.small_world import Place, expects, regions, small_world
 from scenarios.untracked import untracked
 
 FRAMES = 120
@@ -31,11 +31,12 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
         frames=FRAMES,
         dt=dt,
         bounds=(
-            NO_OVERLAP, FINITE,
+            NO_OVERLAP, RIGHT_SIDE, FINITE,
             Bound("course_error_max", EARLY, "closed forms hold at any time, anywhere, in any unit; a gap of 2e-8 m is contact"),
             Bound("drift_max", 1e-6, "what rests stays where it is"),
             Bound("energy_gain_max", 1e-9, "nothing here adds energy"),
         ),
+        regions=regions(place),
         expects=expects(place, FRAMES * dt),
     )
 

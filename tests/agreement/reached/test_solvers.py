@@ -66,7 +66,7 @@ def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None
 
 @needs_pybullet
 @pytest.mark.parametrize("parameters", [
-    {"enableConeFriction": 0}, {"enableConeFriction": 1}, {"warmStartingFactor": 0.0}, {"numSolverIterations": 10},
+    {"enableConeFriction": 0}, {"enableConeFriction": 1}, {"warmStartingFactor": 0.0}, {"numSolverIterations": 25},
     {"useSplitImpulse": 1},
 ], ids=str)
 def test_pybullet_ends_as_deep_however_it_begins(parameters: dict[str, float]) -> None:
