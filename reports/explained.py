@@ -2,20 +2,16 @@
 
 from collections import Counter
 
-import numpy as np
-
 from reports.load import Results
+from reports.moment import OVERLAPS
+from reports.moment import moment as moment_of
 from reports.wording import count
 from scenarios.explaining import LARGE, Large, large
 
 
 def moment(results: Results, one: Large) -> str:
     """"#t=0.3417", the time [s] at which the overlap of a run is deepest; "" for other metrics and where no series was kept."""
-    dt = results.frame_times.get(one.row.scenario)
-    series = results.series.get(one.row.scenario, {}).get(one.row.run)
-    if one.row.metric != "residual_overlap_max" or dt is None or series is None or not np.isfinite(series.overlap).any():
-        return ""
-    return f"#t={dt * int(np.nanargmax(series.overlap)):.4g}"
+    return moment_of(results, one.row.scenario, one.row.run, one.row.metric) if one.row.metric in OVERLAPS else ""
 
 
 def sentence(found: tuple[Large, ...]) -> str:
@@ -29,7 +25,7 @@ def sentence(found: tuple[Large, ...]) -> str:
 
 def section(results: Results) -> dict[str, object]:
     """What the template is made of."""
-    found = large(results.rows)
+    found = large(results.rows, results.scales)
     return {
         "large_rows": found, "large_said": sentence(found), "large_from": LARGE, "large_moment": lambda one: moment(results, one),
     }

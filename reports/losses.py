@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 
 from reports.load import Results
 from reports.metric_words import words
-from reports.wording import count, factor, limit
+from reports.moment import moment
+from reports.wording import count, factor, limit, listed
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
 from scenarios.metrics import METRICS
 from scenarios.ranked import RANKED, UNRANKED
@@ -42,11 +43,31 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     """What the template of the losses is made of."""
     made = _most_lost_first(by_family(found, results.families))
     lost = [one for one in made if one.lost]
+    shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     return {
+        "lost_shown": shown, "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
         "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
         "same": same,
     }
+
+
+def silent_sentence(found: Compared) -> str:
+    """How many figures do not judge an engine that has no words for them; "" where there are none."""
+    metrics: dict[str, dict[str, None]] = {}
+    for run, pairs in found.silent.items():
+        for _, metric in sorted(pairs):
+            metrics.setdefault(words(metric), {})[run] = None
+    if not metrics:
+        return ""
+    said = "; ".join(f"{metric} ({listed(tuple(runs))})" for metric, runs in metrics.items())
+    number = sum(len(pairs) for pairs in found.silent.values())
+    return f"Not ranked, because the engine has no words for it, are {count(number, 'figure')}: {said}."
+
+
+def at(results: Results, one: Behind, ours: str) -> str:
+    """"#t=0.3417", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series; else ""."""
+    return moment(results, one.row.scenario, ours, one.row.metric)
 
 
 def same(metric: str) -> str:

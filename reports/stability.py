@@ -34,6 +34,7 @@ class Trial:
     moved: float
     form: str = LONG
     scale: float = 1.0
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def _trial(row: Mapping[str, str]) -> Trial:
     form = row.get("form") or LONG
     return Trial(
         row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], overlap, energy, moved, form,
-        number(row["scale"]),
+        number(row["scale"]), row.get("note") or "",
     )
 
 
@@ -223,8 +224,47 @@ def answer(found: Stability) -> str:
     return (
         f"{word}: {OURS} gets through {own.survived} of {count(own.tried, 'trial')}, {ends}, overlaps by at most "
         f"{quantity(None if math.isnan(own.simulated) else own.simulated, 'm')} as simulated "
-        f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame."
+        f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame; a change moves its end by "
+        f"{_told(own, 'end moved, median', 'm')} in the median, {_told(own, 'end moved, most', 'm')} at most."
     )
+
+
+SEEN_GAIN = 1.0
+"""Energy [J] that nothing gives: a kilogram thrown up by a hand's breadth."""
+
+
+def little_said(found: Stability) -> str:
+    """Which engines survive everything and gain energy all the same, so that surviving says little; "" where none does."""
+    told = [f"{line.run} gains {_told(line, 'largest gain of energy', 'J')}" for line in standings(found)
+            if line.survived == line.tried and line.values["largest gain of energy"] > SEEN_GAIN]
+    return f"To survive says little by itself: {'; '.join(told)} in a frame and survives all." if told else ""
+
+
+@dataclass(frozen=True)
+class Lost:
+    """The trials that one engine lost of one case: under which changes, of how many, and why."""
+
+    case: str
+    run: str
+    lost: int
+    tried: int
+    changes: tuple[str, ...]
+    reasons: tuple[str, ...]
+
+
+def lost_trials(found: Stability) -> tuple[Lost, ...]:
+    """Case by case and engine by engine what was lost, ours first; empty where nothing was."""
+    made = []
+    for run in found.runs:
+        own = found.all_of(run)
+        for case in found.cases:
+            tried_ = [trial for trial in own if trial.case == case]
+            lost = [trial for trial in tried_ if trial.state != SURVIVED]
+            if lost:
+                changes = tuple(dict.fromkeys(f"{trial.kind} {trial.level}" for trial in lost))
+                reasons = tuple(dict.fromkeys(": ".join(filter(None, (trial.state, trial.note))) for trial in lost))
+                made.append(Lost(case, run, len(lost), len(tried_), changes, reasons))
+    return tuple(made)
 
 
 def _told(line: Standing, name: str, unit: str) -> str:
@@ -264,5 +304,6 @@ def section(found: Stability) -> dict[str, object]:
         "stability_lines": made, "stability_cell": cell, "stability_conclusion": conclusion(found),
         "stability_standings": standings(found), "stability_told": [(name, units[name]) for name in TOLD],
         "stability_figure": _told, "stability_tried": tried(found), "stability_slice": found.is_slice,
+        "stability_lost": lost_trials(found), "stability_little": little_said(found),
         "stability_panels": panels(values, found.runs, found.kinds, units),
     }

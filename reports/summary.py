@@ -10,7 +10,7 @@ from reports.load import Results
 from reports.marked import cell_note
 from reports.table_2 import Table2, markdown
 from reports.tables import Block, Line, blocks
-from reports.verdict import Verdict, believed, losing_scenes, scenes_sentence
+from reports.verdict import Verdict, believed, loosest, reading_order, scenes_sentence
 from reports.wording import MISSING, count, quantity, ratio
 from scenarios.behind import by_family
 
@@ -20,10 +20,11 @@ MOST_LOSSES = 20
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(results, verdict)]
-    shown = blocks(results, losing_scenes(verdict))
+    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", CAVEAT, _counts(verdict), loosest(verdict), *_troubles(verdict),
+             *_losses(results, verdict)]
+    shown = blocks(results, reading_order(results, verdict))
     if shown:
-        parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
+        parts += ["### All scenes", _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     if two:
@@ -63,7 +64,8 @@ def _losses(results: Results, verdict: Verdict) -> list[str]:
         lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
     after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
-    return ["### What we lose, worst first", losses.sentence(every, verdict.gated), "\n".join(lines), *after]
+    return ["### What we lose, worst first", losses.sentence(every, verdict.gated), losses.silent_sentence(verdict.ranked),
+            "\n".join(lines), *after]
 
 
 def _table(shown: tuple[Block, ...], ours: str) -> str:

@@ -35,6 +35,20 @@ def protocol(provenance: Mapping[str, object]) -> str:
     )
 
 
+CLOCK = (
+    "What the clock covers: engine only is read round the engine's own calls and nothing else. In ours these are the stages of "
+    "a frame (posture, motion, coupling); in MuJoCo and PyBullet mj_step and stepSimulation, called from Python once per step "
+    "of the preset, the clock read before and after each call and the readings of a frame added up. Not in it: in ours checking "
+    "and copying the tracker's sample and handing out the result; in MuJoCo and PyBullet checking, limiting and interpolating "
+    "the target, writing mocap poses or controls, reading poses. As called from Python is the whole call of a frame with all of "
+    "that; in two of three engines it is our adapter's time, so it is shown and not ranked.",
+    "At home: make bench measures your machine, python -m scenarios bench --filter NAME one scene. What comes before the first "
+    "frame (import, load) is in no frame time: bench has it as warmup in its results.csv, python -m scenarios.first_frame has "
+    "load and first frame of every scene.",
+)
+"""What is timed, exactly as `scenarios.seat` and the adapters read the clock, and how to have it on another machine."""
+
+
 def machine(provenance: Mapping[str, object]) -> str:
     """Clock and load during the timing pass, as far as they are known; "" where nothing is."""
     found, said = record(provenance), []
@@ -61,7 +75,7 @@ def warning(provenance: Mapping[str, object]) -> str:
 
 def sentences(provenance: Mapping[str, object]) -> tuple[str, ...]:
     """All of it, for a list."""
-    return tuple(said for said in (protocol(provenance), machine(provenance)) if said)
+    return tuple(said for said in (protocol(provenance), machine(provenance), *CLOCK) if said)
 
 
 def _number(value: object) -> float:

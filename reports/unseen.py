@@ -28,12 +28,12 @@ class Measure:
 
 OVERLAP, CHATTER, REVERSAL, SLOWEST = "residual_overlap_max", "chatter_frames", "reversal_p95", "frame_time_max"
 MEASURES = (
-    Measure(OVERLAP, "overlap, max", "m", 1e-6),
+    Measure(OVERLAP, "deepest overlap shown", "m", 1e-6),
     Measure(CHATTER, "frames in contact that shake", "%", 0.05),
-    Measure(REVERSAL, "reversals, p95", "m", 1e-4),
-    Measure("jerk_ratio", "jerk over target's", "", 0.05),
-    Measure("tracker_offset_rms", "offset from target, rms", "m", 1e-3),
-    Measure("silent_offset_frames", "frames far off in silence", "frames", 0.5),
+    Measure(REVERSAL, "displacement taken back, p95", "m", 1e-4),
+    Measure("jerk_ratio", "roughness, over the user's", "", 0.05),
+    Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
+    Measure("silent_offset_frames", "frames far from a free user without a status", "frames", 0.5),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )

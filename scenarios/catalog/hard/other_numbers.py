@@ -37,6 +37,7 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
             Bound("energy_gain_max", 1e-9, "nothing here adds energy"),
         ),
         expects=expects(place, FRAMES * dt),
+        scale=place.scale,
     )
 
 
