@@ -19,10 +19,16 @@ OVERLAP_BOUND = 1e-6
 FRAME_60_HZ, FRAME_30_HZ = 1e6 / 60.0, 1e6 / 30.0
 # Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
 HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+# Stands in the first paragraph of page and summary.
+KINEMATIC = (
+    "Our avatar is kinematic: the user's motion drives it. MuJoCo and PyBullet compute the dynamics of the whole articulated "
+    "body and pay for it in frame time, so times of scenes with an avatar are not like for like. Contact force and joint torque "
+    "are not measured."
+)
 # Stands beside every table that compares engines: without it frame times are read as like for like, which they are not.
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
-    "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. Contact force and joint torque are not measured. "
+    "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
     "What rests sleeps in our engine; in the tuned others it does not, as asleep it keeps what overlap it has: where all is at "
     "rest, most of the difference in time is that, and the row mujoco/sleeping stands for it in scenes whose bodies are to rest."
 )

@@ -36,6 +36,7 @@ from reports.closeness import Closeness
 from reports.columns import COLUMNS
 from reports.conclusions import (
     CAVEAT,
+    KINEMATIC,
     OVERLAP_BOUND,
     hover_notes,
     overlap_summary,
@@ -175,7 +176,8 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
-        absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
+        absent=_absent(shown), caveat=CAVEAT, kinematic=KINEMATIC,
+        ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
         overlap_chart=summary_charts.overlaps(results, colours), overlap_summary=overlap_summary(results, verdict.gated),
         gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
         gallery_js=source("gallery.js"), words_of=words,

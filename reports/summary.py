@@ -5,7 +5,7 @@ from html import escape
 from reports import losses
 from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
-from reports.conclusions import CAVEAT, hover_notes, ratio_sentence
+from reports.conclusions import CAVEAT, KINEMATIC, hover_notes, ratio_sentence
 from reports.load import Results
 from reports.marked import cell_note
 from reports.table_2 import Table2, markdown
@@ -20,11 +20,11 @@ MOST_LOSSES = 20
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", CAVEAT, _counts(verdict), loosest(verdict), *_troubles(verdict),
+    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", KINEMATIC, _counts(verdict), loosest(verdict), *_troubles(verdict),
              *_losses(results, verdict)]
     shown = blocks(results, reading_order(results, verdict))
     if shown:
-        parts += ["### All scenes", _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
+        parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     if two:
@@ -55,7 +55,7 @@ def _troubles(verdict: Verdict) -> list[str]:
 def _losses(results: Results, verdict: Verdict) -> list[str]:
     if not verdict.losses:
         rivals = "no other engine did better in any ranked metric" if verdict.rivals else "no other engine took part"
-        return ["### What we lose", f"Nothing that this run can show: no gated bound failed, and {rivals}."]
+        return ["### What we lose", f"Nothing that this run can show: no bound failed, and {rivals}."]
     every = by_family(verdict.ranked, results.families)
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:

@@ -30,7 +30,8 @@ def protocol(provenance: Mapping[str, object]) -> str:
         f"first runs up to {count(warm, 'frame')} on a load that is thrown away, then the same frames up to "
         f"{count(repeats, 'time')}, each time on a new load; a frame counts with the least of its repeats. Beside each median "
         "stands how many repeats and frames there were. Medians and 95th percentiles are over the repeats and frames that every "
-        f"engine of the scene had; a 99th percentile and a slowest frame are given from {repeats} x {tail} frames on. Where at "
+        f"engine of the scene had; a 99th percentile and a slowest frame are over all that an engine had, from {repeats} x "
+        f"{tail} frames on, and not given where they would lie below a 95th percentile that is over fewer. Where at "
         f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one."
     )
 

@@ -57,3 +57,12 @@ def test_the_link_leads_to_the_deepest_moment(run_dir: Write, results: Json) -> 
 
 def test_a_run_without_large_figures_says_so(run_dir: Write, results: Json) -> None:
     assert explained.sentence(large(load(run_dir(results)).rows)) == "No other engine has a figure of this size."
+
+
+def test_a_world_a_thousand_times_as_large_leads_nothing_for_its_size(run_dir: Write, results: Json) -> None:
+    rows = (row("scale_km", "mujoco/default", ASKED[0], 884.0, "m"), row("scale_mm", "mujoco/default", ASKED[0], 0.01, "m"),
+            row("worn_floor", "pybullet/tuned", ASKED[0], 2.0, "m"))
+    scenes = {"scale_km": {"title": "", "scale": 1e3}, "scale_mm": {"title": "", "scale": 1e-3}}
+    found = load(run_dir(run_of(results, *rows) | {"scenes": scenes}))
+    assert {one.row.scenario: one.value for one in large(found.rows, found.scales)} == {
+        "scale_km": 0.884, "scale_mm": 10.0, "worn_floor": 2.0}
