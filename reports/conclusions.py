@@ -163,6 +163,19 @@ def hover_notes(results: Results) -> tuple[str, ...]:
     return tuple(said)
 
 
+def gap_sentence(results: Results) -> str:
+    """How far an avatar that touches is from what it touches, per engine over the scenes that have the figure; "" without any."""
+    found: dict[str, list[float]] = {}
+    for row in results.rows:
+        if row.metric == "contact_gap_p50" and row.value is not None and math.isfinite(row.value):
+            found.setdefault(row.run, []).append(row.value)
+    said = []
+    for run, gaps in found.items():
+        span = " to ".join(dict.fromkeys((quantity(min(gaps), "m"), quantity(max(gaps), "m"))))
+        said.append(f"{run} {span}")
+    return f"Median gap of an avatar to what it touches, from scene to scene: {'; '.join(said)}." if said else ""
+
+
 def _length(text: str) -> float:
     """A length [m] from a setting's text; 0 where it is no finite number."""
     try:

@@ -13,7 +13,7 @@ from reports.moment import moment
 from reports.wording import count, factor, limit, listed
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
 from scenarios.metrics import METRICS
-from scenarios.ranked import RANKED, UNRANKED
+from scenarios.ranked import KINDS, RANKED, UNRANKED
 
 FIRST = 12
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
@@ -45,11 +45,23 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     lost = [one for one in made if one.lost]
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     return {
-        "lost_shown": shown, "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
+        "lost_shown": shown, "lost_kinds": kinds_sentence(made),
+        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
         "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
         "same": same,
     }
+
+
+def kinds_sentence(found: Sequence[MetricLosses]) -> str:
+    """How many of the ranked metrics measure the same thing, and in how many of them another engine is better."""
+    by_name = {one.metric: one for one in found}
+    said = []
+    for kind, metrics in KINDS.items():
+        ranked = [by_name[metric] for metric in metrics if metric in by_name]
+        if ranked:
+            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}")
+    return f"By what is measured, lost of ranked metrics: {'; '.join(said)}." if said else ""
 
 
 def silent_sentence(found: Compared) -> str:

@@ -9,7 +9,7 @@ count families: a family is a scene with its variants. Figures of a world of ano
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Protocol
 
@@ -73,7 +73,7 @@ class Compared:
 
     pairs: frozenset[tuple[str, str]]
     behind: tuple[Behind, ...]
-    silent: Mapping[str, frozenset[tuple[str, str]]] = MappingProxyType({})
+    silent: Mapping[str, frozenset[tuple[str, str]]] = field(default_factory=dict)
 
 
 def at_size_1(value: float | None, unit: str, scale: float) -> float | None:

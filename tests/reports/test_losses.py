@@ -6,13 +6,13 @@ from pathlib import Path
 
 from reports import write_report
 from reports.load import load
-from reports.losses import FIRST, beside, section, sentence, silent_sentence
+from reports.losses import FIRST, beside, kinds_sentence, section, sentence, silent_sentence
 from reports.metric_words import words
 from reports.moment import moment
 from reports.summary import summary
 from reports.verdict import STATES, scenes_sentence, verdict
 from scenarios.behind import Behind, by_family, compared
-from scenarios.ranked import RANKED
+from scenarios.ranked import KINDS, RANKED
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -125,3 +125,15 @@ def test_figures_that_do_not_judge_an_engine_are_counted_and_named(run_dir: Writ
     assert silent_sentence(ranked) == (
         f"Not ranked, because the engine has no words for it, are 1 figure: {words('reach_cone_excess_max')} (mujoco/default).")
     assert silent_sentence(verdict(load(run_dir(results))).ranked) == ""
+
+
+def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json) -> None:
+    data = results
+    for metric in ("root_jump_max", "jerk_ratio"):
+        for engine, value in (("avatarsim", 9.0), ("mujoco", 0.0)):
+            data = changed(data, engine=engine, metric=metric, value=value)
+    found = load(run_dir(data))
+    said = kinds_sentence(by_family(verdict(found).ranked, found.families))
+    assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
+    assert all(metric in RANKED for metrics in KINDS.values() for metric in metrics)
+    assert kinds_sentence(()) == ""

@@ -121,8 +121,8 @@ def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json)
 
 
 def test_lost_trials_are_told_by_case_and_engine_with_their_reason(tmp_path: Path) -> None:
-    text = ROWS + "painleve,mujoco/tuned,start,1e-05 m,0,0,0,0.01,1,0,lost,36,0.1,0,0,0.1,0.2,outside its region in 21 frames,slice\n"
-    made = stability.lost_trials(found(tmp_path, text))
+    lost = "painleve,mujoco/tuned,start,1e-05 m,0,0,0,0.01,1,0,lost,36,0.1,0,0,0.1,0.2,outside its region in 21 frames,slice\n"
+    made = stability.lost_trials(found(tmp_path, ROWS + lost))
     assert [(one.case, one.run, one.lost, one.tried) for one in made] == [
         ("painleve", "avatarsim/default", 1, 5), ("painleve", "mujoco/tuned", 1, 4)]
     assert made[1].changes == ("start 1e-05 m",) and made[1].reasons == ("lost: outside its region in 21 frames",)

@@ -142,5 +142,6 @@ def test_the_largest_figure_is_named_though_another_has_the_largest_factor() -> 
 
 
 def test_time_in_an_adapter_ranks_nothing() -> None:
-    assert compared([row(OURS, "frame_time_python_p50", 9.0), row("a/b", "frame_time_python_p50", 1.0)], OURS).pairs == frozenset()
+    rows = [row(OURS, "frame_time_python_p50", 9.0), row("a/b", "frame_time_python_p50", 1.0)]
+    assert compared(rows, OURS).pairs == frozenset()
     assert "adapter" in why_not("frame_time_python_p50")
