@@ -175,6 +175,21 @@ def conclusion(found: Unseen) -> str:
     return " ".join(parts)
 
 
+def limits_sentence(results: Results, ours: str) -> str:
+    """How far other engines bend joints beyond their limits in these rooms, which stands beside how smooth they look; "" where
+    none does by as much as a degree."""
+    most: dict[str, Row] = {}
+    for row in results.rows:
+        aside = row.engine in (RAW_TRACKER, engine_of(ours)) or not changes_with_commits(row.scenario)
+        if not aside and row.metric == "joint_limit_excess_max" and row.value is not None and row.value >= 1.0:
+            if row.run not in most or row.value > (most[row.run].value or 0.0):
+                most[row.run] = row
+    said = "; ".join(f"{run} by up to {quantity(row.value, row.unit)} ({row.scenario.removeprefix(PREFIX)})"
+                     for run, row in most.items())
+    return (f"Smoothness has a price: joints go beyond their limits in {said}; engines that cannot say the limits of ball joints "
+            "are not ranked by this.") if said else ""
+
+
 def source(found: Unseen) -> str:
     """Where the motions come from."""
     drawn = found.origin or f"seed {listed(tuple(map(str, found.seeds)))}"
@@ -213,8 +228,9 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     found = unseen(results, ours)
     if found is None:
         return {"unseen": None, "unseen_verdict": ""}
+    said = " ".join(filter(None, [conclusion(found), limits_sentence(results, ours)]))
     return {
-        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": said,
         "unseen_source": source(found),
         "unseen_heads": [measure.title for measure in MEASURES], "unseen_rows": cell_rows(found),
     }

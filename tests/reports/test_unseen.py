@@ -96,3 +96,12 @@ def test_figures_that_change_with_the_commit_are_no_baseline_and_no_difference(r
     before, after = run_with(run_dir, rows_of("wall")), run_with(run_dir, rows_of("wall", 50.0))
     assert "unseen_" not in baseline.text(before) and "arm_wall" in baseline.text(before)
     assert "unseen_wall  avatarsim/default  chatter_frames" not in diff(before, after).text()
+
+
+def test_joints_beyond_their_limits_stand_beside_how_smooth_others_look(run_dir: Write) -> None:
+    limits = [row(f"unseen_{room}", TUNED, "joint_limit_excess_max", value, "deg") for room, value in (("wall", 5.0), ("door", 147.0))]
+    found = run_with(run_dir, [*rows_of("wall"), *limits, row("unseen_wall", BULLET, "joint_limit_excess_max", 0.2, "deg")])
+    said = unseen.limits_sentence(found, OURS)
+    assert f"{TUNED} by up to 147° (door);" in said and BULLET not in said
+    assert said in str(unseen.section(found, OURS)["unseen_conclusion"])
+    assert unseen.limits_sentence(run_with(run_dir, rows_of("wall")), OURS) == ""
