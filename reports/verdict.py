@@ -93,7 +93,7 @@ class Verdict:
             parts.append(f"{len(self.ceiling):,} above the bound but within a ceiling")
         if len(parts) == 1 and self.held and not self.failed:
             promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.held)]
-            kept = f", among them what is promised in every scene: {', '.join(promised)}" if promised else ""
+            kept = f", among them what is promised everywhere: {', '.join(promised)}" if promised else ""
             return f"All {count(total, 'bound')} of {self.gated} held{kept}." if total > 1 else "The one bound held."
         return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + "."
 

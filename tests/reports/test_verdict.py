@@ -122,7 +122,7 @@ def test_the_headline_says_what_is_promised_and_the_loosest_bounds_stand_below_i
     for scene, value, bound in (("arm_wall", 0.002, 0.01), ("door", 0.3, 0.4)):
         data = bounded(data, scene, "root_jump_max", value, bound)
     found = verdict(load(run_dir(data)))
-    assert found.sentence == "All 3 bounds of avatarsim/default held, among them what is promised in every scene: no overlap."
+    assert found.sentence == "All 3 bounds of avatarsim/default held, among them what is promised everywhere: no overlap."
     assert "jump of the root beyond the user's own 400 mm (largest 300 mm, door)" in loosest(found)
     assert loosest(verdict(load(run_dir(only(results, "arm_wall"))))) == ""
 
