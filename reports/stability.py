@@ -49,11 +49,13 @@ class Figure:
 
 @dataclass(frozen=True)
 class Line:
-    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours."""
+    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours.
+    `asked`: whether ours was, which a change of the solver's step cannot be."""
 
     kind: str
     figure: Figure
     values: Mapping[str, float]
+    asked: bool = True
 
     @property
     def best(self) -> float:
@@ -64,7 +66,7 @@ class Line:
     def lost(self) -> bool:
         """Whether ours is worse than another engine's by more than rounding; a figure that ours has not is lost as well."""
         ours = self.values.get(OURS, math.nan)
-        if math.isnan(self.best):
+        if math.isnan(self.best) or not self.asked:
             return False
         return not ours <= max(SLACK * self.best, self.figure.seen)
 
@@ -100,8 +102,10 @@ class Stability:
         return tuple(dict.fromkeys(trial.level for trial in self.trials if trial.kind == kind))
 
     def all_of(self, run: str) -> tuple[Trial, ...]:
-        """The trials of one engine that say anything."""
-        return tuple(trial for kind in self.kinds for trial in self.asked(run, kind))
+        """The trials of one engine that say anything, of the kinds of change that ours was asked under: what is compared over
+        all must be the same for all."""
+        kinds = [kind for kind in self.kinds if self.asked(OURS, kind)] or self.kinds
+        return tuple(trial for kind in kinds for trial in self.asked(run, kind))
 
     def asked(self, run: str, kind: str) -> tuple[Trial, ...]:
         """The trials of one engine under one kind of change that say anything."""
@@ -147,7 +151,7 @@ FIGURES = (
 def table(found: Stability) -> tuple[Line, ...]:
     """A line per kind of change and figure, those that ours loses first."""
     made = [
-        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs})
+        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs}, bool(found.asked(OURS, kind)))
         for kind in found.kinds for figure in FIGURES
     ]
     # the plain trial is where it is by definition, and a line without a number says nothing

@@ -8,6 +8,7 @@ from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, KINEMATIC, hover_notes, ratio_sentence
 from reports.load import Results
 from reports.marked import cell_note
+from reports.metric_words import words
 from reports.table_2 import Table2, markdown
 from reports.tables import Block, Line, blocks
 from reports.verdict import Verdict, believed, loosest, reading_order, scenes_sentence
@@ -61,7 +62,7 @@ def _losses(results: Results, verdict: Verdict) -> list[str]:
     for loss in verdict.losses[:MOST_LOSSES]:
         factor = f" ({loss.beside})" if loss.beside else ""
         strong = "**" if loss.kind == "failed" else ""
-        lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
+        lines.append(f"| {loss.scene} | {strong}{words(loss.what)}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
     after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
     return ["### What we lose, worst first", losses.sentence(every, verdict.gated), losses.silent_sentence(verdict.ranked),

@@ -20,7 +20,8 @@ def text_of(folder: Path) -> str:
 def test_losses_come_before_the_table(run_dir: Write, results: Json) -> None:
     text = text_of(run_dir(results))
     assert text.startswith("## FAILED: 1 of 3")
-    parts = ("### Crashed", "### What we lose, worst first", "| ball_drop | **restitution", "### All scenes", "Abacus 9")
+    parts = ("### Crashed", "### What we lose, worst first", "| ball_drop | **error of restitution**", "### All scenes",
+             "Abacus 9")
     places = [text.index(part) for part in parts]
     assert places == sorted(places)
     table = text.split("### All scenes")[1]
