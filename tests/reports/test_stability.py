@@ -134,3 +134,10 @@ def test_to_survive_with_a_gain_of_energy_is_said_to_be_little(tmp_path: Path) -
     said = stability.little_said(found(tmp_path, ROWS + gains))
     assert said == "To survive says little by itself: avatarsim/paper gains 491 J in a frame and survives all."
     assert stability.little_said(found(tmp_path)) == ""
+
+
+def test_what_ours_cannot_be_asked_is_no_loss_and_counts_for_none(tmp_path: Path) -> None:
+    step = row("avatarsim/default", "solver step", "cannot say", "", "") + row("mujoco/tuned", "solver step", "lost")
+    made = found(tmp_path, ROWS + step)
+    assert not any(line.lost for line in stability.table(made) if line.kind == "solver step")
+    assert {line.run: line.tried for line in stability.standings(made)} == {"avatarsim/default": 5, "mujoco/tuned": 3}
