@@ -15,7 +15,7 @@ from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
 from scenarios.metrics import METRICS
 from scenarios.ranked import KINDS, RANKED, UNRANKED
 
-FIRST = 12
+FIRST = 8
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
 MOST_NAMED = 3
 """Metrics that the sentence names."""

@@ -196,7 +196,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
         fairness=(*FAIRNESS, *timing_words.sentences(results.provenance)),
-        timing_warning=timing_words.warning(results.provenance),
+        clock=timing_words.CLOCK, timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),

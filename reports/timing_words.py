@@ -76,7 +76,7 @@ def warning(provenance: Mapping[str, object]) -> str:
 
 def sentences(provenance: Mapping[str, object]) -> tuple[str, ...]:
     """All of it, for a list."""
-    return tuple(said for said in (protocol(provenance), machine(provenance), *CLOCK) if said)
+    return tuple(said for said in (protocol(provenance), machine(provenance)) if said)
 
 
 def _number(value: object) -> float:
