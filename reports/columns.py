@@ -12,7 +12,7 @@ from scenarios.ranked import CLOSED_FORM, RANKED
 class Column:
     """One column: smaller is better in all. Values that differ by `same` (in `unit`) or less count as equal, as on the terminal;
     `floor` is the least value that two runs of one engine are told apart by. `stays_inside` columns cannot be won by leaving
-    the room."""
+    the room; what is not `ranked` is shown and has no best."""
 
     key: str
     title: str
@@ -22,6 +22,7 @@ class Column:
     takes: Callable[[str], bool]
     same: float
     stays_inside: bool = False
+    ranked: bool = True
 
 
 def _named(*names: str) -> Callable[[str], bool]:
@@ -40,25 +41,29 @@ def _column(key: str, title: str, unit: str, floor: float, meaning: str, *metric
 
 
 COLUMNS = (
-    _column("overlap", "residual overlap, max", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
+    _column("overlap", "deepest overlap shown", "m", 1e-8, "deepest penetration over all shown frames and all pairs, "
             "found from poses by one judge for every engine (the judge resolves 10 nm)", "residual_overlap_max"),
-    _column("overlap_frames", "overlap frames", "%", 0.05, "shown frames with more than 1 µm of penetration", "overlap_frames"),
-    _column("wrong_side", "wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot be: "
-            "an engine that passes through a wall may overlap nothing and is still wrong", "wrong_side_frames"),
-    Column("truth", "error to ground truth", "", 1e-4, "distance from the closed form, in the scenes that have one; "
+    _column("overlap_frames", "states with overlap", "%", 0.05, "states shown with more than 1 µm of penetration",
+            "overlap_frames"),
+    _column("wrong_side", "on the wrong side", "frames", 0.5, "frames in which something is where the scene says that it cannot "
+            "be: an engine that passes through a wall may overlap nothing and is still wrong", "wrong_side_frames"),
+    Column("truth", "error to closed form", "", 1e-4, "distance from the closed form, in the scenes that have one; "
            "the cell names the metric", is_truth_error, CLOSED_FORM),
-    _column("offset", "tracker offset, free", "m", 1e-6, "root mean square distance from the tracker's posture over the frames "
-            "in which that posture is free of overlap: how closely the avatar stays with its user", "tracker_offset_rms_free"),
-    _column("chatter", "chatter", "%", 0.05, "frames in contact in which a link goes to and fro, faster than 0.18 m/s (3 mm at "
-            "60 Hz), while its target does not", "chatter_frames"),
-    _column("limits", "limit excess", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
+    _column("offset", "offset from the user, free", "m", 1e-6, "root mean square distance from the user's posture over the "
+            "frames in which that posture is free of overlap: how closely the avatar stays with its user",
+            "tracker_offset_rms_free"),
+    _column("chatter", "frames in contact that shake", "%", 0.05, "share of the frames in contact in which a link goes to and "
+            "fro, faster than 0.18 m/s (3 mm at 60 Hz), in 3 of the last 4 frames, while its target does not",
+            "chatter_frames"),
+    _column("limits", "angle beyond limits", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
-    _column("p50", "frame time p50", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
+    _column("p50", "frame time, median", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
             "each frame's least over the repeats; beside it repeats x frames, and what it mixes of frames in motion and at rest",
             "frame_time_p50"),
-    _column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
-            "round MuJoCo and PyBullet that of our adapters", "frame_time_python_p50"),
-    _column("p95", "frame time p95", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
+    Column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
+           "round MuJoCo and PyBullet that of our adapters, which is why it ranks nothing", _named("frame_time_python_p50"), 0.0,
+           ranked=False),
+    _column("p95", "frame time, 95th percentile", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 
 

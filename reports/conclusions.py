@@ -1,14 +1,17 @@
 """Sentences computed from the data: what each chart lets a reader conclude."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
+from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
+from reports.metric_words import words
 from reports.tables import Block, engine_of
 from reports.wording import MOST_FACTOR, count, families, limit, listed, quantity
+from scenarios.behind import MetricLosses
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
 OVERLAP_BOUND = 1e-6
@@ -16,12 +19,18 @@ OVERLAP_BOUND = 1e-6
 FRAME_60_HZ, FRAME_90_HZ = 1e6 / 60.0, 1e6 / 90.0
 # Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
 HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+# Stands in the first paragraph of page and summary.
+KINEMATIC = (
+    "Our avatar is kinematic: the user's motion drives it. MuJoCo and PyBullet compute the dynamics of the whole articulated "
+    "body and pay for it in frame time, so times of scenes with an avatar are not like for like. Contact force and joint torque "
+    "are not measured."
+)
 # Stands beside every table that compares engines: without it frame times are read as like for like, which they are not.
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
-    "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. What rests sleeps in our engine; in the tuned others "
-    "it does not, as asleep it keeps what overlap it has: where all is at rest, most of the difference in time is that, and the "
-    "row mujoco/sleeping stands for it in scenes whose bodies are to rest."
+    "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
+    "What rests sleeps in our engine; in the tuned others it does not, as asleep it keeps what overlap it has: where all is at "
+    "rest, most of the difference in time is that, and the row mujoco/sleeping stands for it in scenes whose bodies are to rest."
 )
 
 
@@ -126,8 +135,9 @@ def slowest_sentence(frames: Mapping[str, float], ours: str) -> str:
     return f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
 
 
-def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
-    """What the verdict table lets a reader conclude: in how many cells that can be ranked we are best."""
+def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:
+    """What the verdict table lets a reader conclude: in how many cells that can be ranked we are best, and in the same breath
+    which ranked metrics the table leaves out although we lose in them (`every`: all that were ranked)."""
     ranked = [
         cell for block in shown for line in block.lines if line.run == ours
         for cell in line.cells if cell.ratio is not None
@@ -135,8 +145,14 @@ def table_sentence(shown: tuple[Block, ...], ours: str) -> str:
     best = sum(cell.best for cell in ranked)
     rivals = any(not line.tracker and engine_of(line.run) != engine_of(ours) for block in shown for line in block.lines)
     if not ranked or not rivals:
-        return f"{ours} has nobody to be compared with in this run."
-    return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked."
+        return f"{ours} has no other engine to be compared with in this run."
+    left_out = [one for one in every if not any(column.ranked and column.takes(one.metric) for column in COLUMNS)]
+    lost = tuple(f"{words(one.metric)} in {one.said}" for one in sorted(left_out, key=lambda one: -len(one.lost)) if one.lost)
+    more = ""
+    if left_out:
+        also = f", in {len(lost)} of which another engine is better: {listed(lost, 4)}" if lost else ", and loses in none of them"
+        more = f"; the table leaves out {len(left_out)} of {count(len(every), 'ranked metric')}{also}"
+    return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
 
 
 def ratio_sentence() -> str:
@@ -160,6 +176,19 @@ def hover_notes(results: Results) -> tuple[str, ...]:
         where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
         said.append(f"{run} keeps a {kind} of {span}{where}: its links hover.")
     return tuple(said)
+
+
+def gap_sentence(results: Results) -> str:
+    """How far an avatar that touches is from what it touches, per engine over the scenes that have the figure; "" without any."""
+    found: dict[str, list[float]] = {}
+    for row in results.rows:
+        if row.metric == "contact_gap_p50" and row.value is not None and math.isfinite(row.value):
+            found.setdefault(row.run, []).append(row.value)
+    said = []
+    for run, gaps in found.items():
+        span = " to ".join(dict.fromkeys((quantity(min(gaps), "m"), quantity(max(gaps), "m"))))
+        said.append(f"{run} {span}")
+    return f"Median gap of an avatar to what it touches, from scene to scene: {'; '.join(said)}." if said else ""
 
 
 def _length(text: str) -> float:

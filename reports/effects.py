@@ -2,14 +2,14 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 from avatarsim.errors import InvalidFile
 from reports.wording import MISSING, count, listed, quantity
+from scenarios.metrics import METRICS
 
 FILE, SCHEMA_VERSION, FORCED = "ablation.json", 2, "forced"
 SHORT = "short"
@@ -112,13 +112,23 @@ def _real(value: Any) -> float | None:
 
 
 def cost_sentence(found: Ablation) -> str:
-    """The dearest effects, by the median share of the frame over the scenes that call for them."""
+    """From the least to the most that each effect takes of the frame over the scenes that call for it, the dearest first."""
     shares = {e: [s for line in found.lines if line.effect == e and (s := line.share) is not None] for e in found.effects}
-    middle = sorted(((median(values), e, len(values)) for e, values in shares.items() if values), reverse=True)
-    dear = [f"{_name(e)} {100.0 * share:.0f} % ({count(n, 'scene')})" for share, e, n in middle if share > NOISE]
-    saving = [f"{_name(e)} (without it a frame takes {1.0 - s:.1f} times as long)" for s, e, _ in middle if s < -NOISE]
-    said = f"Median share of the frame: {', '.join(dear)}." if dear else "No effect takes a measurable share of the frame."
+    order = sorted(((max(values), e, values) for e, values in shares.items() if values), key=lambda one: one[0], reverse=True)
+    dear = [f"{_name(e)} {_span([100.0 * s for s in v], '.0f')} % ({count(len(v), 'scene')})"
+            for most, e, v in order if most > NOISE]
+    saving = [f"{_name(e)} (without it a frame takes {_span([1.0 - s for s in v], '.1f')} times as long)"
+              for most, e, v in order if most <= NOISE and min(v) < -NOISE]
+    said = f"Of the frame an effect takes, from scene to scene: {'; '.join(dear)}." if dear else \
+        "No effect takes a measurable share of the frame."
     return f"{said} Paying for {'itself' if len(saving) == 1 else 'themselves'}: {', '.join(saving)}." if saving else said
+
+
+def _span(values: Sequence[float], digits: str) -> str:
+    """"25", or "-32 to 62" where the least and the most differ in what is printed."""
+    # adding 0.0 makes a minus zero a zero
+    least, most = (f"{round(value, int(digits[1])) + 0.0:{digits}}" for value in (min(values), max(values)))
+    return least if least == most else f"{least} to {most}"
 
 
 def absence_sentence(found: Ablation) -> str:
@@ -135,8 +145,8 @@ def forced_sentence(found: Ablation) -> str:
     changed = tuple(line.scenario for line in found.forced if line.moved is None or not line.moved <= ROUNDING or line.broken)
     if changed:
         return f"Forced on where nothing calls for them, the other effects change the result of {listed(changed)}."
-    cost = [-line.share for line in found.forced if line.share is not None]
-    dearer = f", and cost {100.0 * median(cost):.0f} % of the frame in the median" if cost else ""
+    cost = [-100.0 * line.share for line in found.forced if line.share is not None]
+    dearer = f", and lengthen the frame by {_span(cost, '.0f')} % (negative: they shorten it)" if cost else ""
     most = max((line.moved or 0.0 for line in found.forced), default=0.0)
     moved = f"by more than {quantity(most, 'm')}" if most else "at all"
     where = f"in {count(len(found.forced), 'scene')}{dearer}"
@@ -186,6 +196,26 @@ def consequence(line: Line | None) -> str:
     return f"{share}{quantity(line.moved, 'm')}" if line.moved > ROUNDING else f"{share}none"
 
 
+def forced_cell(line: Line | None) -> str:
+    """By how much the median frame grows when all other effects are forced on, with its sign."""
+    if line is None or line.cost is None or math.isnan(line.cost):
+        return MISSING
+    return f"{'+' if line.cost < 0.0 else ''}{quantity(-line.cost + 0.0, 'us')}"
+
+
+def forced_consequence(line: Line | None) -> str:
+    """The same as a share of the frame, and what forcing changes, in a few words."""
+    said = "" if line is None else consequence(line)
+    if line is None or line.share is None or math.isnan(line.share):
+        return said
+    return f"{round(-100.0 * line.share):+d} %, {said.partition(', ')[2]}"
+
+
+def in_unit(metric: str, value: float | None) -> str:
+    """A figure of a bound in the unit of its metric."""
+    return "not measured" if value is None else quantity(value, METRICS[metric][0] if metric in METRICS else "")
+
+
 def protocol(found: Ablation) -> str:
     """How the times were taken."""
     frames = [line.frames for line in (*found.lines, *found.forced) if line.frames]
@@ -213,6 +243,7 @@ def section(found: Ablation) -> dict[str, object]:
     return {
         "effects_cost": cost_sentence(found), "effects_absence": absence_sentence(found),
         "effects_forced": forced_sentence(found), "effects_cell": cell, "effects_broken": broken_rows(found),
+        "effects_forced_cell": forced_cell, "effects_forced_consequence": forced_consequence, "effects_in_unit": in_unit,
         "effects_name": _name, "effects_noise": 100.0 * NOISE,
         "effects_answer": answer(found), "effects_consequence": consequence, "effects_protocol": protocol(found),
         "effects_first": found.scenes[:FIRST], "effects_more": found.scenes[FIRST:], "effects_short": found.form == SHORT,

@@ -2,20 +2,16 @@
 
 from collections import Counter
 
-import numpy as np
-
 from reports.load import Results
+from reports.moment import OVERLAPS
+from reports.moment import moment as moment_of
 from reports.wording import count
 from scenarios.explaining import LARGE, LARGE_ANGLE, Large, large
 
 
 def moment(results: Results, one: Large) -> str:
     """"#t=0.3417", the time [s] at which the overlap of a run is deepest; "" for other metrics and where no series was kept."""
-    dt = results.frame_times.get(one.row.scenario)
-    series = results.series.get(one.row.scenario, {}).get(one.row.run)
-    if one.row.metric != "residual_overlap_max" or dt is None or series is None or not np.isfinite(series.overlap).any():
-        return ""
-    return f"#t={dt * int(np.nanargmax(series.overlap)):.4g}"
+    return moment_of(results, one.row.scenario, one.row.run, one.row.metric) if one.row.metric in OVERLAPS else ""
 
 
 def sentence(found: tuple[Large, ...]) -> str:
@@ -27,10 +23,22 @@ def sentence(found: tuple[Large, ...]) -> str:
     return f"{count(len(found), 'figure')}: {'; '.join(f'{causes[cause]} {cause}' for cause in order)}."
 
 
+def begins_with(results: Results, one: Large) -> bool:
+    """Whether the figure is the overlap that the scene starts with: then it says nothing of any engine."""
+    series = results.series.get(one.row.scenario, {}).get(one.row.run)
+    if one.row.metric not in OVERLAPS or one.row.value is None or series is None or not series.overlap.size:
+        return False
+    # what is compared went through a file of text
+    return bool(series.overlap[0] >= (1.0 - 1e-6) * one.row.value)
+
+
 def section(results: Results) -> dict[str, object]:
     """What the template is made of."""
-    found = large(results.rows)
+    every = large(results.rows, results.scales)
+    found = tuple(one for one in every if not begins_with(results, one))
+    aside = len(every) - len(found)
+    more = f" Left out: {count(aside, 'figure')} that a scene starts with." if aside else ""
     return {
-        "large_rows": found, "large_said": sentence(found), "large_from": LARGE,
+        "large_rows": found, "large_said": sentence(found) + more, "large_from": LARGE,
         "large_angle": LARGE_ANGLE, "large_moment": lambda one: moment(results, one),
     }

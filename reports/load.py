@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
 from scenarios.published import check
+from scenarios.sayable import Unsaid
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,8 @@ class EngineNote:
 class Results:
     """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `everyday`: the scenes
     that stand for the others in short tables; `families`: scene -> the scene that it is a variant of; `frame_times`: scene ->
-    length of a frame [s]; `notes`: the run's own remarks; `exit_code` is None while a run has not ended."""
+    length of a frame [s]; `scales`: scene -> size of its world, where it is another made larger or smaller; `notes`: the run's
+    own remarks; `exit_code` is None while a run has not ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -82,6 +84,7 @@ class Results:
     everyday: frozenset[str] = frozenset()
     families: Mapping[str, str] = field(default_factory=dict)
     frame_times: Mapping[str, float] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
 
     def family(self, scene: str) -> str:
         """The scene that `scene` is a variant of: itself where the file does not say."""
@@ -94,6 +97,11 @@ class Results:
     def of(self, scene: str) -> Sequence[Row]:
         """The rows of one scene."""
         return self._by_scene.get(scene, ())
+
+    @cached_property
+    def unsaid(self) -> Unsaid:
+        """Which figures do not judge an engine, because it has no words for what they measure."""
+        return Unsaid(self.engines)
 
     @cached_property
     def _by_scene(self) -> dict[str, list[Row]]:
@@ -143,6 +151,10 @@ def load(run_dir: Path) -> Results:
             frame_times={
                 name: float(raw["dt"]) for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("dt")
+            },
+            scales={
+                name: float(raw["scale"]) for name, raw in (data.get("scenes") or {}).items()
+                if isinstance(raw, Mapping) and raw.get("scale")
             },
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:

@@ -9,12 +9,13 @@ from collections.abc import Iterable, Sequence
 
 from reports.load import Results
 from reports.metric_words import words
-from reports.wording import count, factor, limit
+from reports.moment import moment
+from reports.wording import count, factor, limit, listed
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
 from scenarios.metrics import METRICS
-from scenarios.ranked import RANKED, UNRANKED
+from scenarios.ranked import KINDS, RANKED, UNRANKED
 
-FIRST = 12
+FIRST = 8
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
 MOST_NAMED = 3
 """Metrics that the sentence names."""
@@ -42,11 +43,43 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     """What the template of the losses is made of."""
     made = _most_lost_first(by_family(found, results.families))
     lost = [one for one in made if one.lost]
+    shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     return {
+        "lost_shown": shown, "lost_kinds": kinds_sentence(made),
+        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
         "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
         "same": same,
     }
+
+
+def kinds_sentence(found: Sequence[MetricLosses]) -> str:
+    """How many of the ranked metrics measure the same thing, and in how many of them another engine is better."""
+    by_name = {one.metric: one for one in found}
+    said = []
+    for kind, metrics in KINDS.items():
+        ranked = [by_name[metric] for metric in metrics if metric in by_name]
+        if ranked:
+            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}")
+    return f"By what is measured, lost of ranked metrics: {'; '.join(said)}." if said else ""
+
+
+def silent_sentence(found: Compared) -> str:
+    """How many figures do not judge an engine that has no words for them; "" where there are none."""
+    metrics: dict[str, dict[str, None]] = {}
+    for run, pairs in found.silent.items():
+        for _, metric in sorted(pairs):
+            metrics.setdefault(words(metric), {})[run] = None
+    if not metrics:
+        return ""
+    said = "; ".join(f"{metric} ({listed(tuple(runs))})" for metric, runs in metrics.items())
+    number = sum(len(pairs) for pairs in found.silent.values())
+    return f"Not ranked, because the engine has no words for it, are {count(number, 'figure')}: {said}."
+
+
+def at(results: Results, one: Behind, ours: str) -> str:
+    """"#t=0.3417", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series; else ""."""
+    return moment(results, one.row.scenario, ours, one.row.metric)
 
 
 def same(metric: str) -> str:

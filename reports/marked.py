@@ -21,6 +21,8 @@ def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
         return ("above", f"above {limit(row.bound, row.unit)}")
     if status == "pass":
         return ("held", "holds")
+    if cell.unsaid:
+        return ("how", f"not ranked: {cell.unsaid.partition(':')[0]}")
     if row.metric != "frame_time_p50" or not row.note:
         return ("", "")
     # a line of its own for each part, as narrow as the column

@@ -45,6 +45,7 @@ WORDS: dict[str, str] = {
     "root_jump_max": "jump of the root beyond the user's own",
     "chatter_frames": "frames in contact that shake",
     "reversal_p95": "displacement taken back, 95th percentile",
+    "contact_gap_p50": "gap to what is touched, median",
     "jerk_ratio": "roughness of motion, shown over the user's",
     "silent_offset_frames": "frames far from a free user without a status",
     "energy_added_max": "kinetic energy that nothing explains",

@@ -14,6 +14,7 @@ from reports import (
     explained,
     first_contact,
     gallery,
+    glossary,
     growth,
     judge,
     law_map_chart,
@@ -26,6 +27,7 @@ from reports import (
     timing_words,
     tuned,
     unseen,
+    your_project,
 )
 from reports.broad_phase import BroadPhase
 from reports.card_tables import labelled
@@ -34,7 +36,9 @@ from reports.closeness import Closeness
 from reports.columns import COLUMNS
 from reports.conclusions import (
     CAVEAT,
+    KINEMATIC,
     OVERLAP_BOUND,
+    gap_sentence,
     hover_notes,
     overlap_summary,
     peak,
@@ -67,11 +71,14 @@ from reports.sweep import Sweep
 from reports.table_2 import Table2
 from reports.tables import Block, blocks, more_truths
 from reports.tuned import tunings
-from reports.verdict import Verdict, losing_scenes, scenes_sentence
+from reports.verdict import Verdict, loosest, reading_order, scenes_sentence
 from reports.wording import count, limit, listed, quantity, ratio
+from scenarios.behind import by_family
 from scenarios.native import COMPILED
 
 TEMPLATES = Path(__file__).parent / "templates"
+SHORT_COMMIT = 12
+"""Characters of a commit's hash that are printed: enough to be the only one that begins so."""
 # Printed on every page, whatever the figures say.
 FAIRNESS = (
     "Our avatar is kinematic: the user's motion drives it, and it meets simulated bodies with a coupled mass. It is not full "
@@ -143,7 +150,7 @@ class Layout(NamedTuple):
 
 def layout(results: Results, verdict: Verdict) -> Layout:
     """What the page holds; its charts are drawn while Python goes on."""
-    shown = blocks(results, losing_scenes(verdict))
+    shown = blocks(results, reading_order(results, verdict))
     runs = [line.run for block in shown for line in block.lines]
     colours = strokes(dict.fromkeys([verdict.gated, *runs] if verdict.gated in runs else runs))
     order = tuple(dict.fromkeys([*(block.scene for block in shown), *results.series]))
@@ -167,8 +174,12 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
         scenes_said=scenes_sentence(verdict),
-        table_sentence=table_sentence(shown, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
-        absent=_absent(shown), caveat=CAVEAT, ratio_sentence=ratio_sentence(), hover_notes=hover_notes(results),
+        loosest_said=loosest(verdict), answers=your_project.ANSWERS, glossary=glossary.TERMS,
+        downloads=_downloads(extras), again=_again(results.provenance),
+        table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
+        cell_note=lambda cell: cell_note(cell, verdict.gated),
+        absent=_absent(shown), caveat=CAVEAT, kinematic=KINEMATIC,
+        ratio_sentence=ratio_sentence(), hover_notes=(*hover_notes(results), *filter(None, [gap_sentence(results)])),
         overlap_chart=summary_charts.overlaps(results, colours), overlap_summary=overlap_summary(results, verdict.gated),
         gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
         gallery_js=source("gallery.js"), words_of=words,
@@ -189,7 +200,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
         fairness=(*FAIRNESS, *timing_words.sentences(results.provenance)),
-        timing_warning=timing_words.warning(results.provenance),
+        clock=timing_words.CLOCK, timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
@@ -205,6 +216,21 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         judge=extras.judge, **(judge.section(extras.judge) if extras.judge else {}),
         has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
     )))
+
+
+def _downloads(extras: Extras) -> tuple[str, ...]:
+    """Names of the files of figures that stand beside the page."""
+    found = ["results.json", "results.csv", "summary.md"]
+    found += ["sweep.csv"] if extras.sweep else []
+    found += ["ablation.json"] if extras.ablation else []
+    return (*found, *(["stability.csv"] if extras.steady else []), *(["judge.json"] if extras.judge else []))
+
+
+def _again(provenance: Mapping[str, object]) -> str:
+    """The commands that make this run again; without the commit where the run does not know it."""
+    commit, command = provenance.get("commit"), provenance.get("command")
+    checkout = f"git checkout {str(commit)[:SHORT_COMMIT]} && " if commit else ""
+    return f"{checkout}make setup && .venv/bin/{command}" if command else f"{checkout}make compare"
 
 
 def _narrow(narrow: NarrowPhase) -> dict[str, object]:

@@ -34,6 +34,7 @@ class Trial:
     moved: float
     form: str = LONG
     scale: float = 1.0
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,13 @@ class Figure:
 
 @dataclass(frozen=True)
 class Line:
-    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours."""
+    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours.
+    `asked`: whether ours was, which a change of the solver's step cannot be."""
 
     kind: str
     figure: Figure
     values: Mapping[str, float]
+    asked: bool = True
 
     @property
     def best(self) -> float:
@@ -63,7 +66,7 @@ class Line:
     def lost(self) -> bool:
         """Whether ours is worse than another engine's by more than rounding; a figure that ours has not is lost as well."""
         ours = self.values.get(OURS, math.nan)
-        if math.isnan(self.best):
+        if math.isnan(self.best) or not self.asked:
             return False
         return not ours <= max(SLACK * self.best, self.figure.seen)
 
@@ -99,8 +102,10 @@ class Stability:
         return tuple(dict.fromkeys(trial.level for trial in self.trials if trial.kind == kind))
 
     def all_of(self, run: str) -> tuple[Trial, ...]:
-        """The trials of one engine that say anything."""
-        return tuple(trial for kind in self.kinds for trial in self.asked(run, kind))
+        """The trials of one engine that say anything, of the kinds of change that ours was asked under: what is compared over
+        all must be the same for all."""
+        kinds = [kind for kind in self.kinds if self.asked(OURS, kind)] or self.kinds
+        return tuple(trial for kind in kinds for trial in self.asked(run, kind))
 
     def asked(self, run: str, kind: str) -> tuple[Trial, ...]:
         """The trials of one engine under one kind of change that say anything."""
@@ -119,7 +124,7 @@ def _trial(row: Mapping[str, str]) -> Trial:
     form = row.get("form") or LONG
     return Trial(
         row["case"], row["run"], row["kind"], row["level"], number(row["start"]), row["state"], overlap, energy, moved, form,
-        number(row["scale"]),
+        number(row["scale"]), row.get("note") or "",
     )
 
 
@@ -146,7 +151,7 @@ FIGURES = (
 def table(found: Stability) -> tuple[Line, ...]:
     """A line per kind of change and figure, those that ours loses first."""
     made = [
-        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs})
+        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs}, bool(found.asked(OURS, kind)))
         for kind in found.kinds for figure in FIGURES
     ]
     # the plain trial is where it is by definition, and a line without a number says nothing
@@ -223,8 +228,47 @@ def answer(found: Stability) -> str:
     return (
         f"{word}: {OURS} gets through {own.survived} of {count(own.tried, 'trial')}, {ends}, overlaps by at most "
         f"{quantity(None if math.isnan(own.simulated) else own.simulated, 'm')} as simulated "
-        f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame."
+        f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame; a change moves its end by "
+        f"{_told(own, 'end moved, median', 'm')} in the median, {_told(own, 'end moved, most', 'm')} at most."
     )
+
+
+SEEN_GAIN = 1.0
+"""Energy [J] that nothing gives: a kilogram thrown up by a hand's breadth."""
+
+
+def little_said(found: Stability) -> str:
+    """Which engines survive everything and gain energy all the same, so that surviving says little; "" where none does."""
+    told = [f"{line.run} gains {_told(line, 'largest gain of energy', 'J')}" for line in standings(found)
+            if line.survived == line.tried and line.values["largest gain of energy"] > SEEN_GAIN]
+    return f"To survive says little by itself: {'; '.join(told)} in a frame and survives all." if told else ""
+
+
+@dataclass(frozen=True)
+class Lost:
+    """The trials that one engine lost of one case: under which changes, of how many, and why."""
+
+    case: str
+    run: str
+    lost: int
+    tried: int
+    changes: tuple[str, ...]
+    reasons: tuple[str, ...]
+
+
+def lost_trials(found: Stability) -> tuple[Lost, ...]:
+    """Case by case and engine by engine what was lost, ours first; empty where nothing was."""
+    made = []
+    for run in found.runs:
+        own = found.all_of(run)
+        for case in found.cases:
+            tried_ = [trial for trial in own if trial.case == case]
+            lost = [trial for trial in tried_ if trial.state != SURVIVED]
+            if lost:
+                changes = tuple(dict.fromkeys(f"{trial.kind} {trial.level}" for trial in lost))
+                reasons = tuple(dict.fromkeys(": ".join(filter(None, (trial.state, trial.note))) for trial in lost))
+                made.append(Lost(case, run, len(lost), len(tried_), changes, reasons))
+    return tuple(made)
 
 
 def _told(line: Standing, name: str, unit: str) -> str:
@@ -264,5 +308,6 @@ def section(found: Stability) -> dict[str, object]:
         "stability_lines": made, "stability_cell": cell, "stability_conclusion": conclusion(found),
         "stability_standings": standings(found), "stability_told": [(name, units[name]) for name in TOLD],
         "stability_figure": _told, "stability_tried": tried(found), "stability_slice": found.is_slice,
+        "stability_lost": lost_trials(found), "stability_little": little_said(found),
         "stability_panels": panels(values, found.runs, found.kinds, units),
     }

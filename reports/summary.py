@@ -5,12 +5,13 @@ from html import escape
 from reports import losses
 from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
-from reports.conclusions import CAVEAT, hover_notes, ratio_sentence
+from reports.conclusions import CAVEAT, KINEMATIC, hover_notes, ratio_sentence
 from reports.load import Results
 from reports.marked import cell_note
+from reports.metric_words import words
 from reports.table_2 import Table2, markdown
 from reports.tables import Block, Line, blocks
-from reports.verdict import Verdict, believed, losing_scenes, scenes_sentence
+from reports.verdict import Verdict, believed, loosest, reading_order, scenes_sentence
 from reports.wording import MISSING, count, quantity, ratio
 from scenarios.behind import by_family
 
@@ -20,8 +21,9 @@ MOST_LOSSES = 20
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", _counts(verdict), *_troubles(verdict), *_losses(results, verdict)]
-    shown = blocks(results, losing_scenes(verdict))
+    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", KINEMATIC, _counts(verdict), loosest(verdict), *_troubles(verdict),
+             *_losses(results, verdict)]
+    shown = blocks(results, reading_order(results, verdict))
     if shown:
         parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
     else:
@@ -54,16 +56,17 @@ def _troubles(verdict: Verdict) -> list[str]:
 def _losses(results: Results, verdict: Verdict) -> list[str]:
     if not verdict.losses:
         rivals = "no other engine did better in any ranked metric" if verdict.rivals else "no other engine took part"
-        return ["### What we lose", f"Nothing that this run can show: no gated bound failed, and {rivals}."]
+        return ["### What we lose", f"Nothing that this run can show: no bound failed, and {rivals}."]
     every = by_family(verdict.ranked, results.families)
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:
         factor = f" ({loss.beside})" if loss.beside else ""
         strong = "**" if loss.kind == "failed" else ""
-        lines.append(f"| {loss.scene} | {strong}{loss.what}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
+        lines.append(f"| {loss.scene} | {strong}{words(loss.what)}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
     after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
-    return ["### What we lose, worst first", losses.sentence(every, verdict.gated), "\n".join(lines), *after]
+    return ["### What we lose, worst first", losses.sentence(every, verdict.gated), losses.silent_sentence(verdict.ranked),
+            "\n".join(lines), *after]
 
 
 def _table(shown: tuple[Block, ...], ours: str) -> str:

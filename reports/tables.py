@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from reports.columns import COLUMNS, Column, is_truth_error, ratio_to_best, truth_metric, worst
 from reports.load import Results, Row
+from scenarios.sayable import Unsaid
 
 # The engine whose rows are the raw tracker motion: no contact handling at all. It shows how large the problem is and can win
 # nothing, because its distance from itself is zero and it costs no time.
@@ -19,12 +20,14 @@ RUN_WORDS = ("crashed", "not-measured", "refused", "cannot-say")
 
 @dataclass(frozen=True)
 class Cell:
-    """One number of the table. `word` replaces the number where there is none; `ratio` is to the best, None if not ranked."""
+    """One number of the table. `word` replaces the number where there is none; `ratio` is to the best, None if not ranked;
+    `unsaid`: why the number does not judge its engine, "" where it does."""
 
     row: Row | None
     word: str
     ratio: float | None
     best: bool
+    unsaid: str = ""
 
     @property
     def value(self) -> float | None:
@@ -68,24 +71,25 @@ def blocks(results: Results, first: Sequence[str] = ()) -> tuple[Block, ...]:
     for row in results.rows:
         grouped[row.scenario].append(row)
     ours = gated_run(results.rows)
-    return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours) for s in dict.fromkeys(order))
+    return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours, results.unsaid) for s in dict.fromkeys(order))
 
 
 def together(results: Results, scenes: Container[str], title: str) -> Block:
     """Several scenes as one block called `title`: of each run the worst figure over all of them."""
-    return _block(title, [row for row in results.rows if row.scenario in scenes], title, gated_run(results.rows))
+    rows = [row for row in results.rows if row.scenario in scenes]
+    return _block(title, rows, title, gated_run(results.rows), results.unsaid)
 
 
-def _block(scene: str, rows: list[Row], title: str, ours: str) -> Block:
+def _block(scene: str, rows: list[Row], title: str, ours: str, unsaid: Unsaid) -> Block:
     truth = truth_metric(rows)
     runs: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         runs[row.run].append(row)
     found = {run: [_worst_in(own, column, truth) for column in COLUMNS] for run, own in runs.items()}
     rivals = {run: rows for run, rows in found.items() if run == ours or engine_of(run) not in (RAW_TRACKER, engine_of(ours))}
-    best = [_best(column, rivals, index) for index, column in enumerate(COLUMNS)]
+    best = [_best(column, rivals, index, unsaid) for index, column in enumerate(COLUMNS)]
     lines = [
-        _line(run, runs[run], found[run], best, ours) for run in sorted(runs, key=lambda run: _order(run, ours))
+        _line(run, runs[run], found[run], best, ours, unsaid) for run in sorted(runs, key=lambda run: _order(run, ours))
     ]
     overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
     return Block(scene, title, tuple(lines), truth, max(overlap, default=None))
@@ -111,19 +115,24 @@ def _worst_in(rows: list[Row], column: Column, truth: str | None) -> Row | None:
     return worst(fitting)
 
 
-def _best(column: Column, found: dict[str, list[Row | None]], index: int) -> float | None:
-    """The smallest finite value of the column among `found`, our gated run and its rivals; no run that left the room counts."""
+def _why(row: Row, unsaid: Unsaid) -> str:
+    return unsaid.why(row.scenario, row.run, row.metric)
+
+
+def _best(column: Column, found: dict[str, list[Row | None]], index: int, unsaid: Unsaid) -> float | None:
+    """The smallest finite value of the column among `found`, our gated run and its rivals; no run that left the room counts,
+    nor one that has no words for what is measured."""
     candidates = []
-    for rows in found.values():
+    judged = [rows for rows in found.values() if (row := rows[index]) is not None and not _why(row, unsaid)]
+    for rows in judged if column.ranked else ():
         row = rows[index]
         if row is None or row.value is None or not math.isfinite(row.value):
             continue
         if column.stays_inside and left_room(rows):
             continue
         candidates.append(row.value)
-    # alone, nobody is best
-    ranked = sum(rows[index] is not None for rows in found.values())
-    return min(candidates, default=None) if ranked > 1 else None
+    # alone, none is best
+    return min(candidates, default=None) if len(judged) > 1 else None
 
 
 def left_room(rows: Sequence[Row | None]) -> bool:
@@ -132,17 +141,21 @@ def left_room(rows: Sequence[Row | None]) -> bool:
     return side is not None and side.value is not None and not side.value <= 0.0
 
 
-def _line(run: str, rows: list[Row], found: list[Row | None], best: list[float | None], ours: str) -> Line:
+def _line(
+    run: str, rows: list[Row], found: list[Row | None], best: list[float | None], ours: str, unsaid: Unsaid,
+) -> Line:
     tracker = engine_of(run) == RAW_TRACKER
     sibling = run != ours and engine_of(run) == engine_of(ours)
     word = next((word for word in RUN_WORDS if any(row.status == word for row in rows)), "")
     cells = []
     for column, row, least in zip(COLUMNS, found, best, strict=True):
         value = row.value if row else None
-        ratio = None if tracker else ratio_to_best(value, least, column.same)
+        why = _why(row, unsaid) if row and not tracker else ""
+        ratio = None if tracker or why else ratio_to_best(value, least, column.same)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
         unranked = sibling or (column.stays_inside and left_room(found))
-        cells.append(Cell(row, no_number if value is None else "", ratio, ratio is not None and ratio <= 1.0 and not unranked))
+        best_here = ratio is not None and ratio <= 1.0 and not unranked
+        cells.append(Cell(row, no_number if value is None else "", ratio, best_here, why))
     note = next((row.note for row in rows if row.status == word and row.note), "")
     nothing = f"{word}: {note}".removesuffix(": ") if word and all(cell.value is None for cell in cells) else ""
     return Line(run, tuple(cells), _trouble(rows, word), tracker, run == ours, nothing)

@@ -30,9 +30,24 @@ def protocol(provenance: Mapping[str, object]) -> str:
         f"first runs up to {count(warm, 'frame')} on a load that is thrown away, then the same frames up to "
         f"{count(repeats, 'time')}, each time on a new load; a frame counts with the least of its repeats. Beside each median "
         "stands how many repeats and frames there were. Medians and 95th percentiles are over the repeats and frames that every "
-        f"engine of the scene had; a 99th percentile and a slowest frame are given from {repeats} x {tail} frames on. Where at "
+        f"engine of the scene had; a 99th percentile and a slowest frame are over all that an engine had, from {repeats} x "
+        f"{tail} frames on, and not given where they would lie below a 95th percentile that is over fewer. Where at "
         f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one."
     )
+
+
+CLOCK = (
+    "What the clock covers: engine only is read round the engine's own calls and nothing else. In ours these are the stages of "
+    "a frame (posture, motion, coupling); in MuJoCo and PyBullet mj_step and stepSimulation, called from Python once per step "
+    "of the preset, the clock read before and after each call and the readings of a frame added up. Not in it: in ours checking "
+    "and copying the tracker's sample and handing out the result; in MuJoCo and PyBullet checking, limiting and interpolating "
+    "the target, writing mocap poses or controls, reading poses. As called from Python is the whole call of a frame with all of "
+    "that; in two of three engines it is our adapter's time, so it is shown and not ranked.",
+    "At home: make bench measures your machine, python -m scenarios bench --filter NAME one scene. What comes before the first "
+    "frame (import, load) is in no frame time: bench has it as warmup in its results.csv, python -m scenarios.first_frame has "
+    "load and first frame of every scene.",
+)
+"""What is timed, exactly as `scenarios.seat` and the adapters read the clock, and how to have it on another machine."""
 
 
 def machine(provenance: Mapping[str, object]) -> str:

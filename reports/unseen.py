@@ -30,13 +30,13 @@ class Measure:
 
 OVERLAP, CHATTER, REVERSAL, SLOWEST = "residual_overlap_max", "chatter_frames", "reversal_p95", "frame_time_max"
 MEASURES = (
-    Measure(OVERLAP, "overlap, max", "m", 1e-6),
+    Measure(OVERLAP, "deepest overlap shown", "m", 1e-6),
     Measure(CHATTER, "frames in contact that shake", "%", 0.05),
-    Measure(REVERSAL, "reversals, p95", "m", 1e-4),
-    Measure("jerk_ratio", "jerk over target's", "", 0.05),
-    Measure("tracker_offset_rms", "offset from target, rms", "m", 1e-3),
-    Measure("tracker_offset_max", "farthest from target", "m", 1e-3),
-    Measure("silent_offset_frames", "frames far off in silence", "frames", 0.5),
+    Measure(REVERSAL, "displacement taken back, p95", "m", 1e-4),
+    Measure("jerk_ratio", "roughness, over the user's", "", 0.05),
+    Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
+    Measure("tracker_offset_max", "farthest from the user", "m", 1e-3),
+    Measure("silent_offset_frames", "frames far from a free user without a status", "frames", 0.5),
     Measure("joint_limit_excess_max", "beyond joint limits", "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
@@ -199,6 +199,21 @@ def statuses(found: Unseen) -> str:
         f"{found.ours} reports no frame in a trap, behind a wall or not ended well.")
 
 
+def limits_sentence(results: Results, ours: str) -> str:
+    """How far other engines bend joints beyond their limits in these rooms, which stands beside how smooth they look; "" where
+    none does by as much as a degree."""
+    most: dict[str, Row] = {}
+    for row in results.rows:
+        aside = row.engine in (RAW_TRACKER, engine_of(ours)) or not changes_with_commits(row.scenario)
+        if not aside and row.metric == "joint_limit_excess_max" and row.value is not None and row.value >= 1.0:
+            if row.run not in most or row.value > (most[row.run].value or 0.0):
+                most[row.run] = row
+    said = "; ".join(f"{run} by up to {quantity(row.value, row.unit)} ({row.scenario.removeprefix(PREFIX)})"
+                     for run, row in most.items())
+    return (f"Smoothness has a price: joints go beyond their limits in {said}; engines that cannot say the limits of ball joints "
+            "are not ranked by this.") if said else ""
+
+
 def source(found: Unseen) -> str:
     """Where the motions come from."""
     drawn = found.origin or f"seed {listed(tuple(map(str, found.seeds)))}"
@@ -249,8 +264,9 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     if found is None:
         return {"unseen": None, "unseen_verdict": ""}
     ordered = worst_first(found)
+    said = " ".join(filter(None, [conclusion(found), limits_sentence(results, ours)]))
     return {
-        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": said,
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (

@@ -6,10 +6,20 @@ from dataclasses import dataclass
 
 from reports.load import Results, Row
 from reports.losses import beside
+from reports.metric_words import words
 from reports.tables import RAW_TRACKER, gated_run
 from reports.wording import count, limit, quantity
 from scenarios.behind import Compared, Lost, by_family, compared
 
+PROMISED = {
+    "residual_overlap_max": "no overlap", "joint_limit_excess_max": "joint limits", "wrong_side_frames": "the right side",
+    "not_finite_frames": "finite numbers",
+}
+"""What holds whatever the scene and the motion, by metric."""
+AVATAR = "tracker_offset_rms"
+"""A metric that every scene with an avatar has, and no other."""
+LOOKS = ("root_jump_max", "pose_jump_max", "still_frames", "tracker_offset_rms", "tracker_offset_rms_free", "chatter_frames")
+"""Metrics of how motion looks; where one has a bound, that says less than a promise does."""
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
 # one did that passed through what it should have met, which is no merit.
 KINDS = ("failed", "above bound", "behind", "outside")
@@ -72,7 +82,7 @@ class Verdict:
         total = len(self.held) + len(self.ceiling) + len(self.failed)
         if self.word == "empty":
             return f"No verdict: this run has no gated measurement of {self.gated}."
-        parts = [f"{len(self.failed)} of {count(total, 'gated bound')} of {self.gated} failed"] if self.failed else []
+        parts = [f"{len(self.failed)} of {count(total, 'bound')} of {self.gated} failed"] if self.failed else []
         parts += [f"{count(len(self.crashed), 'run')} crashed"] if self.crashed else []
         parts += [f"{len(self.unmeasured):,} not measured"] if self.unmeasured else []
         if not self.finished:
@@ -82,7 +92,9 @@ class Verdict:
         if self.ceiling:
             parts.append(f"{len(self.ceiling):,} above the bound but within a ceiling")
         if len(parts) == 1 and self.held and not self.failed:
-            return f"All {count(total, 'gated bound')} of {self.gated} held." if total > 1 else "The one gated bound held."
+            promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.held)]
+            kept = f", among them what is promised everywhere: {', '.join(promised)}" if promised else ""
+            return f"All {count(total, 'bound')} of {self.gated} held{kept}." if total > 1 else "The one bound held."
         return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + "."
 
 
@@ -102,7 +114,7 @@ def believed(row: Row, ours: str) -> str:
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
-    ranked = compared(results.rows, ours)
+    ranked = compared(results.rows, ours, results.unsaid, results.scales)
     by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
@@ -195,7 +207,8 @@ def _compared(lost: Lost) -> Loss:
     found, row = lost.worst, lost.worst.row
     theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
     return Loss(
-        row.scenario, row.metric, quantity(row.value, row.unit), theirs + ("; it left the allowed side" if found.outside else ""),
+        row.scenario, row.metric, quantity(found.value, row.unit),
+        theirs + ("; it left the allowed side" if found.outside else ""),
         "outside" if found.outside else "behind", found.severity, beside(found),
     )
 
@@ -205,9 +218,42 @@ def scenes_sentence(verdict_: Verdict) -> str:
     parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items())
     bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
     within = f", {len(verdict_.ceiling)} of them within a ceiling only" if verdict_.ceiling else ""
-    return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'gated bound')}: "
+    return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'bound')}: "
             f"{len(verdict_.held) + len(verdict_.ceiling)} hold{within}, {len(verdict_.failed)} failed. A scene that expects a "
             "refusal and got it counts as refused.")
+
+
+def loosest(verdict_: Verdict) -> str:
+    """The widest bound on each measure of how motion looks, with our largest figure under it; "" without such bounds."""
+    rows = [row for row in verdict_.held + verdict_.ceiling + verdict_.failed if row.bound is not None]
+    said = []
+    for metric in LOOKS:
+        own = [row for row in rows if row.metric == metric]
+        if own:
+            widest = max(row.bound for row in own if row.bound is not None)
+            worst_ = max(own, key=lambda row: row.value if row.value is not None and math.isfinite(row.value) else math.inf)
+            said.append(f"{words(metric)} {limit(widest, own[0].unit)} (largest {quantity(worst_.value, worst_.unit)}, "
+                        f"{worst_.scenario})")
+    if not said:
+        return ""
+    return (f"How motion looks is bounded loosely, and not at all where nothing was tuned for it. The widest bounds: "
+            f"{'; '.join(said)}.")
+
+
+def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:
+    """Scenes as tables list them: those in trouble, then everyday scenes, then others with an avatar, then the rest; of each kind
+    those first that we lose."""
+    lost = losing_scenes(verdict_)
+    trouble = {row.scenario for row in verdict_.failed + verdict_.ceiling}
+    trouble |= {row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated}
+    avatars = {row.scenario for row in results.rows if row.metric == AVATAR}
+
+    def kind(scene: str) -> int:
+        if scene in trouble:
+            return 0
+        return 1 if scene in results.everyday else 2 if scene in avatars else 3
+
+    return tuple(sorted(dict.fromkeys((*lost, *results.scenes())), key=kind))
 
 
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:

@@ -2,24 +2,31 @@
 
 Of the engines that are ranked (never the raw tracker, never another preset of our engine) the smallest finite value is best;
 values that differ by no more than the registry's `same` are level; an engine that left the allowed side of a scene is passed
-over in metrics that could be won by leaving. Sentences count families: a family is a scene with its variants.
+over in metrics that could be won by leaving; one that has no words for what a metric measures is not ranked by it. Sentences
+count families: a family is a scene with its variants. Figures of a world of another size are compared as if it had size 1.
 """
 
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Protocol
 
 from scenarios.engines import BASELINE
 from scenarios.ranked import RANKED, Ranked
+from scenarios.sayable import Unsaid
 
 BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
     "engine is ranked. Values that differ by no more than the resolution of their metric are level. An engine that left the "
-    "allowed side of a scene is passed over in the metrics that could be won by leaving."
+    "allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine has no words for (under "
+    "Settings: cannot say) is not ranked for it, neither for it nor against it."
 )
 """The rule in words, printed beside every table that names a best."""
+POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})
+"""Unit -> power of a world's size with which figures in it grow, where lengths, speeds and gravity grow with the size and times
+and masses stay (`scenarios.elsewhere`). What has another unit does not grow."""
 
 
 class Figure(Protocol):
@@ -41,11 +48,12 @@ class Figure(Protocol):
 
 @dataclass(frozen=True)
 class Behind:
-    """One metric of one scene in which `rivals` (run, value) beat our row; `factor` is ours over theirs, infinite where theirs
-    is 0 or ours is no number; `severity` is finite where ours is: it orders losses. `outside` if every rival ahead of us left
-    the allowed side of the scene."""
+    """One metric of one scene in which `rivals` (run, value) beat our row, whose `value` stands here, all at size 1; `factor` is
+    ours over theirs, infinite where theirs is 0 or ours is no number; `severity` is finite where ours is: it orders losses.
+    `outside` if every rival ahead of us left the allowed side of the scene."""
 
     row: Figure
+    value: float | None
     rivals: tuple[tuple[str, float], ...]
     factor: float
     severity: float
@@ -60,17 +68,28 @@ class Behind:
 @dataclass(frozen=True)
 class Compared:
     """What was ranked: `pairs` of (scene, metric) in which ours and another engine stand, and those of them in which we are
-    behind, each in the seed in which we are furthest behind."""
+    behind, each in the seed in which we are furthest behind; `silent`: engine and preset -> pairs that do not judge it, because
+    it has no words for what they measure."""
 
     pairs: frozenset[tuple[str, str]]
     behind: tuple[Behind, ...]
+    silent: Mapping[str, frozenset[tuple[str, str]]] = field(default_factory=dict)
 
 
-def compared(rows: Iterable[Figure], ours: str) -> Compared:
-    """Every ranked metric of every scene, ours against the other engines."""
+def at_size_1(value: float | None, unit: str, scale: float) -> float | None:
+    """A figure of a world of another size as if it had size 1."""
+    return None if value is None else value / scale ** POWERS.get(unit, 0)
+
+
+def compared(
+    rows: Iterable[Figure], ours: str, unsaid: Unsaid | None = None, scales: Mapping[str, float] = MappingProxyType({}),
+) -> Compared:
+    """Every ranked metric of every scene, ours against the other engines. `unsaid`: what engines have no words for; `scales`:
+    scene -> size of its world, where that is not 1."""
     grouped: dict[tuple[str, int], list[Figure]] = defaultdict(list)
     for row in rows:
         grouped[row.scenario, row.seed].append(row)
+    silent: dict[str, set[tuple[str, str]]] = defaultdict(set)
     furthest: dict[tuple[str, str], Behind] = {}
     pairs: set[tuple[str, str]] = set()
     for (scene, _), own in grouped.items():
@@ -81,27 +100,32 @@ def compared(rows: Iterable[Figure], ours: str) -> Compared:
                 by_metric[row.metric].append(row)
         for metric, candidates in by_metric.items():
             mine = next((row for row in candidates if row.run == ours), None)
-            theirs = rivals(candidates, ours)
+            key, theirs = (scene, metric), rivals(candidates, ours)
+            for run in [run for run in theirs if unsaid is not None and unsaid.why(scene, run, metric)]:
+                silent[run].add(key)
+                del theirs[run]
             if mine is None or not theirs or (mine.value is None and RANKED[metric].may_lack):
                 continue
-            key = scene, metric
             pairs.add(key)
-            found = _behind(mine, theirs, RANKED[metric], left)
+            found = _behind(mine, theirs, RANKED[metric], left, scales.get(scene, 1.0))
             if found is not None and (key not in furthest or furthest[key].severity < found.severity):
                 furthest[key] = found
-    return Compared(frozenset(pairs), tuple(furthest.values()))
+    return Compared(frozenset(pairs), tuple(furthest.values()), {run: frozenset(keys) for run, keys in silent.items()})
 
 
-def rivals(rows: Iterable[Figure], ours: str) -> Mapping[str, float]:
+def rivals(rows: Iterable[Figure], ours: str) -> dict[str, float]:
     """Values of the other engines by run; neither the raw tracker nor another preset of our engine is one."""
     aside = {BASELINE, _engine(ours)}
     return {row.run: row.value for row in rows if _engine(row.run) not in aside and row.value is not None}
 
 
-def _behind(row: Figure, theirs: Mapping[str, float], rule: Ranked, left: set[str]) -> Behind | None:
-    """How far `row` is behind the best of `theirs`; None if it is level or better. `left` are runs that left the scene."""
+def _behind(row: Figure, measured: Mapping[str, float], rule: Ranked, left: set[str], scale: float) -> Behind | None:
+    """How far `row` is behind the best of those `measured`, all at size 1; None if it is level or better. `left` are runs that
+    left the scene, `scale` the size of its world."""
+    own, power = at_size_1(row.value, row.unit, scale), scale ** POWERS.get(row.unit, 0)
+    theirs = {run: value / power for run, value in measured.items()}
     # a figure that ours has not got, or that is no number, is worse than any
-    mine = row.value if row.value is not None and math.isfinite(row.value) else math.inf
+    mine = own if own is not None and math.isfinite(own) else math.inf
     ahead = {run: value for run, value in theirs.items() if value < mine - rule.same}
     if not ahead:
         return None
@@ -109,7 +133,13 @@ def _behind(row: Figure, theirs: Mapping[str, float], rule: Ranked, left: set[st
     least = min((inside or ahead).values())
     best = tuple((run, value) for run, value in (inside or ahead).items() if value == least)
     base = max(least, rule.same)
-    return Behind(row, best, mine / least if least > 0.0 else math.inf, mine / base if base > 0.0 else math.inf, not inside)
+    factor, severity = mine / least if least > 0.0 else math.inf, mine / base if base > 0.0 else math.inf
+    return Behind(row, own, best, factor, severity, not inside)
+
+
+def _size(one: Behind) -> float:
+    """Our figure; what is no number is larger than any."""
+    return one.value if one.value is not None and math.isfinite(one.value) else math.inf
 
 
 def _engine(run: str) -> str:
@@ -129,11 +159,13 @@ class Lost:
 
 @dataclass(frozen=True)
 class MetricLosses:
-    """One ranked metric: in how many families it was ranked, and where ours is behind, the largest factor first."""
+    """One ranked metric: in how many families it was ranked, where ours is behind, the largest factor first, and of these figures
+    of ours the `largest`, which need not have the largest factor; None where ours is behind nowhere."""
 
     metric: str
     families: int
     lost: tuple[Lost, ...]
+    largest: Behind | None = None
 
     @property
     def said(self) -> str:
@@ -156,5 +188,6 @@ def by_family(found: Compared, family_of: Mapping[str, str]) -> tuple[MetricLoss
             for family, size in sorted(sizes[metric].items()) if (own := behind.get((metric, family)))
         ]
         lost.sort(key=lambda one: -one.worst.severity)
-        made.append(MetricLosses(metric, len(sizes[metric]), tuple(lost)))
+        all_lost = [one for family in sizes[metric] for one in behind.get((metric, family), ())]
+        made.append(MetricLosses(metric, len(sizes[metric]), tuple(lost), max(all_lost, key=_size, default=None)))
     return tuple(made)

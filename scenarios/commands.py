@@ -22,6 +22,7 @@ from scenarios.own_trial import tried
 from scenarios.provenance import provenance
 from scenarios.results import Row, is_time
 from scenarios.resume import earlier_run, how_to_go_on
+from scenarios.sayable import Unsaid
 from scenarios.scenario import Scenario
 from scenarios.table import table
 from scenarios.table_2.printed import SCENES
@@ -155,7 +156,9 @@ def carried_out(
     if ran.folder.parent == asked.out.resolve():
         # the folder of a run that was resumed may lie anywhere, and beside it nothing is ours
         point_latest(ran.folder)
-    show(asked, ran.rows(), made.gated, {name: scenario.family or name for name, scenario in made.scenarios.items()})
+    families = {name: scenario.family or name for name, scenario in made.scenarios.items()}
+    scales = {name: scenario.scale for name, scenario in made.scenarios.items()}
+    show(asked, ran.rows(), made.gated, families, ran.unsaid(), scales)
     for said in ran.lapses():
         print(said, file=sys.stderr)
     return finished(asked, made, ran, code)
@@ -232,10 +235,13 @@ def reported(folder: Path) -> str:
 
 def show(
     asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]],
-    families: Mapping[str, str] = MappingProxyType({}),
+    families: Mapping[str, str] = MappingProxyType({}), unsaid: Unsaid | None = None,
+    scales: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
     """The table, or all rows as JSON."""
-    print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else table(rows, gated, families))
+    told = json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else \
+        table(rows, gated, families, unsaid, scales)
+    print(told)
 
 
 def say_last(asked: argparse.Namespace, code: int, folder: Path | None, means: str = "") -> None:

@@ -1,13 +1,14 @@
 """Which figures of other engines want an explanation, and which have one. Reports read it here: they know no engine."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from reference.explained import DEPTH, EXCESS, OFFSET, Explanation, explanation
 from reference.explained import LARGE as LARGE
 from reference.explained import LARGE_ANGLE as LARGE_ANGLE
-from scenarios.behind import Figure
+from scenarios.behind import Figure, at_size_1
 from scenarios.engines import BASELINE, GATED
 from scenarios.variants import base_of
 
@@ -22,10 +23,11 @@ that the row is about. Larger would hand on the cause of a figure that has anoth
 
 @dataclass(frozen=True)
 class Large:
-    """One row that is above its bound or no number, and why; None while that is not known."""
+    """One row whose `value`, at size 1, is above its bound or no number, and why; None while that is not known."""
 
     row: Figure
     why: Explanation | None
+    value: float
 
     @property
     def said(self) -> str:
@@ -33,14 +35,19 @@ class Large:
         return "not yet explained" if self.why is None else f"{self.why.cause.value}: {self.why.sentence}"
 
 
-def large(rows: Iterable[Figure]) -> tuple[Large, ...]:
+def large(rows: Iterable[Figure], scales: Mapping[str, float] = MappingProxyType({})) -> tuple[Large, ...]:
     """Every figure of another engine above its bound, lengths before angles and the largest first; what has no explanation stands
-    before what has one."""
+    before what has one. A world of another size (`scales`: scene -> size) counts as if it had size 1: a thousand times as large,
+    it leads no list for that."""
     aside = {BASELINE, GATED[0]}
     asked = [row for row in rows if row.metric in BOUNDS and row.run.partition("/")[0] not in aside and row.value is not None]
     values = {(row.scenario, row.seed, row.metric, row.run): row.value for row in asked}
-    found = [Large(row, _why(row, values)) for row in asked if not (row.value is not None and row.value <= BOUNDS[row.metric])]
-    return tuple(sorted(found, key=lambda one: (one.why is not None, one.row.metric == EXCESS, -_size(one.row.value))))
+    found = [
+        Large(row, _why(row, values), value) for row in asked
+        if (value := at_size_1(row.value, row.unit, scales.get(row.scenario, 1.0))) is not None
+        and not value <= BOUNDS[row.metric]
+    ]
+    return tuple(sorted(found, key=lambda one: (one.why is not None, one.row.metric == EXCESS, -_size(one.value))))
 
 
 def _why(row: Figure, values: dict[tuple[str, int, str, str], float | None]) -> Explanation | None:
@@ -54,5 +61,5 @@ def _why(row: Figure, values: dict[tuple[str, int, str, str], float | None]) -> 
     return explanation(row.scenario, base, row.metric) if same else None
 
 
-def _size(value: float | None) -> float:
-    return value if value is not None and math.isfinite(value) else math.inf
+def _size(value: float) -> float:
+    return value if math.isfinite(value) else math.inf

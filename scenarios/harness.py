@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
@@ -21,6 +22,7 @@ from scenarios.processes import Died, Pool
 from scenarios.progress import Progress
 from scenarios.results import Results, Row
 from scenarios.run import accuracy, described
+from scenarios.sayable import Unsaid
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
 from scenarios.timing import Clocked, compared, timed_pass, timing_facts
@@ -30,6 +32,14 @@ OFTEN = 3.0
 of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
 SELDOM = 50.0
 """The same in multiples of what the last writing took: nobody should wait for writing more than a fiftieth of the time."""
+
+
+class Said(NamedTuple):
+    """What one engine with one preset said that it cannot express of one scene."""
+
+    scenario: str
+    run: str
+    cannot_say: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -148,6 +158,15 @@ class Run:
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
 
+    def unsaid(self) -> Unsaid:
+        """Which figures do not judge an engine, because it has no words for what they measure."""
+        notes = []
+        for job, outcome in self._known():
+            cannot_say = outcome.about.get("cannot_say")
+            if isinstance(cannot_say, Mapping):
+                notes.append(Said(job.scenario, job.run, cannot_say))
+        return Unsaid(notes)
+
     def rows(self) -> list[Row]:
         """All rows known so far, in the order of the plan."""
         found: list[Row] = []
@@ -199,7 +218,8 @@ class Run:
             rows=self.rows(), series=self.series(),
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
             scenes={
-                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt}
+                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt,
+                       "scale": s.scale}
                 for name, s in self.scenarios.items()
             },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,

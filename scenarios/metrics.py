@@ -54,6 +54,8 @@ METRICS: dict[str, tuple[str, str]] = {
                        "mm at 60 Hz) against its motion of the frame before, as fast, and its target did not turn back"),
     "reversal_p95": ("m", "95th percentile over frames in contact of the largest displacement that a link took back while its "
                      "target did not turn back: the smaller of the two displacements"),
+    "contact_gap_p50": ("m", "median, over the states in which a link is within 5 mm of what it may not overlap, of that "
+                        "distance, an overlap counting as 0: how far an avatar that touches seems to hover; in everyday scenes"),
     "jerk_ratio": ("", "95th percentile of the third differences of link origins, shown over target; a target below 20 m/s^3 "
                    "counts as that"),
     "silent_offset_frames": ("frames", "the raw posture has been free for half a second, a link origin is shown more than 10 cm "

@@ -88,7 +88,8 @@ class Scenario:
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
     standard list, `expects` holds closed forms by name. The `everyday` scenes are those of the short tables and of what is timed
     without filter and full lengths. `family` names the scene that this one is a variant of, so that counts of scenes are
-    not counts of variants; in the catalogue it is the file that the scene stands in unless that says otherwise.
+    not counts of variants; in the catalogue it is the file that the scene stands in unless that says otherwise. `scale` is the
+    size of its world where it is another world made larger or smaller (`scenarios.elsewhere`).
     """
 
     name: str
@@ -106,6 +107,7 @@ class Scenario:
     short_motion: Callable[[Scene, int], Motion] | None = None
     everyday: bool = False
     family: str = ""
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         positive(f"frames of {self.name}", self.frames, InvalidInput)

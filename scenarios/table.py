@@ -8,6 +8,7 @@ from types import MappingProxyType
 from scenarios.behind import by_family, compared
 from scenarios.engines import BASELINE
 from scenarios.results import Row
+from scenarios.sayable import Unsaid
 
 WIDTH = 140
 """Columns of the terminal that every line fits."""
@@ -86,8 +87,12 @@ def verdict(line: Line, gated: frozenset[tuple[str, str]]) -> str:
     return f"(breaks {len(broken)})" if broken else "(holds)"
 
 
-def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str] = MappingProxyType({})) -> str:
-    """The whole verdict, every line at most WIDTH wide; `families`: scene -> the scene that it is a variant of."""
+def table(
+    rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str] = MappingProxyType({}),
+    unsaid: Unsaid | None = None, scales: Mapping[str, float] = MappingProxyType({}),
+) -> str:
+    """The whole verdict, every line at most WIDTH wide; `families`: scene -> the scene that it is a variant of; `unsaid` and
+    `scales` as in `scenarios.behind.compared`."""
     found = lines(rows)
     raw = {(line.scenario, line.seed): line.value("residual_overlap_max") for line in found if _engine(line) == BASELINE}
     seeds: dict[str, set[int]] = {}
@@ -126,7 +131,7 @@ def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapp
         "contact in which a link goes to and fro while its target does not;",
         "in brackets: information about engines that are not gated.",
     )
-    behind = (text[:WIDTH] for text in losing(rows, gated, families))
+    behind = (text[:WIDTH] for text in losing(rows, gated, families, unsaid, scales))
     return "\n".join([*texts[:2], *body, rule, *legend, *remarks(found, gated), *behind])
 
 
@@ -147,15 +152,18 @@ def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
     return said
 
 
-def losing(rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str]) -> list[str]:
+def losing(
+    rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str], unsaid: Unsaid | None = None,
+    scales: Mapping[str, float] = MappingProxyType({}),
+) -> list[str]:
     """One line per ranked metric in which another engine's figure is better than a gated engine's: in how many families of
     scenes, and the worst scene."""
     said = []
     for engine, preset in sorted(gated):
-        for one in by_family(compared(rows, f"{engine}/{preset}"), families):
+        for one in by_family(compared(rows, f"{engine}/{preset}", unsaid, scales), families):
             if one.lost:
                 worst = one.lost[0].worst
                 run, value = worst.rivals[0]
-                said.append(f"losing: {one.metric} in {one.said}, worst {worst.row.scenario}: {figure(worst.row.value)} against "
+                said.append(f"losing: {one.metric} in {one.said}, worst {worst.row.scenario}: {figure(worst.value)} against "
                             f"{figure(value)} {worst.row.unit} ({run})")
     return said

@@ -16,13 +16,14 @@ from scenarios.measure.energy import energy
 from scenarios.measure.escapes import escapes
 from scenarios.measure.finite import not_finite
 from scenarios.measure.halts import halts
+from scenarios.measure.hover import contact_gap
 from scenarios.measure.jumps import jumps
 from scenarios.measure.known import Known
 from scenarios.measure.limits import limit_excess
 from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
 from scenarios.measure.side import wrong_side
 from scenarios.measure.sliding import stops
-from scenarios.measure.smoothness import smoothness
+from scenarios.measure.smoothness import NEAR, smoothness
 from scenarios.measure.spinning import flips, pivots
 from scenarios.measure.stillness import still_frames
 from scenarios.measure.towers import towers
@@ -77,5 +78,8 @@ def measured(recording: Recording, known: Known, most_inside: int | None = INSID
     free = known.free(recording)
     values |= tracker_offset(recording, scene, free)
     values |= smoothness(recording, scene, free, known.contact(recording))
+    if scenario.everyday and scene.links:
+        # of the scenes of the short tables only: the judge looks at all pairs of links once more
+        values |= contact_gap(judge.link_gaps(recording.positions, recording.orientations, NEAR))
     notes = {"substep_overlap_max": note} if note else {}
     return Measured(values, notes, shown, gathered([verdict.pairs for verdict in verdicts], scene.names))

@@ -91,9 +91,9 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     [us], warmup [s], stage_share_<stage> [%].
 
     Medians and 95th percentiles are over what every engine of the scene had; 99th percentiles and slowest frames over all that
-    this one had, and Missing where that is not enough. Where frames in which all is `resting` and others are both many, each kind
-    has its median. deterministic: 1 when all repeats ended in the same bits, and in those of the accuracy pass, another process,
-    whose hashes by frame are `recorded`."""
+    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames. Where
+    frames in which all is `resting` and others are both many, each kind has its median. deterministic: 1 when all repeats ended
+    in the same bits, and in those of the accuracy pass, another process, whose hashes by frame are `recorded`."""
     raw = timed.of_compared(timed.engine_ns) / 1e3
     best, around = timed.compared_us, timed.of_compared(timed.around_ns).min(axis=0) / 1e3
     found: dict[str, Value] = {}
@@ -123,7 +123,13 @@ def _tail(timed: Timed) -> dict[str, Value]:
         return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
     best, raw = timed.best_us, timed.engine_ns / 1e3
     figures = (np.percentile(best, 99), best.max(), np.percentile(raw, 99), raw.max())
-    return {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}
+    found: dict[str, Value] = {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}
+    below = np.percentile(timed.compared_us, 95), np.percentile(timed.of_compared(timed.engine_ns) / 1e3, 95)
+    for name, figure, least in zip(TAIL, figures, np.repeat(below, 2), strict=True):
+        if figure < least:
+            said = f"over {timed.protocol.said}, those of the 95th percentile being dearer: {timed.compared.said}"
+            found[name] = Missing(said, "scene")
+    return found
 
 
 def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:

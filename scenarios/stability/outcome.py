@@ -38,6 +38,10 @@ UNASKED = (SILENT, ABSENT)
 """Ends that say nothing about how stable an engine is."""
 
 
+STEP = "dt"
+"""Setting in which an engine says the length of its solver's step [s]."""
+
+
 @dataclass(frozen=True)
 class Task:
     """One trial of one case by one engine and preset."""
@@ -107,7 +111,10 @@ def outcome(task: Task) -> Outcome:
         if "scene" in silence:
             return Outcome(SILENT, note=silence["scene"])
         try:
-            _run(engine, task, case, shown, begun)
+            options = _stepped(engine, task, case)
+            if options is None:
+                return Outcome(SILENT, note="it has no solver step of a set length")
+            _run(engine, task, case, options, shown, begun)
         finally:
             engine.close()
     except MissingPackage as error:
@@ -121,9 +128,20 @@ def outcome(task: Task) -> Outcome:
     return Outcome(**{**found, "seconds": time.monotonic() - begun})  # type: ignore[arg-type]
 
 
-def _run(engine: Engine, task: Task, case: Varied, shown: _Shown, begun: float) -> None:
+def _stepped(engine: Engine, task: Task, case: Varied) -> dict[str, object] | None:
+    """Options by which the solver's step is the one that is asked for, from what the preset sets in this very scene; None for an
+    engine that sets none."""
+    if task.trial.change.step == 1.0:
+        return {}
+    engine.load(case.scene, Settings(task.preset, seed=task.trial.change.seed), case.dt)
+    found = engine.settings_as_run().get(STEP)
+    value = found[0] if isinstance(found, tuple) else found
+    return {STEP: task.trial.change.step * value} if isinstance(value, float) else None
+
+
+def _run(engine: Engine, task: Task, case: Varied, options: dict[str, object], shown: _Shown, begun: float) -> None:
     """Show all frames, or those that come within LATE."""
-    shown.frames.append(engine.load(case.scene, Settings(task.preset, seed=task.trial.change.seed), case.dt))
+    shown.frames.append(engine.load(case.scene, Settings(task.preset, options, task.trial.change.seed), case.dt))
     for sample in case.samples:
         if time.monotonic() - begun > LATE:
             shown.late = True

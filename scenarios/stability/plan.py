@@ -22,9 +22,11 @@ TIMES = (1.0 / 1000.0, 1.0 / 240.0, 1.0 / 30.0, 1.0 / 15.0)
 SCALES = (1e-3, 1e-1, 1e1, 1e3)
 DISTANCES = (1e1, 1e3, 1e5)
 """[m] of a world of size 1."""
+STEPS = (0.5, 2.0)
+"""Solver steps in steps of the preset; another frame time hardly changes them, as engines cut a frame into steps of their own."""
 TOGETHER, SEED = 12, 20
 """How many draws change all at once, and the seed of the hypercube."""
-KINDS = ("plain", "start", "seed", "user", "frame time", "size", "distance", "together")
+KINDS = ("plain", "start", "seed", "user", "frame time", "solver step", "size", "distance", "together")
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ def alone() -> list[Trial]:
     found += [Trial("seed", str(seed), Variation(seed=seed)) for seed in SEEDS]
     found += [Trial("user", str(user), Variation(user=user)) for user in USERS]
     found += [Trial("frame time", f"1/{1.0 / dt:.0f} s", Variation(dt=dt)) for dt in TIMES]
+    found += [Trial("solver step", f"{step:g} times", Variation(step=step)) for step in STEPS]
     found += [Trial("size", f"{scale:g}", Variation(scale=scale)) for scale in SCALES]
     found += [Trial("distance", f"{far:g} m", Variation(far=far)) for far in DISTANCES]
     return found

@@ -24,6 +24,7 @@ CHANGES = {
     ("plain", "as it is"): "what the others are held against",
     ("start", "1e-05 m"): "far below what an eye sees, far above rounding",
     ("frame time", "1/15 s"): "the coarsest: the fewest frames, the hardest steps",
+    ("solver step", "2 times"): "the coarser; of engines with a step of their own, which another frame time does not reach",
     ("size", "10"): "one size; units must not matter",
     ("distance", "1000 m"): "one distance; float64 has 1e-13 m there, so it must not matter either",
     ("together", "draw 2"): "all changes at once; of all draws but draw 0, this and the next have the fewest frames",

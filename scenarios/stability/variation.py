@@ -25,7 +25,8 @@ WAY = (0.6, -0.8, 0.0)
 class Variation:
     """What is different. `start` [m] by how much every body's first place, and the user's way, are off; `seed` of that draw and
     of the engine; `user` the seed of the user's motion; `dt` [s] frame time; `scale` size; `far` distance of the origin, in
-    metres of a world of size 1: a thousandth as large, it is moved a thousandth as far, so that rounding is as large a part."""
+    metres of a world of size 1: a thousandth as large, it is moved a thousandth as far, so that rounding is as large a part.
+    `step` length of the engine's solver step in steps of its preset."""
 
     start: float = 0.0
     seed: int = 0
@@ -33,6 +34,7 @@ class Variation:
     dt: float = RENDERED
     scale: float = 1.0
     far: float = 0.0
+    step: float = 1.0
 
     @property
     def elsewhere(self) -> Elsewhere:

@@ -19,7 +19,10 @@ from reports.effects import (
     cell,
     consequence,
     cost_sentence,
+    forced_cell,
+    forced_consequence,
     forced_sentence,
+    in_unit,
     load,
     protocol,
     section,
@@ -59,8 +62,14 @@ def test_nothing_when_it_was_not_asked(tmp_path: Path) -> None:
 def test_the_dearest_come_first_and_what_saves_time_is_said(tmp_path: Path) -> None:
     said = cost_sentence(fill(tmp_path, LINES))
     assert said == (
-        "Median share of the frame: restitution 25 % (1 scene). Paying for itself: sleeping (without it a frame takes 2.5 times "
-        "as long)."
+        "Of the frame an effect takes, from scene to scene: restitution 25 % (1 scene). Paying for itself: sleeping (without it "
+        "a frame takes 2.5 times as long)."
+    )
+    several = [row("limits", share, scene=f"s{k}") for k, share in enumerate((-0.32, 0.0, 0.62))]
+    several += [row("sleeping", share, scene=f"s{k}") for k, share in enumerate((-13.5, -0.18))]
+    assert cost_sentence(fill(tmp_path, several)) == (
+        "Of the frame an effect takes, from scene to scene: limits -32 to 62 % (3 scenes). Paying for itself: sleeping (without "
+        "it a frame takes 1.2 to 14.5 times as long)."
     )
     assert cost_sentence(fill(tmp_path, [row("friction", 0.01)])) == "No effect takes a measurable share of the frame."
 
@@ -84,15 +93,30 @@ def test_a_forced_effect_that_changes_something_is_named(tmp_path: Path, bad: Js
 
 def test_forced_effects_that_change_nothing_are_said_with_their_cost(tmp_path: Path) -> None:
     assert forced_sentence(fill(tmp_path, LINES)) == (
-        "Forced on where nothing calls for them, all other effects together move no body at all in 1 scene, and cost 2 % of the "
-        "frame in the median."
+        "Forced on where nothing calls for them, all other effects together move no body at all in 1 scene, and lengthen the "
+        "frame by 2 % (negative: they shorten it)."
     )
+    both = [row("forced", share, scene=f"s{k}") for k, share in enumerate((0.22, -0.06))]
+    assert "lengthen the frame by -22 to 6 % (negative: they shorten it)." in forced_sentence(fill(tmp_path, both))
 
 
 def test_a_cell_is_empty_where_nothing_calls_and_a_dash_where_nothing_was_measured(tmp_path: Path) -> None:
     found = fill(tmp_path, [*LINES, row("coupling", None, scene="other")])
     assert cell(found.at("drop", "coupling")) == "" and cell(found.at("other", "coupling")) == "—"
     assert cell(found.at("drop", "restitution")) == "750 ns" and cell(found.at("drop", "sleeping")) == "-4.50 µs"
+
+
+def test_the_last_column_has_the_sign_of_its_heading(tmp_path: Path) -> None:
+    """Forced on, the others make a frame of 3 us longer by 0.06 us, or shorter by 0.3 us."""
+    longer, shorter = (fill(tmp_path, [row("forced", share)]).forced[0] for share in (-0.02, 0.1))
+    assert (forced_cell(longer), forced_consequence(longer)) == ("+60.0 ns", "+2 %, none")
+    assert (forced_cell(shorter), forced_consequence(shorter)) == ("-300 ns", "-10 %, none")
+    assert forced_cell(None) == "—" and forced_consequence(None) == ""
+
+
+def test_bounds_that_break_have_units() -> None:
+    assert in_unit("apex_error_max", 1e-6) == "1.00 µm" and in_unit("apex_error_max", None) == "not measured"
+    assert in_unit("restitution_error_max", 0.3) == "0.3"
 
 
 def test_what_leaving_an_effect_out_changes_is_told(tmp_path: Path) -> None:

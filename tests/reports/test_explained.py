@@ -96,3 +96,23 @@ def test_the_link_leads_to_the_deepest_moment(run_dir: Write, results: Json) -> 
 
 def test_a_run_without_large_figures_says_so(run_dir: Write, results: Json) -> None:
     assert explained.sentence(large(load(run_dir(results)).rows)) == "No other engine has a figure of this size."
+
+
+def test_a_world_a_thousand_times_as_large_leads_nothing_for_its_size(run_dir: Write, results: Json) -> None:
+    rows = (row("scale_km", "mujoco/default", ASKED[0], 884.0, "m"), row("scale_mm", "mujoco/default", ASKED[0], 0.01, "m"),
+            row("worn_floor", "pybullet/tuned", ASKED[0], 2.0, "m"))
+    scenes = {"scale_km": {"title": "", "scale": 1e3}, "scale_mm": {"title": "", "scale": 1e-3}}
+    found = load(run_dir(run_of(results, *rows) | {"scenes": scenes}))
+    assert {one.row.scenario: one.value for one in large(found.rows, found.scales)} == {
+        "scale_km": 0.884, "scale_mm": 10.0, "worn_floor": 2.0}
+
+
+def test_an_overlap_that_the_scene_starts_with_is_no_engine_s(run_dir: Write, results: Json) -> None:
+    """One engine leaves what was there and goes no deeper, the other goes deeper."""
+    rows = [row("arm_wall", run, ASKED[0], value, "m") for run, value in (("mujoco/default", 0.3), ("mujoco/tuned", 0.5))]
+    series = {"arm_wall": {run: {"overlap_m": [0.3, last], "frame_time_us": []} for run, last in (
+        ("mujoco/default", 0.1), ("mujoco/tuned", 0.5))}}
+    told = explained.section(load(run_dir(run_of(results, *rows) | {"series": series})))
+    shown = told["large_rows"]
+    assert isinstance(shown, tuple) and [one.row.run for one in shown] == ["mujoco/tuned"]
+    assert str(told["large_said"]).endswith("Left out: 1 figure that a scene starts with.")

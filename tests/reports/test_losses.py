@@ -6,11 +6,13 @@ from pathlib import Path
 
 from reports import write_report
 from reports.load import load
-from reports.losses import beside, sentence
+from reports.losses import FIRST, beside, kinds_sentence, section, sentence, silent_sentence
 from reports.metric_words import words
+from reports.moment import moment
 from reports.summary import summary
 from reports.verdict import STATES, scenes_sentence, verdict
 from scenarios.behind import Behind, by_family, compared
+from scenarios.ranked import KINDS, RANKED
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -25,7 +27,7 @@ def changed(results: Json, **more: object) -> Json:
 
 
 def lost(factor: float) -> Behind:
-    return Behind(None, (("a/b", 0.0),), factor, 1.0, False)  # type: ignore[arg-type]  # the row is not looked at
+    return Behind(None, 1.0, (("a/b", 0.0),), factor, 1.0, False)  # type: ignore[arg-type]  # the row is not looked at
 
 
 def test_factors_end_and_none_stands_against_zero() -> None:
@@ -84,3 +86,54 @@ def test_a_scene_in_which_the_gated_run_crashed_is_no_scene_held(run_dir: Write,
     assert isinstance(rows, list)
     crashed = rows[0] | {"scenario": "gone", "metric": "run", "value": None, "bound": None, "status": "crashed"}
     assert verdict(load(run_dir(results | {"rows": [*rows, crashed]}))).scenes["crashed"] == 1
+
+
+def test_the_table_says_how_many_of_how_many_metrics_it_shows(run_dir: Write, results: Json) -> None:
+    data = results
+    for metric in list(RANKED)[: FIRST + 3]:
+        for engine, value in (("avatarsim", 9.0), ("mujoco", 0.0)):
+            data = changed(data, engine=engine, metric=metric, value=value)
+    found = load(run_dir(data))
+    told = section(found, verdict(found).ranked, OURS)
+    lost = told["lost_all"]
+    assert isinstance(lost, list) and len(lost) > FIRST
+    assert told["lost_shown"] == f"the first {FIRST} of {len(lost)} metrics"
+
+
+def test_a_loss_leads_to_the_moment_of_its_largest_figure_where_a_series_was_kept(run_dir: Write, results: Json) -> None:
+    series = {"arm_wall": {OURS: {"overlap_m": [0.0, 0.1, 0.4], "frame_time_us": [5.0, 90.0]}}}
+    data = results | {"series": series, "scenes": {"arm_wall": {"title": "", "dt": 0.25}}}
+    found = load(run_dir(data))
+    assert [moment(found, "arm_wall", OURS, metric) for metric in (
+        "residual_overlap_max", "frame_time_max", "root_jump_max")] == ["#t=0.5", "#t=0.5", ""]
+    assert moment(found, "arm_wall", "mujoco/default", "frame_time_max") == ""
+    for engine, value in (("avatarsim", 90.0), ("mujoco", 1.0)):
+        data = changed(data, engine=engine, metric="frame_time_max", unit="us", value=value)
+    folder = run_dir(data)
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    row = page[page.index('title="frame_time_max"'):]
+    assert row.index('href="scenes/arm_wall.html#t=0.5"') < row.index("</tr>")
+
+
+def test_figures_that_do_not_judge_an_engine_are_counted_and_named(run_dir: Write, results: Json) -> None:
+    note = {"name": "mujoco", "preset": "default", "scenario": "arm_wall", "cannot_say": {"reach cones": "none"}}
+    data = results | {"engines": [note]}
+    for engine, value in (("avatarsim", 2.0), ("mujoco", 1.0)):
+        data = changed(data, engine=engine, metric="reach_cone_excess_max", value=value)
+    ranked = verdict(load(run_dir(data))).ranked
+    assert silent_sentence(ranked) == (
+        f"Not ranked, because the engine has no words for it, are 1 figure: {words('reach_cone_excess_max')} (mujoco/default).")
+    assert silent_sentence(verdict(load(run_dir(results))).ranked) == ""
+
+
+def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json) -> None:
+    data = results
+    for metric in ("root_jump_max", "jerk_ratio"):
+        for engine, value in (("avatarsim", 9.0), ("mujoco", 0.0)):
+            data = changed(data, engine=engine, metric=metric, value=value)
+    found = load(run_dir(data))
+    said = kinds_sentence(by_family(verdict(found).ranked, found.families))
+    assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
+    assert all(metric in RANKED for metrics in KINDS.values() for metric in metrics)
+    assert kinds_sentence(()) == ""

@@ -118,3 +118,26 @@ def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids)) and "stability" in tree.ids
     assert "tried none of the hard cases" not in text and "In this run, a slice" in text
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
+
+
+def test_lost_trials_are_told_by_case_and_engine_with_their_reason(tmp_path: Path) -> None:
+    lost = "painleve,mujoco/tuned,start,1e-05 m,0,0,0,0.01,1,0,lost,36,0.1,0,0,0.1,0.2,outside its region in 21 frames,slice\n"
+    made = stability.lost_trials(found(tmp_path, ROWS + lost))
+    assert [(one.case, one.run, one.lost, one.tried) for one in made] == [
+        ("painleve", "avatarsim/default", 1, 5), ("painleve", "mujoco/tuned", 1, 4)]
+    assert made[1].changes == ("start 1e-05 m",) and made[1].reasons == ("lost: outside its region in 21 frames",)
+    assert stability.lost_trials(found(tmp_path, HEAD + row("avatarsim/default", "plain"))) == ()
+
+
+def test_to_survive_with_a_gain_of_energy_is_said_to_be_little(tmp_path: Path) -> None:
+    gains = "painleve,avatarsim/paper,plain,x,0,0,0,0.0166667,1,0,survived,36,1e-7,491,0,0,0.2,,slice\n"
+    said = stability.little_said(found(tmp_path, ROWS + gains))
+    assert said == "To survive says little by itself: avatarsim/paper gains 491 J in a frame and survives all."
+    assert stability.little_said(found(tmp_path)) == ""
+
+
+def test_what_ours_cannot_be_asked_is_no_loss_and_counts_for_none(tmp_path: Path) -> None:
+    step = row("avatarsim/default", "solver step", "cannot say", "", "") + row("mujoco/tuned", "solver step", "lost")
+    made = found(tmp_path, ROWS + step)
+    assert not any(line.lost for line in stability.table(made) if line.kind == "solver step")
+    assert {line.run: line.tried for line in stability.standings(made)} == {"avatarsim/default": 5, "mujoco/tuned": 3}

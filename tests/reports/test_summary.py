@@ -20,7 +20,8 @@ def text_of(folder: Path) -> str:
 def test_losses_come_before_the_table(run_dir: Write, results: Json) -> None:
     text = text_of(run_dir(results))
     assert text.startswith("## FAILED: 1 of 3")
-    parts = ("### Crashed", "### What we lose, worst first", "| ball_drop | **restitution", "### All scenes", "Abacus 9")
+    parts = ("### Crashed", "### What we lose, worst first", "| ball_drop | **error of restitution**", "### All scenes",
+             "Abacus 9")
     places = [text.index(part) for part in parts]
     assert places == sorted(places)
     table = text.split("### All scenes")[1]
@@ -44,7 +45,9 @@ def test_an_empty_run_says_so(run_dir: Write, results: Json) -> None:
 
 
 def test_the_caveat_and_what_a_factor_against_zero_means_stand_beside_the_table(run_dir: Write, results: Json) -> None:
-    table = text_of(run_dir(results)).split("### All scenes")[1]
+    text = text_of(run_dir(results))
+    assert "avatar is kinematic" in text.split("\n\n")[1] and "Contact force and joint torque are not measured." in text
+    table = text.split("### All scenes")[1]
     assert table.index("avatar is kinematic") < table.index("| scene |") < table.index("where the best is 0 there is none")
 
 

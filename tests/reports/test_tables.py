@@ -5,6 +5,7 @@ from pathlib import Path
 
 from reports.columns import COLUMNS
 from reports.load import load
+from reports.marked import cell_note
 from reports.tables import Block, Cell, blocks
 
 Json = dict[str, object]
@@ -88,3 +89,26 @@ def test_our_other_preset_takes_no_best_from_us(run_dir: Write, results: Json) -
     block = table(run_dir(data))["arm_wall"]
     assert cell(block, "avatarsim/default", "p50").best
     assert not cell(block, "avatarsim/paper", "p50").best
+
+
+def test_a_figure_that_an_engine_has_no_words_for_ranks_it_nowhere(run_dir: Write, results: Json) -> None:
+    """It stays on the page, says why it is not ranked, and is not what others are held against."""
+    data = results
+    for engine, value in (("avatarsim", 2.0), ("mujoco", 1.0), ("pybullet", 3.0)):
+        data = with_row(data, scenario="arm_wall", engine=engine, metric="reach_cone_excess_max", unit="deg", value=value)
+    assert cell(table(run_dir(data))["arm_wall"], "mujoco/default", "limits").best
+    engines = [{"name": "mujoco", "preset": "default", "scenario": "arm_wall", "cannot_say": {"reach cones": "no such limit"}}]
+    block = table(run_dir(data | {"engines": engines}))["arm_wall"]
+    silent = cell(block, "mujoco/default", "limits")
+    assert (silent.value, silent.ratio, silent.best) == (1.0, None, False)
+    assert cell_note(silent, "avatarsim/default") == ("how", "not ranked: cannot say reach cones")
+    assert cell(block, "avatarsim/default", "limits").best and cell(block, "pybullet/default", "limits").ratio == 1.5
+
+
+def test_time_in_an_adapter_is_shown_and_has_no_best(run_dir: Write, results: Json) -> None:
+    data = results
+    for engine, value in (("avatarsim", 2.0), ("mujoco", 1.0)):
+        data = with_row(data, scenario="arm_wall", engine=engine, metric="frame_time_python_p50", unit="us", value=value)
+    block = table(run_dir(data))["arm_wall"]
+    shown = [cell(block, run, "python") for run in ("avatarsim/default", "mujoco/default")]
+    assert [(one.value, one.ratio, one.best) for one in shown] == [(2.0, None, False), (1.0, None, False)]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from avatarsim.stage_clock import STAGES
 from reports import timing_words, write_report
 from reports.__main__ import README
 from reports.columns import COLUMNS
@@ -94,3 +95,12 @@ def test_the_machine_is_described_as_far_as_it_is_known() -> None:
 def test_times_beside_other_work_carry_a_warning(run_dir: Write, results: Json, busy: float | None, warned: bool) -> None:
     text = page(run_dir(with_record(results, **OTHER, busy_elsewhere=busy)))
     assert ("times may be too long" in text) == warned == bool(timing_words.warning({"timing": {"busy_elsewhere": busy}}))
+
+
+def test_what_the_clock_covers_is_what_it_is_read_round() -> None:
+    covers = timing_words.CLOCK[0]
+    assert f"({', '.join(('posture', 'motion', 'coupling'))})" in covers and set(STAGES) == {"posture", "motion", "coupling"}
+    for engine, call in (("in_mujoco", "mj_step"), ("in_pybullet", "stepSimulation")):
+        lines = (README.parent / "reference" / engine / "engine.py").read_text(encoding="utf-8").splitlines()
+        (place,) = [k for k, line in enumerate(lines) if f".{call}(" in line]
+        assert call in covers and "perf_counter_ns()" in lines[place - 1] and "perf_counter_ns()" in lines[place + 1]

@@ -60,7 +60,7 @@ def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_o
                            f"against 0 %, {TUNED})")
     # the engine outside has the smaller offset, which counts for nothing, and the faster slowest frame, which does
     assert f"(300 mm against 200 mm, {TUNED})" in said and f"(5.00 ms against 1.00 ms, {BULLET})" in said
-    assert "frame time p50" not in said and "overlap, max" not in said
+    assert "frame time p50" not in said and "deepest overlap shown:" not in said
     assert "keeps what it promises" in said and f"20.0 mm ({BULLET}," in said
     assert said.index("behind") < said.index("keeps") and SAID in unseen.source(found)
     assert all(line.run != "tracker/default" for line in found.lines)
@@ -107,3 +107,13 @@ def test_figures_that_change_with_the_commit_are_no_baseline_and_no_difference(r
     before, after = run_with(run_dir, rows_of("wall")), run_with(run_dir, rows_of("wall", 50.0))
     assert "unseen_" not in baseline.text(before) and "arm_wall" in baseline.text(before)
     assert "unseen_wall  avatarsim/default  chatter_frames" not in diff(before, after).text()
+
+
+def test_joints_beyond_their_limits_stand_beside_how_smooth_others_look(run_dir: Write) -> None:
+    most = {"wall": 5.0, "door": 147.0}
+    limits = [row(f"unseen_{room}", TUNED, "joint_limit_excess_max", value, "deg") for room, value in most.items()]
+    found = run_with(run_dir, [*rows_of("wall"), *limits, row("unseen_wall", BULLET, "joint_limit_excess_max", 0.2, "deg")])
+    said = unseen.limits_sentence(found, OURS)
+    assert f"{TUNED} by up to 147° (door);" in said and BULLET not in said
+    assert said in str(unseen.section(found, OURS)["unseen_conclusion"])
+    assert unseen.limits_sentence(run_with(run_dir, rows_of("wall")), OURS) == ""

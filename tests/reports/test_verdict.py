@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from reports.load import load
-from reports.verdict import losing_scenes, verdict
+from reports.verdict import loosest, losing_scenes, reading_order, verdict
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -32,13 +32,13 @@ def test_everything_is_counted_once(run_dir: Write, results: Json) -> None:
     found = verdict(load(run_dir(results)))
     assert [len(rows) for rows in (found.held, found.ceiling, found.failed, found.crashed, found.unmeasured)] == [1] * 5
     assert found.word == "failed" and found.exit_code == 1
-    assert found.sentence.startswith("1 of 3 gated bounds of avatarsim/default failed; 1 run crashed; 1 not measured")
+    assert found.sentence.startswith("1 of 3 bounds of avatarsim/default failed; 1 run crashed; 1 not measured")
 
 
 def test_all_held(run_dir: Write, results: Json) -> None:
     found = verdict(load(run_dir(only(results, "arm_wall"))))
     assert (found.word, found.exit_code, found.losses) == ("held", 0, ())
-    assert found.sentence == "The one gated bound held."
+    assert found.sentence == "The one bound held."
 
 
 def test_a_ceiling_is_said_and_comes_before_any_comparison(run_dir: Write, results: Json) -> None:
@@ -107,3 +107,34 @@ def test_another_preset_of_our_own_engine_is_no_rival(run_dir: Write, results: J
     found = verdict(load(run_dir(results | {"rows": rows, "exit_code": 0})))
     losses = [loss for loss in found.losses if loss.what == "frame_time_p50"]
     assert [(loss.theirs, loss.factor) for loss in losses] == [("mujoco/default 30.0 \u00b5s", pytest.approx(40.0 / 30.0))]
+
+
+def bounded(results: Json, scene: str, metric: str, value: float, bound: float) -> Json:
+    """One more row of ours that is held by a bound."""
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    gate = {"scenario": scene, "metric": metric, "value": value, "bound": bound, "unit": "m", "status": "pass"}
+    return results | {"rows": [*rows, rows[0] | gate]}
+
+
+def test_the_headline_says_what_is_promised_and_the_loosest_bounds_stand_below_it(run_dir: Write, results: Json) -> None:
+    data = only(results, "arm_wall")
+    for scene, value, bound in (("arm_wall", 0.002, 0.01), ("door", 0.3, 0.4)):
+        data = bounded(data, scene, "root_jump_max", value, bound)
+    found = verdict(load(run_dir(data)))
+    assert found.sentence == "All 3 bounds of avatarsim/default held, among them what is promised everywhere: no overlap."
+    assert "jump of the root beyond the user's own 400 mm (largest 300 mm, door)" in loosest(found)
+    assert loosest(verdict(load(run_dir(only(results, "arm_wall"))))) == ""
+
+
+def test_tables_begin_with_trouble_then_everyday_scenes_then_avatars(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    more = [rows[1] | {"scenario": scene, "metric": metric} for scene, metric in (
+        ("balls", "frame_time_p50"), ("reach", "tracker_offset_rms"), ("drop", "frame_time_p50"))]
+    scenes = {name: {"title": "", "everyday": name == "drop"} for name in ("balls", "reach", "drop")}
+    found = load(run_dir(results | {"rows": [*more, *rows], "scenes": scenes}))
+    order = reading_order(found, verdict(found))
+    assert order.index("ball_drop") < order.index("drop") < order.index("reach") < order.index("arm_wall")
+    assert set(order) == set(found.scenes())
+    assert order.index("reach") < order.index("balls")

@@ -1,6 +1,9 @@
 """What is lost to other engines: nothing that is no rival is named, families count once, and no metric is forgotten."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
 
 import pytest
 
@@ -10,7 +13,17 @@ from scenarios.behind import by_family, compared
 from scenarios.metrics import FAMILIES, METRICS
 from scenarios.ranked import RANKED, UNRANKED, ranked, why_not
 from scenarios.results import Row
+from scenarios.sayable import Unsaid
 from scenarios.table import losing
+
+
+class Note(NamedTuple):
+    """What one engine said of one scene."""
+
+    scenario: str
+    run: str
+    cannot_say: Mapping[str, str]
+
 
 OURS = "avatarsim/default"
 GATED = frozenset({("avatarsim", "default")})
@@ -96,3 +109,39 @@ def test_every_scene_of_the_catalogue_has_a_family_that_one_of_its_scenes_explai
     assert {families[name] for name in families if name.startswith("mocap_")} == {"mocap"}
     assert families["hand_in_corner_rigid"] == families["hand_in_corner"] == "hand_in_corner"
     assert families["limit_torture_hinges"] == "limit_torture" and families["zeno"] == "zeno"
+
+
+def test_an_engine_is_not_ranked_by_what_it_has_no_words_for() -> None:
+    metric = "reach_cone_excess_max"
+    rows = [row(OURS, metric, 4.0), row("a/b", metric, 1.0), row("c/d", metric, 3.0)]
+    unsaid = Unsaid([Note("s", "a/b", {"reach cones": "ignored"})])
+    (found,) = compared(rows, OURS, unsaid).behind
+    assert found.rivals == (("c/d", 3.0),), "the best of those that can be judged"
+    alone = compared(rows[:2], OURS, unsaid)
+    assert alone.pairs == frozenset() and alone.behind == () and alone.silent == {"a/b": frozenset({("s", metric)})}
+    assert len(compared(rows[:2], OURS).behind) == 1
+    assert losing(rows[:2], GATED, {}, unsaid) == []
+
+
+def test_a_world_of_another_size_counts_as_if_it_had_size_1() -> None:
+    """Twice behind at size 1000 is twice behind; lengths go with the size, energies with its square, angles not at all."""
+    for unit, metric, power in (("m", "root_jump_max", 1), ("J", "lift_energy_max", 2), ("deg", "pose_jump_max", 0)):
+        rows = [replace(row(run, metric, value * 1e3**power), unit=unit) for run, value in ((OURS, 0.4), ("a/b", 0.2))]
+        (found,) = compared(rows, OURS, scales={"s": 1e3}).behind
+        assert found.value == pytest.approx(0.4) and found.best == pytest.approx(0.2) and found.factor == pytest.approx(2.0)
+    small = [replace(row(run, "root_jump_max", value), unit="m") for run, value in ((OURS, 8e-6), ("a/b", 1e-6))]
+    assert compared(small, OURS).behind == () and len(compared(small, OURS, scales={"s": 1e-3}).behind) == 1
+
+
+def test_the_largest_figure_is_named_though_another_has_the_largest_factor() -> None:
+    rows = [row(run, "root_jump_max", value, scene=scene) for scene, values in (("x", (0.01, 0.0001)), ("y", (0.3, 0.1)))
+            for run, value in zip((OURS, "a/b"), values, strict=True)]
+    (found,) = by_family(compared(rows, OURS), {})
+    assert found.lost[0].worst.row.scenario == "x"
+    assert found.largest is not None and (found.largest.row.scenario, found.largest.value) == ("y", 0.3)
+
+
+def test_time_in_an_adapter_ranks_nothing() -> None:
+    rows = [row(OURS, "frame_time_python_p50", 9.0), row("a/b", "frame_time_python_p50", 1.0)]
+    assert compared(rows, OURS).pairs == frozenset()
+    assert "adapter" in why_not("frame_time_python_p50")

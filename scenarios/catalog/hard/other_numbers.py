@@ -38,6 +38,7 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
         ),
         regions=regions(place),
         expects=expects(place, FRAMES * dt),
+        scale=place.scale,
     )
 
 

@@ -112,3 +112,15 @@ def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:
     found = work(replace(resting(fist_scene(), 4), counts=numbers))
     # the first state is no frame
     assert found == {"trapped": 2.0, "walled": 3.0, "crossings": 4.0, "leaps": 5.0}
+
+
+def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
+    """What is compared are the first 50 frames, and those are the dear ones."""
+    around = np.full((REPEATS, 5 * TAIL_FRAMES), 1000, dtype=np.int64)
+    around[:, :5] = 40_000
+    found = frame_times(Timed(around, shared=(REPEATS, 50)))
+    assert found["frame_time_p95"] == pytest.approx(40.0, rel=0.5) and found["frame_time_max"] == 40.0
+    tail = found["frame_time_p99"]
+    assert isinstance(tail, Missing) and "3 x 50 frames" in tail.reason and isinstance(found["frame_time_raw_p99"], Missing)
+    whole = frame_times(Timed(around))
+    assert whole["frame_time_p95"] == whole["frame_time_p99"] == 1.0

@@ -64,3 +64,12 @@ def test_an_outcome_survives_json() -> None:
     assert math.isnan(read.overlap) and read.end == found.end and read.note == "x"
     with pytest.raises(TypeError):
         Outcome.from_json({**found.as_json(), "end": "nowhere"})
+
+
+def test_a_solver_step_is_changed_from_the_preset_s_and_an_engine_without_one_is_not_asked() -> None:
+    """MuJoCo's documented step of 2 ms, twice as long: a box that falls ends elsewhere, by far less than it fell."""
+    assert outcome(task("avatarsim", change=Variation(step=2.0))).state == SILENT
+    plain, coarse = (outcome(task("mujoco", "tumbling_box", change)) for change in (None, Variation(step=2.0)))
+    assert plain.state == coarse.state == SURVIVED
+    moved = np.abs(np.array(plain.end) - np.array(coarse.end)).max()
+    assert 1e-9 < moved < 0.05
