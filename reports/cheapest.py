@@ -90,12 +90,20 @@ class Cell:
 
 @dataclass(frozen=True)
 class Line:
-    """One engine in one scene: a cell per level; `tried` settings were measured, the least error among them is `least` [m]."""
+    """One engine in one scene: a cell per level; `tried` settings were measured, the least error among those that
+    follow a free user is `least` [m], nan if there is none."""
 
     engine: str
     cells: tuple[Cell, ...]
     tried: int
     least: float
+
+    @property
+    def at_best(self) -> str:
+        """What the engine reaches where it misses an accuracy."""
+        if self.least == self.least:
+            return f"at best {quantity(self.least, 'm')}"
+        return f"none of them within {limit(FOLLOWS, 'm')} of a free user" if self.tried else "nothing was measured"
 
 
 @dataclass(frozen=True)
@@ -299,7 +307,6 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
         if attempt is not None:
             said.append(f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
         else:
-            least = "nothing measured" if math.isnan(line.least) else f"at best {quantity(line.least, 'm')}"
-            said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried ({least})")
+            said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}."

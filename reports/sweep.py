@@ -241,7 +241,7 @@ def conclusion(sweep: Sweep) -> str:
             parts.append(f"An overlap of at most {limit(most, 'm')} is {said}.")
     missing = [r.scenario for r in sweep.rivalries if r.ours is None]
     parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
-    return " ".join(parts)
+    return " ".join([*parts, f"In these ratios ours is {'/'.join(OURS)}."] if overlaps else parts)
 
 
 def _scenes(rivalries: list[Rivalry]) -> str:

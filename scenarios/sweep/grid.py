@@ -128,12 +128,13 @@ PYBULLET = (
     _pybullet("margin=0.001", collision_margin=0.001),
     _pybullet("breaking_threshold=0.02", TRACKED, breaking_threshold=0.02),
     _pybullet("pieces_as_links=off", TRACKED, pieces_as_links=False),
+    Setting("pybullet", "default feed_forward", "default", {"feed_forward": True, "ball_gain": 0.5}, kinds=TRACKED),
     *_steps("pybullet", "tuned", (3840,), LOOSE),
     *_steps("pybullet", "tuned", (7680,), UNTRACKED),
     Setting("pybullet", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
 )
 """Step, iterations, how hard contacts push and how early, margins, how the hand is driven, which solver bodies are in,
-sleep."""
+motors that know the user's velocity, sleep."""
 
 BY_ENGINE = {"avatarsim": OURS, "mujoco": MUJOCO, "pybullet": PYBULLET}
 """Engines of which we know what to turn; of all others their presets are taken."""

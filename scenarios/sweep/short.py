@@ -60,7 +60,8 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
     ),
     "pybullet": (
-        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60",
+        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "default feed_forward", "tuned dt=1/60", "tuned dt=1/120",
+        "default dt=1/60",
         "tuned dt=1/480", "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200",
         "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
     ),

@@ -73,6 +73,7 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     assert len(notes(found)) == 1 and "1 setting (wall: m/tuned 10.1 mm)" in notes(found)[0]
     rival = found.blocks[0].lines[1]
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
+    assert "m not by 1 setting tried (none of them within 10 mm of a free user)" in at_level(found.blocks[0], 1e-3, found.engines)
     assert notes(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == []
 
 
