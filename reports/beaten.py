@@ -61,5 +61,7 @@ def sentence(found: Sequence[Beaten]) -> str:
     if not found:
         return "No tuned preset is beaten in time and every error that counts at once by a setting of its own sweep."
     closer = sum(one.closer for one in found)
-    return (f"Presets that their own sweep beats in time and every error that counts at once: {count(len(found), 'row')}, in "
-            f"{closer} of them by a setting that is as near to a free user too")
+    runs = [one.preset.any_point.run for one in found]
+    each = ", ".join(f"{run} in {count(runs.count(run), 'scene')}" for run in dict.fromkeys(runs))
+    return (f"Beaten in time and in every error that counts at once by a setting of their own sweep: {each}; {closer} of "
+            f"{len(found)} by one that is as near to a free user too")

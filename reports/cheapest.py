@@ -277,23 +277,23 @@ def _times(factor: float) -> str:
     return f"×{factor:.2g}" if factor <= 1.0 else ratio(factor) if factor >= 1.005 else "as long as"
 
 
-def notes(found: Table) -> list[str]:
-    """What does not count, and why: settings that do not follow, scenes of which an engine has no words."""
-    parts = []
-    if found.astray:
-        by_scene: dict[str, list[str]] = {}
-        for attempt in found.astray:
-            by_scene.setdefault(attempt.any_point.scenario, []).append(
-                f"{attempt.any_point.run} {quantity(attempt.offset, 'm')}")
-        said = "; ".join(f"{scene}: {', '.join(runs)}" for scene, runs in by_scene.items())
-        parts.append(f"Farther than {limit(FOLLOWS, 'm')} from a user in whose way nothing is, and so not counted as reaching "
-                     f"any accuracy although no error is above {limit(LEVELS[0], 'm')}: "
-                     f"{count(len(found.astray), 'setting')} ({said}).")
-    for block in found.blocks:
-        if block.silent:
-            parts.append(f"{block.scenario} is no case: {' and '.join(block.silent)} cannot say what counts there "
-                         f"({block.errors}).")
-    return parts
+def silence(found: Table) -> list[str]:
+    """Scenes that are no case because an engine has no words for an error that counts there."""
+    return [f"{block.scenario} is no case: {' and '.join(block.silent)} cannot say what counts there ({block.errors})."
+            for block in found.blocks if block.silent]
+
+
+def astray(found: Table) -> tuple[str, list[tuple[str, str]]]:
+    """What reaches no accuracy because it does not follow, in a sentence and by scene; ("", []) where there is nothing."""
+    by_scene: dict[str, list[str]] = {}
+    for attempt in found.astray:
+        by_scene.setdefault(attempt.any_point.scenario, []).append(f"{attempt.any_point.run} {quantity(attempt.offset, 'm')}")
+    if not by_scene:
+        return "", []
+    said = (f"Not counted as reaching any accuracy, being farther than {limit(FOLLOWS, 'm')} from a user in whose way nothing "
+            f"is: {count(len(found.astray), 'setting')} of which no error is above {limit(LEVELS[0], 'm')}, in "
+            f"{listed(tuple(by_scene))}")
+    return said, [(scene, ", ".join(runs)) for scene, runs in by_scene.items()]
 
 
 def at_level(block: Block, level: float, engines: Sequence[str]) -> str:

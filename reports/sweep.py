@@ -239,9 +239,10 @@ def conclusion(sweep: Sweep) -> str:
             said = "not reached by the settings measured of another engine"
             said = "reached only by engines that are awake where ours sleeps: no factor is given" if reached else said
             parts.append(f"An overlap of at most {limit(most, 'm')} is {said}.")
+    parts += [f"In these ratios ours is {'/'.join(OURS)}."] if overlaps else []
     missing = [r.scenario for r in sweep.rivalries if r.ours is None]
     parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
-    return " ".join([*parts, f"In these ratios ours is {'/'.join(OURS)}."] if overlaps else parts)
+    return " ".join(parts)
 
 
 def _scenes(rivalries: list[Rivalry]) -> str:

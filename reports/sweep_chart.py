@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from reports import beaten, ladders
-from reports.cheapest import BASE, PROFILED, Block, Table, at_level, notes, table
+from reports.cheapest import BASE, PROFILED, Block, Table, astray, at_level, silence, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
@@ -235,8 +235,9 @@ def one_line(block: Block) -> str:
     """A scene of the table at a glance: the cheapest setting of every engine at 1 mm."""
     index, said = LEVELS.index(1e-3), []
     for line in block.lines:
-        time = block.time(line.engine, index)
-        said.append(f"{line.engine} {quantity(time, 'us')}" if time == time else f"{line.engine} not by {line.tried} tried")
+        attempt = line.cells[index].attempt
+        said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried" if attempt is None else
+                    f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
     return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
@@ -267,6 +268,7 @@ def section(sweep: Sweep) -> dict[str, object]:
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
-        "cheapest_notes": [*notes(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
+        "cheapest_notes": [*silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
+        "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
     }

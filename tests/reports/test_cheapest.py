@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from reports.cheapest import Attempt, at_level, attempts, cheapest, notes, sentence, table
+from reports.cheapest import Attempt, astray, at_level, attempts, cheapest, sentence, silence, table
 from reports.performance_profile import alike, profiles
 from reports.sweep import Point, Sweep, like_for_like
 from scenarios.sweep.accuracy import FOLLOWS, LEVELS
@@ -70,11 +70,12 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     near = (point("m/tuned", 0.0, 5.0), point("m/tuned", 0.99 * FOLLOWS, 5.0, metric="tracker_offset_rms_free"))
     assert all(cheapest(tried(*far), level) is None and cheapest(tried(*near), level) is not None for level in LEVELS)
     found = table(Sweep((point("avatarsim/default", 0.0, 10.0), *far)))
-    assert len(notes(found)) == 1 and "1 setting (wall: m/tuned 10.1 mm)" in notes(found)[0]
+    said, listed = astray(found)
+    assert "farther than 10 mm from a user" in said and "1 setting" in said and listed == [("wall", "m/tuned 10.1 mm")]
     rival = found.blocks[0].lines[1]
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
     assert "m not by 1 setting tried (none of them within 10 mm of a free user)" in at_level(found.blocks[0], 1e-3, found.engines)
-    assert notes(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == []
+    assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
 
 
 def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile() -> None:
@@ -84,7 +85,7 @@ def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile(
     found = table(Sweep((*ours, *silent, point("m/tuned", 0.0, 20.0))))
     assert [block.scenario for block in found.blocks] == ["spring", "wall"]
     assert [block.scenario for block in found.compared] == ["wall"] and {case.block.scenario for case in found.cases} == {"wall"}
-    assert found.blocks[0].silent == ("m",) and "spring is no case: m cannot say" in notes(found)[0]
+    assert found.blocks[0].silent == ("m",) and "spring is no case: m cannot say" in silence(found)[0]
     assert profiles(found, 1e-3) == {"avatarsim": ((1.0, 1.0),), "m": ((1.0, 0.0), (2.0, 1.0))}
     # one preset without the words does not take the others' place away
     able = table(Sweep((*ours, *silent, point("m/other", 0.0, 5.0, "spring", metric="course_error_max"))))
