@@ -114,6 +114,8 @@ class Block:
     metrics: tuple[str, ...]
     lines: tuple[Line, ...]
     silent: tuple[str, ...] = ()
+    unsaid: tuple[str, ...] = ()
+    """The errors for which those lack words."""
 
     def cell(self, engine: str, level: int) -> Cell | None:
         """What an engine has at the level with that index; None for an engine that was not tried."""
@@ -199,8 +201,9 @@ def table(sweep: Sweep) -> Table:
         metrics = dict.fromkeys(p.metric for p in sweep.points if p.scenario == scenario and counts(p.metric, p.unit))
         own = {engine: [a for a in here if a.any_point.engine == engine] for engine in sweep.engines}
         lines = tuple(_line(engine, own[engine], here) for engine in own if own[engine])
-        silent = {p.engine for p in sweep.points if p.scenario == scenario and p.state == "cannot-say" and not own[p.engine]}
-        blocks.append(Block(scenario, tuple(metrics), lines, tuple(engine for engine in own if engine in silent)))
+        silent = [p for p in sweep.points if p.scenario == scenario and p.state == "cannot-say" and not own[p.engine]]
+        engines, unsaid = (tuple(dict.fromkeys(names)) for names in ([p.engine for p in silent], [p.metric for p in silent]))
+        blocks.append(Block(scenario, tuple(metrics), lines, engines, unsaid))
     astray = tuple(attempt for attempt in tried if attempt.strays and attempt.error <= LEVELS[0])
     return Table(tuple(blocks), sweep.engines, astray)
 
@@ -279,8 +282,8 @@ def _times(factor: float) -> str:
 
 def silence(found: Table) -> list[str]:
     """Scenes that are no case because an engine has no words for an error that counts there."""
-    return [f"{block.scenario} is no case: {' and '.join(block.silent)} cannot say what counts there ({block.errors})."
-            for block in found.blocks if block.silent]
+    return [f"{block.scenario} is no case: {' and '.join(block.silent)} cannot say what counts there "
+            f"({' and '.join(words(metric) for metric in block.unsaid)})." for block in found.blocks if block.silent]
 
 
 def astray(found: Table) -> tuple[str, list[tuple[str, str]]]:
