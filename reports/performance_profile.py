@@ -38,7 +38,8 @@ def profiles(table: Table, level: float) -> dict[str, Steps]:
 def alike(block: Block, level: int) -> dict[str, float]:
     """engine -> time [us] of its cheapest setting at the level with that index, the same for all: the median of frames in motion
     where all tell them apart, the 95th percentile where one sleeps in its median frame and another does not, else the median."""
-    points = {line.engine: cell.attempt.any_point for line in block.lines if (cell := line.cells[level]).attempt is not None}
+    chosen = {line.engine: line.cells[level].attempt for line in block.lines}
+    points = {engine: attempt.any_point for engine, attempt in chosen.items() if attempt is not None}
     if points and all(point.moving == point.moving for point in points.values()):
         return {engine: point.moving for engine, point in points.items()}
     if len({point.is_asleep for point in points.values()}) > 1:

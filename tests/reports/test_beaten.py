@@ -1,18 +1,18 @@
 """Presets that a setting of their own sweep beats: in time and all errors at once, or not at all."""
 
 from reports.beaten import beaten, sentence
-from reports.sweep import Sweep
+from reports.sweep import Point, Sweep
 from tests.reports.test_cheapest import point
 
 PRESET = (point("m/tuned", 1e-3, 100.0), point("m/tuned", 2e-3, 100.0, metric="tracker_offset_rms_free"))
 
 
-def other(error: float, p50: float, offset: float, run: str = "m/tuned dt=1/60") -> tuple[object, ...]:
+def other(error: float, p50: float, offset: float, run: str = "m/tuned dt=1/60") -> tuple[Point, ...]:
     return (point(run, error, p50), point(run, offset, p50, metric="tracker_offset_rms_free"))
 
 
-def found(*more: object) -> list[tuple[str, bool]]:
-    return [(one.by.any_point.setting, one.closer) for one in beaten(Sweep((*PRESET, *more)))]  # type: ignore[arg-type]
+def found(*more: Point) -> list[tuple[str, bool]]:
+    return [(one.by.any_point.setting, one.closer) for one in beaten(Sweep((*PRESET, *more)))]
 
 
 def test_faster_and_no_less_accurate() -> None:
