@@ -1,36 +1,28 @@
 """The cheapest setting of every engine that reaches an accuracy, scene by scene: what a frame costs, and the options to copy."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
-from reports.sweep import OURS, Point, Sweep
+from reports.metric_words import words
+from reports.sweep import OURS, Point, Sweep, like_for_like
 from reports.wording import count, limit, listed, quantity, ratio
+from scenarios.sweep.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts, follows
+from scenarios.sweep.accuracy import length as as_length
 
-LEVELS = (1e-2, 1e-3, 1e-4, 1e-6)
-"""Accuracies that are asked for [m]."""
 PROFILED = (1e-3, 1e-6)
-"""Those of them that have a performance profile."""
-RELATIVE: Mapping[str, float] = {"stop_distance_error_max": 0.01}
-"""Errors that are a share of a way, and the length [m] of one of their units if that way is a metre: 1 % counts as 10 mm."""
+"""Those of LEVELS that have a performance profile."""
 NOISE = 0.03
 """Share by which medians of the same frames differ from one process to the next: nearer times of an engine are not told apart,
 and the simplest of such settings is named. Smaller, and the name changes from run to run."""
-FOLLOWING = ("tracker_offset_rms", "tracker_offset_rms_free")
-"""How far a posture is from its user's says how an engine follows, not how accurate it is: it stands beside the cell."""
+BASE = "/".join(OURS)
+"""What every factor is a multiple of: the time of our engine as it comes, in the same scene."""
 
 
 def length(point: Point) -> float:
     """The error as a length [m], for a metric that `counts`; nan where the setting has no accuracy."""
-    if point.state != "measured":
-        return math.nan
-    return point.error * RELATIVE.get(point.metric, 1.0)
-
-
-def counts(metric: str, unit: str) -> bool:
-    """Whether an error can be compared with a length."""
-    return metric in RELATIVE or (unit == "m" and metric not in FOLLOWING)
+    return as_length(point.metric, point.error) if point.state == "measured" else math.nan
 
 
 @dataclass(frozen=True)
@@ -49,17 +41,25 @@ class Attempt:
         return math.isfinite(self.error) and math.isfinite(self.p50) and self.p50 > 0.0
 
     def reaches(self, level: float) -> bool:
-        """Whether every error is at most `level` [m]; never for what was not measured."""
-        return self.measured and self.error <= level
+        """Whether every error is at most `level` [m]; never for what was not measured, or does not follow a free user."""
+        return self.measured and self.error <= level and follows(self.offset)
+
+    @property
+    def strays(self) -> bool:
+        """Whether it was measured and stays farther from a free user than any accuracy that is asked for."""
+        return self.measured and not follows(self.offset)
 
 
 def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
-    """One entry per scene and setting that has an error which is a length; an error that is missing spoils the others."""
+    """One entry per scene and setting that has an error which is a length; an error that is missing spoils the others. A setting
+    that has no words for one of them was not tried."""
     groups: dict[tuple[str, str], list[Point]] = {}
     for point in points:
         groups.setdefault((point.scenario, point.run), []).append(point)
     found = []
     for group in groups.values():
+        if any(point.state == "cannot-say" for point in group):
+            continue
         lengths = [length(point) for point in group if counts(point.metric, point.unit)]
         if lengths:
             worst = math.nan if any(math.isnan(value) for value in lengths) else max(lengths)
@@ -79,60 +79,117 @@ def cheapest(tried: Sequence[Attempt], level: float) -> Attempt | None:
 
 @dataclass(frozen=True)
 class Cell:
-    """The cheapest setting of one engine at one accuracy; `factor`: its time over that of the fastest engine, nan if none."""
+    """The cheapest setting of one engine at one accuracy; `factor`: its time over that of BASE, nan if there is none like for
+    like; `best` if no other engine's is faster. `strays`: how many settings leave so little and do not follow a free user."""
 
     attempt: Attempt | None
     factor: float
+    best: bool = False
+    strays: int = 0
 
 
 @dataclass(frozen=True)
 class Line:
-    """One engine in one scene: a cell per level; `tried` settings were measured, the least error among them is `least` [m]."""
+    """One engine in one scene: a cell per level; `tried` settings were measured, the least error among those that
+    follow a free user is `least` [m], nan if there is none."""
 
     engine: str
     cells: tuple[Cell, ...]
     tried: int
     least: float
 
+    @property
+    def at_best(self) -> str:
+        """What the engine reaches where it misses an accuracy."""
+        if self.least == self.least:
+            return f"at best {quantity(self.least, 'm')}"
+        return f"none of them within {limit(FOLLOWS, 'm')} of a free user" if self.tried else "nothing was measured"
+
 
 @dataclass(frozen=True)
 class Block:
-    """One scene with the errors that count in it, a line per engine."""
+    """One scene with the errors that count in it, a line per engine; `silent`: engines without words for one of them."""
 
     scenario: str
     metrics: tuple[str, ...]
     lines: tuple[Line, ...]
+    silent: tuple[str, ...] = ()
+    unsaid: tuple[str, ...] = ()
+    """The errors for which those lack words."""
+
+    def cell(self, engine: str, level: int) -> Cell | None:
+        """What an engine has at the level with that index; None for an engine that was not tried."""
+        return next((line.cells[level] for line in self.lines if line.engine == engine), None)
 
     def time(self, engine: str, level: int) -> float:
         """Time [us] of an engine's cheapest setting at the level with that index; nan where it reaches it with none."""
-        for line in self.lines:
-            if line.engine == engine and (attempt := line.cells[level].attempt) is not None:
-                return attempt.p50
-        return math.nan
+        cell = self.cell(engine, level)
+        return math.nan if cell is None or cell.attempt is None else cell.attempt.p50
+
+    @property
+    def errors(self) -> str:
+        """The errors that count here, in words."""
+        return " and ".join(words(metric) for metric in self.metrics)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene at one accuracy: our cheapest setting and the cheapest of all rivals, None where there is none."""
+
+    block: Block
+    level: int
+    ours: Cell | None
+    rival: Cell | None
+
+    @property
+    def where(self) -> str:
+        """Scene and accuracy."""
+        return f"{self.block.scenario} at {limit(LEVELS[self.level], 'm')}"
+
+    @property
+    def lost(self) -> bool:
+        """Whether a rival is cheaper, or reaches what ours does not."""
+        return self.rival is not None and (self.ours is None or not _p50(self.ours) <= _p50(self.rival))
+
+
+def _p50(cell: Cell | None) -> float:
+    return math.nan if cell is None or cell.attempt is None else cell.attempt.p50
+
+
+def _run(cell: Cell | None) -> str:
+    return "" if cell is None or cell.attempt is None else cell.attempt.any_point.run
 
 
 @dataclass(frozen=True)
 class Table:
-    """All scenes of a sweep that have an error which is a length."""
+    """All scenes of a sweep that have an error which is a length; `astray`: settings that reach an accuracy and do not follow."""
 
     blocks: tuple[Block, ...]
     engines: tuple[str, ...]
+    astray: tuple[Attempt, ...] = field(default=())
 
     @cached_property
-    def pairs(self) -> tuple[tuple[Block, int, float, str, float], ...]:
-        """(block, level, our time, fastest rival, its time) of every scene and level; nan and "" where nothing reaches it."""
+    def compared(self) -> tuple[Block, ...]:
+        """Blocks in which every engine has words for the errors: only those make cases and profiles."""
+        return tuple(block for block in self.blocks if not block.silent)
+
+    @cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """Every compared scene at every accuracy."""
         found = []
-        for block in self.blocks:
+        for block in self.compared:
             for level in range(len(LEVELS)):
-                rivals = [(block.time(engine, level), engine) for engine in self.engines if engine != OURS[0]]
-                best = min((entry for entry in rivals if entry[0] == entry[0]), default=(math.nan, ""))
-                found.append((block, level, block.time(OURS[0], level), best[1], best[0]))
+                reached = [cell for engine in self.engines if engine != OURS[0]
+                           if (cell := block.cell(engine, level)) is not None and cell.attempt is not None]
+                ours = block.cell(OURS[0], level)
+                found.append(Case(block, level, ours if ours is not None and ours.attempt is not None else None,
+                                  min(reached, key=_p50, default=None)))
         return tuple(found)
 
     @property
-    def lost(self) -> tuple[tuple[Block, int, float, str, float], ...]:
-        """Pairs in which a rival is cheaper, or reaches what ours does not."""
-        return tuple(pair for pair in self.pairs if pair[4] == pair[4] and not pair[2] <= pair[4])
+    def lost(self) -> tuple[Case, ...]:
+        """Cases in which a rival is cheaper, or reaches what ours does not."""
+        return tuple(case for case in self.cases if case.lost)
 
 
 def table(sweep: Sweep) -> Table:
@@ -143,58 +200,108 @@ def table(sweep: Sweep) -> Table:
         here = [attempt for attempt in tried if attempt.any_point.scenario == scenario]
         metrics = dict.fromkeys(p.metric for p in sweep.points if p.scenario == scenario and counts(p.metric, p.unit))
         own = {engine: [a for a in here if a.any_point.engine == engine] for engine in sweep.engines}
-        named = {level: [found for mine in own.values() if (found := cheapest(mine, level))] for level in LEVELS}
-        best = [min((attempt.p50 for attempt in named[level]), default=math.nan) for level in LEVELS]
-        blocks.append(Block(scenario, tuple(metrics), tuple(_line(engine, own[engine], best) for engine in own if own[engine])))
-    return Table(tuple(blocks), sweep.engines)
+        lines = tuple(_line(engine, own[engine], here) for engine in own if own[engine])
+        silent = [p for p in sweep.points if p.scenario == scenario and p.state == "cannot-say" and not own[p.engine]]
+        engines, unsaid = (tuple(dict.fromkeys(names)) for names in ([p.engine for p in silent], [p.metric for p in silent]))
+        blocks.append(Block(scenario, tuple(metrics), lines, engines, unsaid))
+    astray = tuple(attempt for attempt in tried if attempt.strays and attempt.error <= LEVELS[0])
+    return Table(tuple(blocks), sweep.engines, astray)
 
 
-def _line(engine: str, tried: Sequence[Attempt], best: Sequence[float]) -> Line:
-    cells = []
-    for level, least in zip(LEVELS, best, strict=True):
+def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt]) -> Line:
+    base = next((a.any_point for a in here if a.any_point.run == BASE and a.measured), None)
+    engines, cells = dict.fromkeys(a.any_point.engine for a in here), []
+    for level in LEVELS:
         found = cheapest(tried, level)
-        cells.append(Cell(found, math.nan if found is None else found.p50 / least))
-    measured = [attempt.error for attempt in tried if attempt.measured]
-    return Line(engine, tuple(cells), len(measured), min(measured, default=math.nan))
+        strays = sum(attempt.strays and attempt.error <= level for attempt in tried)
+        if found is None:
+            cells.append(Cell(None, math.nan, strays=strays))
+            continue
+        named = [cheapest([a for a in here if a.any_point.engine == other], level) for other in engines]
+        best = found.p50 <= min(one.p50 for one in named if one is not None)
+        cells.append(Cell(found, math.nan if base is None else like_for_like(found.any_point, base), best, strays))
+    measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
+    return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan))
 
 
 def sentence(found: Table) -> str:
-    """Where a rival is cheaper than ours first, then where neither or only ours reaches, then by how much ours is cheaper."""
+    """Where a rival is cheaper than ours first, then what is not reached, then by how much ours is cheaper, like for like."""
     if not found.blocks:
         return "No error of this sweep is a length: there is no cheapest setting to name."
-    parts, lost = [], found.lost
-    total = len(found.pairs)
+    cases, lost, parts = found.cases, found.lost, list[str]()
     if lost:
         said = tuple(
-            f"{block.scenario} at {limit(LEVELS[level], 'm')} ({engine} {quantity(time, 'us')}, ours "
-            f"{quantity(ours, 'us') if ours == ours else 'does not reach it'})" for block, level, ours, engine, time in lost
+            f"{case.where} ({_run(case.rival)} {quantity(_p50(case.rival), 'us')}, ours "
+            f"{'does not reach it' if case.ours is None else quantity(_p50(case.ours), 'us')})" for case in lost
         )
-        parts.append(f"A rival is cheaper than ours in {len(lost)} of {count(total, 'case')} (scene × accuracy): {listed(said)}.")
-    else:
-        parts.append(f"In none of {count(total, 'case')} (scene × accuracy) is any setting of a rival cheaper than all of ours.")
-    neither = [pair for pair in found.pairs if pair[2] != pair[2] and pair[4] != pair[4]]
-    if neither:
-        said = tuple(f"{block.scenario} at {limit(LEVELS[level], 'm')}" for block, level, *_ in neither)
-        parts.append(f"No setting of any engine reaches {listed(said)}.")
-    alone = [pair for pair in found.pairs if pair[2] == pair[2] and pair[4] != pair[4]]
+        parts.append(f"A rival is cheaper than ours in {len(lost)} of {count(len(cases), 'case')} (scene × accuracy): "
+                     f"{listed(said)}.")
+    elif cases:
+        parts.append(f"In none of {count(len(cases), 'case')} (scene × accuracy) is a setting measured of a rival cheaper than "
+                     "the cheapest of ours.")
+    neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
+    parts += [f"Not reached by the settings measured of any engine: {listed(neither)}."] if neither else []
+    alone = [case for case in cases if case.ours is not None and case.rival is None]
     if alone:
-        parts.append(f"Only ours reaches the accuracy in {count(len(alone), 'case')}.")
-    won = [(pair[4] / pair[2], pair) for pair in found.pairs if pair[2] <= pair[4]]
-    if won:
-        (low, near), (high, far) = min(won, key=lambda e: e[0]), max(won, key=lambda e: e[0])
+        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that is not reached by the settings measured of "
+                     "another engine.")
+    return " ".join([*parts, *_factors(cases), *_tails(cases)])
+
+
+def _factors(cases: Sequence[Case]) -> list[str]:
+    """By how much ours is cheaper where frames are alike, and where they are not."""
+    both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None]
+    alike = [(factor, case) for factor, case in both if factor == factor]
+    parts = []
+    if alike:
+        (low, near), (high, far) = min(alike, key=lambda e: e[0]), max(alike, key=lambda e: e[0])
         parts.append(
-            f"Where both reach it, the cheapest rival takes {ratio(low) if low > 1.0 else 'as long'} ({_where(near)}) to "
-            f"{ratio(high)} ({_where(far)}) of our time."
+            f"Where both reach it, the cheapest rival takes {_times(low)} ({near.where}, {_run(near.rival)}) to {_times(high)} "
+            f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where both tell them apart."
         )
-    return " ".join(parts)
+    apart = tuple(f"{case.where}, {_run(case.rival)}" for factor, case in both if factor != factor)
+    if apart:
+        parts.append(f"One sleeps in its median frame and the other does not, so that no factor is given: {listed(apart)}.")
+    return parts
 
 
-def _where(pair: tuple[Block, int, float, str, float]) -> str:
-    return f"{pair[0].scenario} at {limit(LEVELS[pair[1]], 'm')}, {pair[3]}"
+def _tails(cases: Sequence[Case]) -> list[str]:
+    """Where the rival that is cheapest in the median costs less than ours in the 95th percentile, and ours less in the median."""
+    said = []
+    for case in cases:
+        if case.ours is not None and case.rival is not None and not case.lost and case.ours.attempt and case.rival.attempt:
+            ours, theirs = case.ours.attempt.any_point.p95, case.rival.attempt.any_point.p95
+            if theirs < ours:
+                said.append(f"{case.where} ({_run(case.rival)} {quantity(theirs, 'us')}, ours {quantity(ours, 'us')})")
+    return [f"At the 95th percentile the same rival costs less than ours in {listed(tuple(said))}."] if said else []
+
+
+def _times(factor: float) -> str:
+    return f"×{factor:.2g}" if factor <= 1.0 else ratio(factor) if factor >= 1.005 else "as long as"
+
+
+def silence(found: Table) -> list[str]:
+    """Scenes that are no case because an engine has no words for an error that counts there."""
+    return [f"{block.scenario} is no case: {' and '.join(block.silent)} cannot say what counts there "
+            f"({' and '.join(words(metric) for metric in block.unsaid)})." for block in found.blocks if block.silent]
+
+
+def astray(found: Table) -> tuple[str, list[tuple[str, str]]]:
+    """What reaches no accuracy because it does not follow, in a sentence and by scene; ("", []) where there is nothing."""
+    by_scene: dict[str, list[str]] = {}
+    for attempt in found.astray:
+        by_scene.setdefault(attempt.any_point.scenario, []).append(f"{attempt.any_point.run} {quantity(attempt.offset, 'm')}")
+    if not by_scene:
+        return "", []
+    said = (f"Not counted as reaching any accuracy, being farther than {limit(FOLLOWS, 'm')} from a user in whose way nothing "
+            f"is: {count(len(found.astray), 'setting')} of which no error is above {limit(LEVELS[0], 'm')}, in "
+            f"{listed(tuple(by_scene))}")
+    return said, [(scene, ", ".join(runs)) for scene, runs in by_scene.items()]
 
 
 def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
-    """One sentence: the time of every engine's cheapest setting at `level` [m], fastest first, and which engines have none."""
+    """One sentence: the errors that count, the time of every engine's cheapest setting at `level` [m], fastest first, and by how
+    many settings it is not reached."""
     index = LEVELS.index(level)
     lines = sorted(block.lines, key=lambda line: (math.isnan(block.time(line.engine, index)), block.time(line.engine, index)))
     said = []
@@ -203,6 +310,6 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
         if attempt is not None:
             said.append(f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
         else:
-            least = "nothing measured" if math.isnan(line.least) else f"at best {quantity(line.least, 'm')}"
-            said.append(f"{line.engine} not ({least})")
-    return f"At most {limit(level, 'm')}: {', '.join(said)}."
+            said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried ({line.at_best})")
+    said += [f"{engine} has no words for it" for engine in block.silent]
+    return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}."

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from itertools import pairwise
 
 from reports.palette import ALARM, GRID, MUTED, TEXT
 
@@ -11,8 +12,10 @@ WIDTH, HEIGHT = 300, 196
 """Size of the picture [px]."""
 LEFT, RIGHT, TOP, BOTTOM = 40, 8, 12, 18
 """Margins round the plotting area [px]."""
-LETTER, LINE = 4.6, 9.0
-"""Width and height of a letter of a label [px], at FONT_SIZE."""
+LETTER, LINE = 5.3, 9.0
+"""Width and height of a letter of a label [px], at FONT_SIZE: of the wider of common fonts, with capitals among them."""
+STRIDE = 4.0
+"""Distance [px] of the places at which labels keep clear of a curve."""
 FONT_SIZE = 8.5
 
 Rect = tuple[float, float, float, float]
@@ -45,6 +48,8 @@ class LogLog:
     def x_limit(self, value: float, name: str, anchor: str) -> None:
         """A dashed upright line in the colour of limits, with a name above it that ends or starts there."""
         self._upright(value, ALARM[0], ' stroke-dasharray="4 3"')
+        x = self.at(value, self.y[0])[0]
+        self.taken.append((x - 1.0, float(TOP), x + 1.0, float(self.height - BOTTOM)))
         self._text(self.at(value, self.y[0])[0], TOP - 4, name, ALARM[0], anchor)
 
     def _upright(self, value: float, colour: str, dashed: str) -> None:
@@ -66,8 +71,18 @@ class LogLog:
         first, rest = places[0], places[1:]
         way = "".join(f"H{x}V{y}" if steps else f"L{x},{y}" for x, y in rest)
         dashed = f' stroke-dasharray="{dash}"' if dash else ""
+        if not steps:
+            self._keep_clear(places)
         self.parts.append(f'<path d="M{first[0]},{first[1]}{way}" fill="none" stroke="{colour}" stroke-width="{width}" '
                           f'stroke-opacity="{opacity}" stroke-linejoin="round"{dashed}/>')
+
+    def _keep_clear(self, places: Sequence[tuple[float, float]]) -> None:
+        """Labels do not stand on a curve."""
+        for (ax, ay), (bx, by) in pairwise(places):
+            parts = max(math.ceil(math.hypot(bx - ax, by - ay) / STRIDE), 1)
+            for k in range(parts + 1):
+                x, y = ax + (bx - ax) * k / parts, ay + (by - ay) * k / parts
+                self.taken.append((x - 1.0, y - 1.0, x + 1.0, y + 1.0))
 
     def dot(self, x: float, y: float, colour: str, told: str, radius: float, filled: bool) -> None:
         """A round mark with a tooltip; one that is not filled has a centre all the same, so that it can be pointed at."""

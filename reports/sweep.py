@@ -14,6 +14,8 @@ from reports.wording import count, figures, limit, listed
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 OURS = ("avatarsim", "default")
 OVERLAP = "residual_overlap_max"
+SLEEPS = 0.5
+"""Share of frames at rest from which on a median is the time of a frame at rest."""
 RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 """At least so many times faster (second) than any setting of another engine that leaves at most so much overlap (first) [m]."""
 
@@ -22,7 +24,9 @@ RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 class Point:
     """One setting in one scene: `error` in `unit`, frame time [us] median and 99th percentile; nan with the reason in `note`.
     `reached`: the error that counts as none. `front`: all, own or empty. `base` is the preset beneath the setting, `options` its
-    text to copy, `repeats` and `frames` what its times stand on, 0 where the file does not say."""
+    text to copy, `native` the engine's own words for it, `repeats` and `frames` what its times stand on, 0 where the file does
+    not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and `at_rest` the median of either kind [us];
+    `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s]."""
 
     scenario: str
     engine: str
@@ -40,6 +44,13 @@ class Point:
     options: str = ""
     repeats: int = 0
     frames: int = 0
+    native: str = ""
+    p95: float = math.nan
+    rests: float = math.nan
+    moving: float = math.nan
+    at_rest: float = math.nan
+    sleeps: bool = False
+    step: float = math.nan
 
     @property
     def family(self) -> str:
@@ -52,6 +63,11 @@ class Point:
         return self.setting == (self.base or self.setting.partition(" ")[0])
 
     @property
+    def is_asleep(self) -> bool:
+        """Whether its median is the time of a frame in which what rests sleeps."""
+        return self.sleeps and self.rests >= SLEEPS
+
+    @property
     def run(self) -> str:
         """Engine and setting as tables name them."""
         return f"{self.engine}/{self.setting}"
@@ -60,6 +76,16 @@ class Point:
     def floored(self) -> float:
         """The error, or what counts as none where it is less; nan where the point is none."""
         return max(self.error, self.reached) if self.state == "measured" and not math.isnan(self.error) else math.nan
+
+
+def like_for_like(point: Point, base: Point) -> float:
+    """How many times the time of `base` a frame of `point` takes, like for like: by medians of frames in motion where both have
+    one; nan where one of the two sleeps in its median frame and the other computes what rests."""
+    if point.moving == point.moving and base.moving == base.moving:
+        return point.moving / base.moving
+    if point.is_asleep != base.is_asleep:
+        return math.nan
+    return point.p50 / base.p50
 
 
 @dataclass(frozen=True)
@@ -95,13 +121,13 @@ class Rivalry:
         for most, _ in RATIOS:
             near = [p for p in self.points if p.engine != OURS[0] and p.floored <= most and p.p50 > 0.0]
             best = min(near, key=lambda p: p.p50, default=None)
-            found.append(None if best is None else (best, best.p50 / ours.p50))
+            found.append(None if best is None else (best, like_for_like(best, ours)))
         return tuple(found)
 
     @property
     def lost(self) -> bool:
         """Whether anything that is promised fails here; a promise without our own figure has failed."""
-        short = any(entry and not entry[1] >= least for entry, (_, least) in zip(self.ratios, RATIOS, strict=False))
+        short = any(entry and entry[1] < least for entry, (_, least) in zip(self.ratios, RATIOS, strict=False))
         return self.ours is None or bool(self.better) or short
 
     @property
@@ -111,7 +137,7 @@ class Rivalry:
             return "ours was not measured"
         parts = [f"as fast and as accurate: {listed(tuple(p.run for p in self.better), 3)}"] if self.better else []
         for entry, (most, least) in zip(self.ratios, RATIOS, strict=False):
-            if entry is not None and not entry[1] >= least:
+            if entry is not None and entry[1] < least:
                 time = f"takes ×{figures(entry[1])}, not ×{least:g}"
                 parts.append(f"{entry[0].run} leaves at most {limit(most, 'm')} and {time}")
         return "; ".join(parts) or "holds"
@@ -124,7 +150,14 @@ class Rivalry:
     @cached_property
     def spoilt(self) -> tuple[Point, ...]:
         """Points that have no accuracy: crashed, diverged, through a wall."""
-        return tuple(p for p in self.points if p.state != "measured")
+        return tuple(p for p in self.points if p.state not in ("measured", "cannot-say"))
+
+    @cached_property
+    def silent(self) -> Mapping[str, str]:
+        """Why an engine has no words for this error, by engine; presets that lack them while another has them are not named."""
+        said = {p.engine: p.note for p in self.points if p.state == "cannot-say"}
+        able = {p.engine for p in self.points if p.state != "cannot-say"}
+        return {engine: note for engine, note in said.items() if engine not in able}
 
 
 @dataclass(frozen=True)
@@ -172,6 +205,8 @@ def _point(row: Mapping[str, str]) -> Point:
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
         row.get("base") or "", row.get("options") or "", int(row.get("repeats") or 0), int(row.get("frames") or 0),
+        row.get("native") or "", *(number(row.get(name) or "") for name in ("p95", "rests", "moving", "at_rest")),
+        bool(int(row.get("sleeps") or 0)), number(row.get("step") or ""),
     )
 
 
@@ -189,8 +224,9 @@ def conclusion(sweep: Sweep) -> str:
         parts.append(f"No setting of another engine is both as fast and as accurate as ours in {_scenes(known)}.")
     overlaps = [r for r in known if r.ratios]
     for k, (most, least) in enumerate(RATIOS):
-        entries = [(r, entry) for r in overlaps if (entry := r.ratios[k]) is not None]
-        short = [(r, entry) for r, entry in entries if not entry[1] >= least]
+        reached = [(r, entry) for r in overlaps if (entry := r.ratios[k]) is not None]
+        entries = [(r, entry) for r, entry in reached if entry[1] == entry[1]]
+        short = [(r, entry) for r, entry in entries if entry[1] < least]
         promised = f"at least {least:g} times faster than any that leaves at most {limit(most, 'm')}"
         if short:
             names = tuple(f"{r.scenario} (×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
@@ -200,7 +236,10 @@ def conclusion(sweep: Sweep) -> str:
             where = f"{low[0].scenario}, {low[1][0].run}"
             parts.append(f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({where}).")
         else:
-            parts.append(f"No setting of another engine leaves at most {limit(most, 'm')}.")
+            said = "not reached by the settings measured of another engine"
+            said = "reached only by engines that are awake where ours sleeps: no factor is given" if reached else said
+            parts.append(f"An overlap of at most {limit(most, 'm')} is {said}.")
+    parts += [f"In these ratios ours is {'/'.join(OURS)}."] if overlaps else []
     missing = [r.scenario for r in sweep.rivalries if r.ours is None]
     parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
     return " ".join(parts)

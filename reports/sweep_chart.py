@@ -4,15 +4,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from reports.cheapest import LEVELS, PROFILED, Table, at_level, table
+from reports import beaten, ladders
+from reports.cheapest import BASE, PROFILED, Block, Table, astray, at_level, silence, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
+from reports.metric_words import words
 from reports.palette import MUTED, Stroke, strokes
 from reports.performance_profile import Steps, profiles
 from reports.performance_profile import sentence as profile_sentence
 from reports.sweep import OURS, Point, Rivalry, Sweep, conclusion
-from reports.wording import count, limit, listed, quantity, ratio
+from reports.wording import count, limit, listed, quantity
+from scenarios.sweep.accuracy import LEVELS
 
 LEAST = 0.3
 """Where an error of exactly nothing is drawn, as a share of the smallest one that counts, in units that count whole things."""
@@ -24,12 +27,14 @@ PROFILE_HEIGHT = 104
 
 @dataclass(frozen=True)
 class SweepPanel:
-    """One diagram: its `title`, the scene and error, an SVG with its text alternative, and what it says at 1 mm."""
+    """One diagram: its `title`, the scene and error, an SVG with its text alternative, what it says at 1 mm, and all that is
+    drawn as text: for each point its run, error and time."""
 
     scenario: str
     title: str
     svg: str
     conclusion: str
+    points: tuple[tuple[str, str, str], ...] = ()
 
 
 def inks(sweep: Sweep) -> dict[str, Stroke]:
@@ -51,10 +56,10 @@ def panels(sweep: Sweep, found: Table | None = None) -> tuple[list[SweepPanel], 
     for place in dict.fromkeys((p.scenario, p.metric) for p in sweep.points):
         rivalry = by_place[place]
         if any(_usable(p) for p in rivalry.points):
-            title = f"{rivalry.scenario}: {rivalry.metric.removesuffix('_max').removesuffix('_rms_free').replace('_', ' ')}"
+            title = f"{rivalry.scenario}: {words(rivalry.metric)}"
             first = all(panel.scenario != rivalry.scenario for panel in firsts)
             said = told.get(rivalry.scenario, "") if first else f"Outcome: {rivalry.said}."
-            made = SweepPanel(rivalry.scenario, title, _drawn(rivalry, ink, span), said + _spoilt(rivalry))
+            made = SweepPanel(rivalry.scenario, title, _drawn(rivalry, ink, span), said + _spoilt(rivalry), _as_text(rivalry))
             (firsts if first else others).append(made)
     return firsts, others
 
@@ -68,6 +73,12 @@ def _spoilt(rivalry: Rivalry) -> str:
     return f" Crosses: {listed(crossed, 3)}." if crossed else ""
 
 
+def _as_text(rivalry: Rivalry) -> tuple[tuple[str, str, str], ...]:
+    """What the marks of a diagram stand for, fastest first, for readers without a pointer."""
+    shown = sorted((p for p in rivalry.points if _usable(p)), key=lambda p: p.p50)
+    return tuple((p.run, quantity(p.error, p.unit), quantity(p.p50, "us")) for p in shown)
+
+
 def _front_words(rivalry: Rivalry) -> str:
     said = tuple(f"{p.run} {quantity(p.error, p.unit)} in {quantity(p.p50, 'us')}" for p in rivalry.front)
     return f"On the front: {listed(said, 9)}."
@@ -76,10 +87,12 @@ def _front_words(rivalry: Rivalry) -> str:
 def tooltip(point: Point) -> str:
     """Everything about one point: run, error, time and what it stands on, options."""
     stands = f", {point.repeats} × {point.frames} frames" if point.repeats else ""
-    time = f"{quantity(point.p50, 'us')} per frame (median{stands})" if point.p50 > 0.0 else "not timed"
+    tail = f"; 95th percentile {quantity(point.p95, 'us')}" if point.p95 == point.p95 else ""
+    time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
-    return f"{point.run}: {error}, {time}{state}" + (f"\n{point.options}" if point.options else "")
+    copied = [text for text in (point.options, point.native) if text]
+    return "\n".join([f"{point.run}: {error}, {time}{state}", *copied])
 
 
 def short_name(point: Point) -> str:
@@ -159,7 +172,7 @@ def profile_panels(found: Table) -> list[ProfilePanel]:
     made = []
     for level in PROFILED:
         steps = profiles(found, level)
-        said = profile_sentence(steps, level, len(found.blocks))
+        said = profile_sentence(steps, level, len(found.compared))
         made.append(ProfilePanel(f"At most {limit(level, 'm')}", _profile(steps, ink, said), said))
     return made
 
@@ -203,6 +216,31 @@ def protocol(sweep: Sweep) -> str:
     return "The file does not say which sweep these points come from."
 
 
+def budget_sentence(sweep: Sweep) -> str:
+    """Whether every setting on a front leaves the frame of 90 Hz its time, and which does not; "" where nothing was timed."""
+    fronts = [p for p in sweep.points if p.front and p.p50 > 0.0]
+    if not fronts:
+        return ""
+    slow = tuple(dict.fromkeys(f"{p.scenario} {p.run}" for p in fronts if not p.p50 <= FRAME_90_HZ))
+    most = max(fronts, key=lambda p: p.p50)
+    if slow:
+        return f"On a front and slower in the median than 11.1 ms, a frame at 90 Hz: {listed(slow)}."
+    tail = max((p for p in fronts if p.p95 == p.p95), key=lambda p: p.p95, default=None)
+    said = f"; the largest 95th percentile is {quantity(tail.p95, 'us')}, {tail.scenario} {tail.run}" if tail is not None else ""
+    return (f"All settings on a front take less than 11.1 ms, a whole frame at 90 Hz: the slowest median is "
+            f"{quantity(most.p50, 'us')}, {most.scenario} {most.run}{said}.")
+
+
+def one_line(block: Block) -> str:
+    """A scene of the table at a glance: the cheapest setting of every engine at 1 mm."""
+    index, said = LEVELS.index(1e-3), []
+    for line in block.lines:
+        attempt = line.cells[index].attempt
+        said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried" if attempt is None else
+                    f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
+    return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
+
+
 def figure(value: object) -> str:
     """A number of the file without idle digits."""
     return f"{value:g}" if isinstance(value, int | float) else str(value)
@@ -228,6 +266,9 @@ def section(sweep: Sweep) -> dict[str, object]:
     return {
         "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
-        "profile_panels": profile_panels(found) if found.blocks else [],
-        "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_ratio": ratio,
+        "profile_panels": profile_panels(found) if found.compared else [],
+        "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
+        "cheapest_notes": [*silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
+        "astray_said": astray(found)[0], "astray": astray(found)[1],
+        "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
     }

@@ -89,7 +89,7 @@ class Sweep:
 
         with Seats() as seats:
             for scenario in dict.fromkeys(cell.scenario for cell in todo):
-                clock.times([cell for cell in todo if cell.scenario == scenario], seats, done)
+                clock.times([cell for cell in todo if cell.scenario == scenario], seats, done, errors=self.errors)
 
     def rows(self) -> list[Row]:
         """All that is known so far."""

@@ -18,7 +18,8 @@ class Setting:
     """One point of an engine's knobs.
 
     `base` is the preset beneath, `options` override it, `narrow` leaves out effects of the scene (ours only), `cut` advances each
-    rendered frame in so many parts (for engines whose step is the frame). `kinds` are the scenes in which it changes anything.
+    rendered frame in so many parts (for engines whose step is the frame). `kinds` are the scenes in which it changes anything,
+    `calls` effects that such a scene must call for.
     """
 
     engine: str
@@ -28,6 +29,12 @@ class Setting:
     narrow: tuple[str, ...] = ()
     cut: int = 1
     kinds: tuple[Kind, ...] = EVERYWHERE
+    calls: tuple[str, ...] = ()
+
+    @property
+    def is_preset(self) -> bool:
+        """Whether it is the preset beneath as it comes."""
+        return self.name == self.base
 
     @property
     def slug(self) -> str:
@@ -92,8 +99,11 @@ MUJOCO = (
             **DISCRETE),
     _mujoco("weld_time=0.01", TRACKED, weld_time=0.01),
     _mujoco("margin=0", TRACKED, margin=0.0),
+    *_steps("mujoco", "tuned", (3840,), LOOSE),
+    *_steps("mujoco", "tuned", (7680,), UNTRACKED),
+    Setting("mujoco", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
 )
-"""Step, iterations, cone, stiffness of contacts and welds, integrator, motors in place of welds."""
+"""Step, iterations, cone, stiffness of contacts and welds, integrator, motors in place of welds, sleep."""
 
 
 def _pybullet(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) -> Setting:
@@ -118,11 +128,18 @@ PYBULLET = (
     _pybullet("margin=0.001", collision_margin=0.001),
     _pybullet("breaking_threshold=0.02", TRACKED, breaking_threshold=0.02),
     _pybullet("pieces_as_links=off", TRACKED, pieces_as_links=False),
+    Setting("pybullet", "default feed_forward", "default", {"feed_forward": True, "ball_gain": 0.5}, kinds=TRACKED),
+    *_steps("pybullet", "tuned", (3840,), LOOSE),
+    *_steps("pybullet", "tuned", (7680,), UNTRACKED),
+    Setting("pybullet", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
 )
-"""Step, iterations, how hard contacts push and how early, margins, how the hand is driven, which solver bodies are in."""
+"""Step, iterations, how hard contacts push and how early, margins, how the hand is driven, which solver bodies are in,
+motors that know the user's velocity, sleep."""
 
 BY_ENGINE = {"avatarsim": OURS, "mujoco": MUJOCO, "pybullet": PYBULLET}
 """Engines of which we know what to turn; of all others their presets are taken."""
+STEPLESS = ("avatarsim",)
+"""Engines that put to sleep what rests unless the scene leaves that out."""
 
 
 def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] = ()) -> tuple[Setting, ...]:
@@ -135,4 +152,11 @@ def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] 
 def applicable(setting: Setting, scene: Scene) -> bool:
     """Whether the setting can change anything in this scene."""
     derived = scene.derived_effects
-    return kind_of(scene) in setting.kinds and all(getattr(derived, effect) for effect in setting.narrow)
+    return kind_of(scene) in setting.kinds and all(getattr(derived, effect) for effect in (*setting.narrow, *setting.calls))
+
+
+def sleeps(setting: Setting, scene: Scene) -> bool:
+    """Whether what rests in `scene` falls asleep with the setting: in ours by itself, in the others where they are told to."""
+    if setting.engine in STEPLESS:
+        return scene.derived_effects.sleeping and "sleeping" not in setting.narrow
+    return setting.base == "sleeping" or bool(setting.options.get("sleep", False))

@@ -1,7 +1,7 @@
 """The errors of one cell: what is kept of them, and why a figure is none."""
 
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from scenarios.found.store import Entry
@@ -21,13 +21,23 @@ def errors(job: Job) -> Entry:
 
 
 def entry_of(outcome: Outcome) -> Entry:
-    """What is kept of an outcome: its state, why, and all figures; `missing` says why a figure is none."""
+    """What is kept of an outcome: its state, why, and all figures; `missing` says why a figure is none. `step` is the engine's
+    own time step [s], None where it has none; `resting` of every frame whether nothing moves in it."""
     values = {name: value for name, value in outcome.values.items() if not isinstance(value, Missing)}
     missing = {name: value.reason for name, value in outcome.values.items() if isinstance(value, Missing)}
     return {
         "run": outcome.job.run, "scenario": outcome.job.scenario, "state": outcome.state, "note": outcome.note,
-        "frames": outcome.frames, "values": values, "missing": missing,
+        "frames": outcome.frames, "values": values, "missing": missing, "cannot_say": outcome.about.get("cannot_say", {}),
+        "step": step_of(outcome), "resting": [int(rests) for rests in outcome.resting],
     }
+
+
+def step_of(outcome: Outcome) -> float | None:
+    """The time step [s] that the engine says it ran with; None where it says none."""
+    settings = outcome.about.get("settings")
+    found = settings.get("dt") if isinstance(settings, Mapping) else None
+    said = found[0] if isinstance(found, list | tuple) else found
+    return float(said) if isinstance(said, int | float) and said > 0.0 else None
 
 
 def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:

@@ -3,11 +3,17 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
+from avatarsim.scene.scene import Scene
+from scenarios import catalog
 from scenarios.found.store import Entry
 from scenarios.metrics import unit
+from scenarios.sayable import unsaid
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.copyable import copyable
+from scenarios.sweep.grid import sleeps
+from scenarios.sweep.native import native
 from scenarios.sweep.pareto import front
 
 WRONG_SIDE, NOT_FINITE = "wrong_side_frames", "not_finite_frames"
@@ -24,7 +30,9 @@ class Row:
     `state`: measured; wrong-side (the error is small because something went through a wall), not-finite, crashed, cannot-say,
     not-measured, refused. `front`: "all" on the front of all engines, "own" on that of its own engine only, else empty.
     `reached`: the error that counts as none. `base` is the preset beneath the setting, `options` the setting as text to copy,
-    `repeats` and `frames` what its times stand on.
+    `native` the same in the engine's own words, `repeats` and `frames` what its times stand on. `p95` [us]; `rests` is the share
+    of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind where both are many; `sleeps` 1 where
+    what rests falls asleep; `step` is the engine's own time step [s].
     """
 
     scenario: str
@@ -43,28 +51,50 @@ class Row:
     options: str = ""
     repeats: int = 0
     frames: int = 0
+    native: str = ""
+    p95: float = math.nan
+    rests: float = math.nan
+    moving: float = math.nan
+    at_rest: float = math.nan
+    sleeps: int = 0
+    step: float = math.nan
 
 
 def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Entry | None) -> list[Row]:
     """The rows of one cell: a row per error that applies, or one with the reason where nothing was measured."""
-    p50, p99 = (_number(clocked, name) for name in ("p50", "p99"))
-    repeats, frames = (0 if clocked is None else int(clocked.get(name, 0)) for name in ("repeats", "frames"))
-    state, note = ("not-measured", "not run yet") if found is None else (found["state"], found["note"])
-    values = {} if found is None else found["values"]
+    setting, values = cell.setting, {} if found is None else found["values"]
     missing = {} if found is None else found["missing"]
+    state, note = ("not-measured", "not run yet") if found is None else (found["state"], found["note"])
+    base = _beside(cell, found, clocked)
     rows = []
     for metric in errors:
         if state == "measured" and metric not in values and metric not in missing:
             continue
-        error = float(values.get(metric, math.nan))
+        error, of = float(values.get(metric, math.nan)), unit(metric)
         why = _state(state, metric, values)
         said = note or missing.get(metric, "") or ("" if clocked is None or clocked["p50"] else clocked["note"])
-        engine, name, of = cell.setting.engine, cell.setting.name, unit(metric)
-        rows.append(Row(
-            cell.scenario, engine, name, metric, of, error, p50, p99, why, "", REACHED.get(of, 0.0), said, cell.setting.base,
-            copyable(cell.setting), repeats, frames,
-        ))
+        silent = unsaid(metric, f"{setting.engine}/{setting.base}", {} if found is None else found.get("cannot_say", {}))
+        if silent:
+            error, why, said = math.nan, "cannot-say", silent
+        rows.append(replace(base, metric=metric, unit=of, error=error, state=why, reached=REACHED.get(of, 0.0), note=said))
     return rows
+
+
+def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
+    """A row with all that is the same for every error of a cell."""
+    setting = cell.setting
+    times = {name: _number(clocked, name) for name in ("p50", "p95", "p99", "rests", "moving", "at_rest")}
+    repeats, frames = (0 if clocked is None else int(clocked.get(name, 0)) for name in ("repeats", "frames"))
+    return Row(
+        cell.scenario, setting.engine, setting.name, "", "", math.nan, times["p50"], times["p99"], "", "", 0.0, "", setting.base,
+        copyable(setting), repeats, frames, native(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
+        int(sleeps(setting, _scene(cell.scenario, cell.full))), _number(found, "step"),
+    )
+
+
+@cache
+def _scene(scenario: str, full: bool) -> Scene:
+    return catalog.get(scenario).as_run(full).build()
 
 
 def _state(state: str, metric: str, values: Mapping[str, float]) -> str:

@@ -1,9 +1,11 @@
 """The short sweep of a comparison: a few settings of every engine in the everyday scenes and in scenes with a closed form.
 
 All figures are of the run itself: errors of presets, and times of those whose every frame was timed, are taken from its two
-passes; everything else is measured here. The store of the long sweep is not read. A budget of time decides what is asked.
+passes; everything else is measured here. The store of the long sweep is not read. A budget of time decides what is asked: first
+settings in a fixed order, then, errors being known, finer steps where another engine misses an accuracy that ours reaches.
 """
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,11 +21,13 @@ from scenarios.harness import tidy
 from scenarios.job import Outcome
 from scenarios.measure.protocol import REPEATS, WARM_FRAMES
 from scenarios.own_settings import OwnSettings
+from scenarios.sayable import unsaid
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.studies import Request, Study
 from scenarios.sweep import clock, measure
+from scenarios.sweep.accuracy import Reached, largest, missing
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
 from scenarios.sweep.rows import Row, rows_of, with_fronts
@@ -51,13 +55,15 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "default sweeps=5", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned dt=1/60",
-        "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60", "default dt=1/1920",
-        "tuned iterations=10", "tuned dt=1/1920",
+        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240",
+        "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60",
+        "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
     ),
     "pybullet": (
-        "default", "tuned", "tuned dt=1/240", "tuned dt=1/60", "tuned dt=1/120", "default dt=1/60", "tuned dt=1/480",
-        "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200", "tuned dt=1/1920",
+        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "default feed_forward", "tuned dt=1/60", "tuned dt=1/120",
+        "default dt=1/60",
+        "tuned dt=1/480", "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200",
+        "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
     ),
 }
 """Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
@@ -67,6 +73,14 @@ effect, and with it a promise, is not among them."""
 BUDGET = 55.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
 of steps have too few rungs to show where an engine's error stops falling."""
+FIRST = 0.5
+"""Share of the budget that is spent in the fixed order, before it is known which engine misses which accuracy. Larger: nothing is
+left for the steps that would reach it; smaller: cheap settings of an engine are missing where it misses nothing."""
+ROUNDS = 4
+"""How often settings are chosen, each time by what the settings before took: estimates are too high by a third, and what they
+leave of the budget is spent. More rounds wait for processes more often."""
+PACES = (0.25, 4.0)
+"""Least and largest measured time over estimated time that is believed: of a round of few settings it says little."""
 LATEST = 2.0
 """Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
 ONCE = 300
@@ -100,7 +114,8 @@ def errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
 
 def cells_of(request: Request) -> list[Cell]:
     """Every setting of the short grid, and every row of the user's own, in every scene in which it changes anything, in the order
-    of the budget: first of each engine's list in all scenes, then the second, and so on."""
+    of the budget: first of each engine's list in all scenes, then the second, and so on. What only repeats its preset's step, or
+    has no words for an error of the scene, is left out: of such an engine the presets stand there and say so."""
     own: dict[str, list[OwnSettings]] = {}
     for outcome in request.outcomes.values():
         job = outcome.job
@@ -117,10 +132,58 @@ def cells_of(request: Request) -> list[Cell]:
             rows = own.get(name, ())
             rank = {named: k for k, named in enumerate(SHORT.get(engine, presets))} | {row.name: 0 for row in rows}
             for setting in settings_of(engine, presets, rows):
-                if setting.name in rank and setting.base in presets and applicable(setting, scene):
-                    cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
+                cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
+                if setting.name in rank and setting.base in presets and applicable(setting, scene) and _tells(cell, request):
                     ranked.append((rank[setting.name], cell))
     return [cell for _, cell in sorted(ranked, key=lambda entry: entry[0])]
+
+
+def _tells(cell: Cell, request: Request) -> bool:
+    """Whether a setting says more than the preset beneath it."""
+    setting, base = cell.setting, _base(cell, request)
+    if base is None or setting.is_preset:
+        return True
+    before = measure.step_of(base)
+    if set(setting.options) == {"dt"} and before is not None and math.isclose(before, _number(setting.options["dt"])):
+        return False
+    said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
+    errors = errors_of(cell.scenario, request.scenarios[cell.scenario])
+    return not (isinstance(said, Mapping) and any(unsaid(metric, run, said) for metric in errors))
+
+
+def _number(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else math.nan
+
+
+def _base(cell: Cell, request: Request) -> Outcome | None:
+    """What the accuracy pass of the run says of the preset beneath a cell."""
+    setting = cell.setting
+    return request.outcomes.get(f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}")
+
+
+def step(cell: Cell, request: Request) -> float:
+    """The time step [s] of a cell; nan where the engine has none, or where it is not known."""
+    if "dt" in cell.setting.options:
+        return _number(cell.setting.options["dt"])
+    base = _base(cell, request)
+    return _number(None if base is None else measure.step_of(base))
+
+
+def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
+    """The same cells, finer steps first where an engine misses an accuracy that ours reaches in what was measured so far."""
+    worst = [
+        Reached(cell.scenario, cell.setting.engine, largest(entry, errors_of(cell.scenario, request.scenarios[cell.scenario])),
+                step(cell, request))
+        for cell, entry in errors.items()
+    ]
+    wanted = missing(worst)
+
+    def key(cell: Cell) -> tuple[bool, float]:
+        at = step(cell, request) if "dt" in cell.setting.options else math.nan
+        needed = at < wanted.get((cell.scenario, cell.setting.engine), 0.0)
+        return not needed, -at if needed else 0.0
+
+    return sorted(cells, key=key)
 
 
 def recorded_as(cell: Cell) -> str:
@@ -134,7 +197,7 @@ def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
     the setting steps."""
     setting = cell.setting
     stem = f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}"
-    base, clocked = request.outcomes.get(stem), request.clocked.get(stem)
+    base, clocked = _base(cell, request), request.clocked.get(stem)
     if base is None or not base.frame_seconds > 0.0:
         known = [o.frame_seconds for o in request.outcomes.values() if o.job.engine == setting.engine]
         both = max(known, default=UNKNOWN) * setting.cut
@@ -146,11 +209,8 @@ def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
 
 def _finer(setting: Setting, base: Outcome) -> float:
     """How many times as many steps a frame has as with the preset beneath; 1 where that is not known."""
-    settings = base.about.get("settings")
-    found = settings.get("dt") if isinstance(settings, Mapping) else None
-    before = found[0] if isinstance(found, list | tuple) else found
-    after = setting.options.get("dt")
-    if not isinstance(before, int | float) or not isinstance(after, int | float) or not before > 0.0 or not after > 0.0:
+    before, after = measure.step_of(base), setting.options.get("dt")
+    if before is None or not isinstance(after, int | float) or not after > 0.0:
         return 1.0
     return max(COARSE, before / after)
 
@@ -186,7 +246,8 @@ def known_times(cell: Cell, request: Request) -> Entry | None:
     clocked = request.clocked.get(recorded_as(cell))
     if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
         return None
-    return clock.time_entry(clocked, cell.setting.cut)
+    recorded = request.outcomes.get(recorded_as(cell))
+    return clock.time_entry(clocked, cell.setting.cut, () if recorded is None else recorded.resting)
 
 
 def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
@@ -212,50 +273,69 @@ class ShortSweep:
     errors: dict[Cell, Entry] = field(default_factory=dict)
     times: dict[Cell, Entry] = field(default_factory=dict)
     late: list[str] = field(default_factory=list)
+    begun: float = 0.0
+    rounds: int = 0
+    reused: int = 0
+    """Cells whose times are the run's own."""
 
     def ask(self) -> list[str]:
         """Measure what was chosen and write both files; returns a sentence for each time that could not be taken."""
-        begun, cells = self.now(), cells_of(self.request)
+        self.begun, cells = self.now(), cells_of(self.request)
         if not cells:
             return []
-        choice = chosen(cells, self.request, self.budget)
-        self._measure(choice.asked)
-        reused = self._clock(choice.asked, begun)
-        order, left = list(dict.fromkeys(cell.scenario for cell in cells)), dict(choice.left)
+        asked, left = self._rounds(cells)
+        order = list(dict.fromkeys(cell.scenario for cell in cells))
         by_scene = sorted(cells, key=lambda cell: order.index(cell.scenario))
         rows = with_fronts([row for cell in by_scene for row in self._rows(cell, left)])
         write_text(self.request.folder / ROWS, csv_text(rows, Row))
         write_json(self.request.folder / ABOUT, {
-            "form": "short", "seconds": round(self.now() - begun, 1), "budget": self.budget,
-            "estimated": round(choice.estimated, 1), "settings": len(choice.asked), "reused": reused,
-            "left": [f"{cell.scenario}: {cell.setting.run}" for cell, _ in choice.left], "late": self.late,
+            "form": "short", "seconds": round(self.now() - self.begun, 1), "budget": self.budget, "rounds": self.rounds,
+            "settings": len(asked), "reused": self.reused,
+            "left": [f"{cell.scenario}: {cell.setting.run}" for cell in left], "late": self.late,
             "repeats": REPEATS, "once": ONCE,
         })
-        return list(self._untimed(choice.asked))
+        return list(self._untimed(asked))
+
+    def _rounds(self, cells: Sequence[Cell]) -> tuple[list[Cell], Mapping[Cell, float]]:
+        """Choose and measure until the budget is spent: what was asked, and what did not fit with the time it would take."""
+        asked, waiting, pace = list[Cell](), list(cells), 1.0
+        choice = chosen(waiting, self.request, FIRST * self.budget)
+        while choice.asked and self.rounds < ROUNDS:
+            before = self.now()
+            self.rounds += 1
+            asked += choice.asked
+            self._measure(choice.asked)
+            self._clock(choice.asked)
+            pace = min(max((self.now() - before) / max(choice.estimated, STARTED), PACES[0]), PACES[1])
+            waiting = refined([cell for cell, _ in choice.left], self.errors, self.request)
+            room = self.budget - (self.now() - self.begun)
+            choice = chosen(waiting, self.request, max(room, 0.0) / pace)
+        return asked, {cell: pace * cost(cell, self.request) for cell in waiting}
 
     def _measure(self, cells: Sequence[Cell]) -> None:
-        self.errors = {cell: entry for cell in cells if (entry := known_errors(cell, self.request)) is not None}
+        self.errors |= {cell: entry for cell in cells if (entry := known_errors(cell, self.request)) is not None}
         todo = {cell.job.stem: cell for cell in cells if cell not in self.errors}
         # scene by scene: a process finds the scene again that it had before
         jobs = sorted((cell.job for cell in todo.values()), key=lambda job: job.scenario)
         for job, entry in measure.told(side_by_side(measure.errors, jobs, self.request.jobs, tidy)):
             self.errors[todo[job.stem]] = entry
 
-    def _clock(self, cells: Sequence[Cell], begun: float) -> int:
-        """Time what ran through, scene by scene; returns of how many cells the run's own times were taken."""
+    def _clock(self, cells: Sequence[Cell]) -> None:
+        """Time what ran through, scene by scene; the run's own times are taken where they are of the same frames."""
         ran = [cell for cell in cells if self.errors[cell]["state"] == "measured"]
-        self.times = {cell: entry for cell in ran if (entry := known_times(cell, self.request)) is not None}
-        reused, todo = len(self.times), [cell for cell in ran if cell not in self.times]
+        known = {cell: entry for cell in ran if (entry := known_times(cell, self.request)) is not None}
+        self.times |= known
+        self.reused += len(known)
+        todo = [cell for cell in ran if cell not in known]
         with Seats() as seats:
             for scenario in dict.fromkeys(cell.scenario for cell in todo):
-                if self.now() - begun > LATEST * self.budget:
+                if self.now() - self.begun > LATEST * self.budget:
                     self.late.append(scenario)
                     continue
                 scene = [cell for cell in todo if cell.scenario == scenario]
                 rendered = scene[0].timed_frames // scene[0].setting.cut
-                clock.times(scene, seats, self.times.__setitem__, repeats_of(rendered))
+                clock.times(scene, seats, self.times.__setitem__, repeats_of(rendered), self.errors)
                 print(f"sweep: {scenario}, {len(scene)} settings timed", file=sys.stderr, flush=True)
-        return reused
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
         errors = errors_of(cell.scenario, self.request.scenarios[cell.scenario])
@@ -265,7 +345,7 @@ class ShortSweep:
             found = {"state": "not-measured", "note": note, "values": {}, "missing": {}}
         timed = self.times.get(cell)
         if timed is None and cell.scenario in self.late:
-            timed = {"p50": None, "p99": None, "note": f"not timed: more than {LATEST * self.budget:g} s had passed"}
+            timed = {"p50": None, "note": f"not timed: more than {LATEST * self.budget:g} s had passed"}
         return rows_of(cell, errors, found, timed)
 
     def _untimed(self, cells: Sequence[Cell]) -> Iterator[str]:

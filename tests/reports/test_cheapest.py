@@ -1,11 +1,14 @@
 """The cheapest setting per scene, engine and accuracy: ties, missing figures, what reaches nothing, and what is said first."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from reports.cheapest import LEVELS, Attempt, at_level, attempts, cheapest, sentence, table
-from reports.sweep import Point, Sweep
+from reports.cheapest import Attempt, astray, at_level, attempts, cheapest, sentence, silence, table
+from reports.performance_profile import alike, profiles
+from reports.sweep import Point, Sweep, like_for_like
+from scenarios.sweep.accuracy import FOLLOWS, LEVELS
 
 MM = LEVELS.index(1e-3)
 
@@ -62,13 +65,57 @@ def test_one_percent_of_a_way_counts_as_ten_millimetres_and_other_units_not_at_a
     assert tried(point("m/tuned", 1.0, 5.0, metric="velocity_error_max", unit="m/s")) == ()
 
 
-def test_the_offset_from_the_tracker_stands_beside_and_decides_nothing() -> None:
-    (found,) = tried(point("m/tuned", 0.0, 5.0), point("m/tuned", 0.3, 5.0, metric="tracker_offset_rms_free"))
-    assert found.error == 0.0 and found.offset == 0.3
+def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> None:
+    far = (point("m/tuned", 0.0, 5.0), point("m/tuned", 1.01 * FOLLOWS, 5.0, metric="tracker_offset_rms_free"))
+    near = (point("m/tuned", 0.0, 5.0), point("m/tuned", 0.99 * FOLLOWS, 5.0, metric="tracker_offset_rms_free"))
+    assert all(cheapest(tried(*far), level) is None and cheapest(tried(*near), level) is not None for level in LEVELS)
+    found = table(Sweep((point("avatarsim/default", 0.0, 10.0), *far)))
+    said, listed = astray(found)
+    assert "farther than 10 mm from a user" in said and "1 setting" in said and listed == [("wall", "m/tuned 10.1 mm")]
+    rival = found.blocks[0].lines[1]
+    assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
+    assert "m not by 1 setting tried (none of them within 10 mm of a free user)" in at_level(found.blocks[0], 1e-3, found.engines)
+    assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
+
+
+def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile() -> None:
+    silent = (point("m/tuned", math.nan, 5.0, "spring", metric="course_error_max", state="cannot-say"),
+              point("m/tuned", 0.0, 5.0, "spring"))
+    ours = (point("avatarsim/default", 0.0, 10.0, "spring", metric="course_error_max"), point("avatarsim/default", 0.0, 10.0))
+    found = table(Sweep((*ours, *silent, point("m/tuned", 0.0, 20.0))))
+    assert [block.scenario for block in found.blocks] == ["spring", "wall"]
+    assert [block.scenario for block in found.compared] == ["wall"] and {case.block.scenario for case in found.cases} == {"wall"}
+    assert found.blocks[0].silent == ("m",) and silence(found) == [
+        "spring is no case: m cannot say what counts there (distance from the closed-form course)."]
+    assert profiles(found, 1e-3) == {"avatarsim": ((1.0, 1.0),), "m": ((1.0, 0.0), (2.0, 1.0))}
+    # one preset without the words does not take the others' place away
+    able = table(Sweep((*ours, *silent, point("m/other", 0.0, 5.0, "spring", metric="course_error_max"))))
+    assert able.blocks[0].silent == () and able.blocks[0].lines[1].tried == 1
+
+
+def test_a_sleeping_engine_is_never_compared_with_one_awake() -> None:
+    ours = replace(point("avatarsim/default", 0.0, 0.5), sleeps=True, rests=0.8, p95=1500.0)
+    awake, asleep = replace(point("m/tuned", 0.0, 400.0), rests=0.8, p95=700.0), point("m/tuned sleep=true", 0.0, 40.0)
+    asleep = replace(asleep, sleeps=True, rests=0.8, p95=640.0)
+    assert math.isnan(like_for_like(awake, ours)) and like_for_like(asleep, ours) == 80.0
+    said = sentence(table(Sweep((ours, awake))))
+    assert "no factor is given: wall at 10 mm, m/tuned" in said and "×800" not in said
+    assert "At the 95th percentile the same rival costs less than ours in wall at 10 mm (m/tuned 700 µs, ours 1.50 ms)" in said
+    assert alike(table(Sweep((ours, awake))).blocks[0], MM) == {"avatarsim": 1500.0, "m": 700.0}
+    moving = replace(ours, moving=4.0, at_rest=0.4), replace(awake, moving=100.0, at_rest=410.0)
+    assert like_for_like(moving[1], moving[0]) == 25.0
+    assert alike(table(Sweep(moving)).blocks[0], MM) == {"avatarsim": 4.0, "m": 100.0}
+    # before it rests for half of the frames, a median is that of a frame in motion
+    assert like_for_like(replace(awake, rests=0.4), replace(ours, rests=0.4)) == 800.0
+
+
+def test_the_offset_from_the_tracker_stands_beside() -> None:
+    (found,) = tried(point("m/tuned", 0.0, 5.0), point("m/tuned", 0.003, 5.0, metric="tracker_offset_rms_free"))
+    assert found.error == 0.0 and found.offset == 0.003
     assert tried(point("m/tuned", 0.3, 5.0, metric="tracker_offset_rms_free")) == ()
 
 
-def test_the_table_has_a_line_per_engine_with_factors_to_the_fastest() -> None:
+def test_the_table_has_a_line_per_engine_with_factors_of_our_default() -> None:
     found = table(Sweep((
         point("avatarsim/default", 0.0, 10.0), point("mujoco/tuned", 5e-4, 25.0), point("mujoco/default", 5e-3, 5.0),
         point("pybullet/tuned", 2e-2, 1.0), point("pybullet/default", 1e-9, 1.0, state="crashed"),
@@ -77,12 +124,13 @@ def test_the_table_has_a_line_per_engine_with_factors_to_the_fastest() -> None:
     assert [line.engine for line in block.lines] == ["avatarsim", "mujoco", "pybullet"]
     assert block.metrics == ("residual_overlap_max",)
     ours, mujoco, pybullet = block.lines
-    assert [cell.factor for cell in ours.cells[:2]] == [2.0, 1.0]
-    assert mujoco.cells[0].factor == 1.0 and mujoco.cells[MM].factor == 2.5
+    assert [(cell.factor, cell.best) for cell in ours.cells[:2]] == [(1.0, False), (1.0, True)]
+    assert [(cell.factor, cell.best) for cell in mujoco.cells[:2]] == [(0.5, True), (2.5, False)]
     assert all(cell.attempt is None and math.isnan(cell.factor) for cell in pybullet.cells)
     assert (pybullet.tried, pybullet.least) == (1, 2e-2)
     said = at_level(block, 1e-3, found.engines)
-    assert said == "At most 1 mm: avatarsim 10.0 µs (default), mujoco 25.0 µs (tuned), pybullet not (at best 20.0 mm)."
+    assert said == ("Deepest overlap shown at most 1 mm: avatarsim 10.0 µs (default), mujoco 25.0 µs (tuned), pybullet not by 1 "
+                    "setting tried (at best 20.0 mm).")
 
 
 def test_what_is_lost_is_said_first() -> None:
@@ -91,12 +139,15 @@ def test_what_is_lost_is_said_first() -> None:
         point("avatarsim/default", 5e-3, 10.0, "drop"), point("mujoco/tuned", 1e-9, 40.0, "drop"),
     )))
     said = sentence(found)
-    assert said.startswith("A rival is cheaper than ours in 5 of 8 cases (scene × accuracy): wall at 10 mm (mujoco 8.00 µs, ours")
-    assert "drop at 1 mm (mujoco 40.0 µs, ours does not reach it)" in said and "×4.0 (drop at 10 mm, mujoco)" in said
-    assert "Only ours reaches the accuracy in 2 cases." in said
+    first = "A rival is cheaper than ours in 5 of 8 cases (scene × accuracy): wall at 10 mm (mujoco/tuned 8.00 µs, ours"
+    assert said.startswith(first)
+    assert "drop at 1 mm (mujoco/tuned 40.0 µs, ours does not reach it)" in said and "×4.0 (drop at 10 mm, mujoco/tuned)" in said
+    assert "In 2 cases ours reaches an accuracy that is not reached by the settings measured of another engine." in said
+    assert "the time of avatarsim/default" in said
 
 
 def test_nothing_lost_and_nothing_reached_are_said_too() -> None:
     won = sentence(table(Sweep((point("avatarsim/default", 5e-4, 10.0), point("mujoco/tuned", 5e-4, 20.0)))))
-    assert won.startswith("In none of 4 cases") and "No setting of any engine reaches wall at 100 µm, wall at 1 µm." in won
+    assert won.startswith("In none of 4 cases")
+    assert "Not reached by the settings measured of any engine: wall at 100 µm, wall at 1 µm." in won
     assert sentence(table(Sweep((point("m/x", 1.0, 1.0, metric="spin_error_max", unit="rad/s"),)))).startswith("No error of this")

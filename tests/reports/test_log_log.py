@@ -23,6 +23,22 @@ def test_what_is_told_is_escaped() -> None:
     assert 'aria-label="a &quot;quoted&quot; &lt;picture&gt;"' in text
 
 
+def test_labels_keep_clear_of_curves_and_of_limits() -> None:
+    chart = LogLog((1.0, 100.0), (1e-6, 1e-2))
+    free = LogLog((1.0, 100.0), (1e-6, 1e-2))
+    for one in (chart, free):
+        one.dot(10.0, 1e-4, "#000000", "", 3.0, True)
+    chart.line([(10.0, 1e-4), (100.0, 1e-4)], "#000000")
+    for one in (chart, free):
+        assert one.label(10.0, 1e-4, "a", "#000000")
+    # on the right of the point runs the curve
+    assert free.taken[-1][0] > free.at(10.0, 1e-4)[0] and chart.taken[-1] != free.taken[-1]
+    limited = LogLog((1.0, 100.0), (1e-6, 1e-2))
+    limited.x_limit(12.0, "60 Hz", "start")
+    limited.dot(10.0, 1e-4, "#000000", "", 3.0, True)
+    assert limited.label(10.0, 1e-4, "a long name", "#000000") and limited.taken[-1][2] <= limited.at(12.0, 1e-4)[0]
+
+
 def test_a_label_that_has_no_room_is_left_out() -> None:
     chart = LogLog((1.0, 100.0), (1e-6, 1e-2))
     chart.dot(10.0, 1e-4, "#000000", "", 3.0, True)

@@ -89,7 +89,7 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
 def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
     found = loaded(tmp_path, THROUGH)
     assert not found.rivalries[0].lost and found.rivalries[0].spoilt[0].run == "mujoco/tuned"
-    assert "leaves at most 10 µm" in sweep.conclusion(found)
+    assert "at most 10 µm is not reached by the settings measured" in sweep.conclusion(found)
 
 
 def test_without_our_own_figure_nothing_holds(tmp_path: Path) -> None:
@@ -102,8 +102,9 @@ def test_without_our_own_figure_nothing_holds(tmp_path: Path) -> None:
 def test_a_panel_per_scene_and_the_other_errors_apart(tmp_path: Path) -> None:
     second = line("wall", "avatarsim/default", 1e-3, 10, metric="tracker_offset_rms_free")
     firsts, others = sweep_chart.panels(loaded(tmp_path, WON + SHORT + BEATEN + second))
-    assert [panel.title for panel in firsts] == ["wall: residual overlap", "stack: residual overlap", "drop: apex error"]
-    assert [panel.title for panel in others] == ["wall: tracker offset"]
+    assert [panel.title for panel in firsts] == [
+        "wall: deepest overlap shown", "stack: deepest overlap shown", "drop: error of the bounce height"]
+    assert [panel.title for panel in others] == ["wall: offset from the user while nothing is in the way"]
     assert all(panel.svg.startswith("<svg role=") and "stroke-dasharray" in panel.svg for panel in firsts)
     assert all("60 Hz" in panel.svg and ">90<" in panel.svg for panel in firsts)
     assert "Crosses: pybullet/default (crashed)." in firsts[0].conclusion
@@ -125,6 +126,27 @@ def test_points_have_labels_and_tooltips_with_the_options(tmp_path: Path) -> Non
     assert "<title>mujoco/tuned dt=1/60: 2.00 mm, 8.00 µs per frame (median, 1 × 300 frames)\nmujoco.x = {dt = 0.1}" in panel.svg
     assert ">1/60</text>" in panel.svg and ">default</text>" in panel.svg and "; wrong-side</title>" in panel.svg
     assert list(sweep_chart.inks(found)) == ["avatarsim/default", "mujoco/tuned"]
+
+
+def test_all_that_is_drawn_stands_as_text_too_and_tooltips_have_the_engines_own_words(tmp_path: Path) -> None:
+    (tmp_path / sweep.ROWS).write_text(
+        HEAD.replace("note\n", "note,base,options,repeats,frames,native,p95,rests,moving,at_rest,sleeps,step\n")
+        + "wall,mujoco,tuned dt=1/60,residual_overlap_max,m,0.002,8,,measured,,1e-06,,tuned,row,1,300,opt.timestep = 0.0167,"
+        + "9,,,,1,0.0167\n"
+        + "wall,mujoco,default,residual_overlap_max,m,,8,,cannot-say,,1e-06,no words,default,,1,300,,,,,,,\n"
+    )
+    found = sweep.load(tmp_path)
+    assert found is not None and found.points[0].sleeps and not found.points[1].sleeps and found.points[0].p95 == 9.0
+    (panel,), _ = sweep_chart.panels(found)
+    assert panel.points == (("mujoco/tuned dt=1/60", "2.00 mm", "8.00 µs"),) and "Crosses" not in panel.conclusion
+    assert "95th percentile 9.00 µs): " not in panel.svg and "opt.timestep = 0.0167</title>" in panel.svg
+
+
+def test_the_budget_of_90_hertz_is_said_as_it_is(tmp_path: Path) -> None:
+    assert "the slowest median is 150 µs, wall pybullet/tuned" in sweep_chart.budget_sentence(loaded(tmp_path, WON))
+    slow = loaded(tmp_path, WON + line("wall", "m/slow", 0, 11200, front="own"))
+    assert sweep_chart.budget_sentence(slow).endswith("a frame at 90 Hz: wall m/slow.")
+    assert sweep_chart.budget_sentence(loaded(tmp_path, line("wall", "m/a", 0, 5))) == ""
 
 
 def test_a_family_is_drawn_along_the_settings_that_no_other_of_it_beats(tmp_path: Path) -> None:
@@ -200,4 +222,5 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     for name in ("sweep", "convergence", "law-map"):
         assert f'id="{name}"' in page
     assert 'href="#sweep"' in page and "takes ×5.00, not ×10" in page
-    assert 'id="cheapest"' in page and "Performance profile" in page and "at most 1 mm" in page and "none of 1" in page
+    assert 'id="cheapest"' in page and "Performance profile" in page and "at most 1 mm" in page
+    assert "none of 1 settings tried" in page and "Our avatar is kinematic" in page

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from scenarios.job import Job
+from scenarios.measure.protocol import PHASE_FRAMES
 from scenarios.measure.timing import Timed
 from scenarios.seats import Seats
 from scenarios.sweep.cell import Cell
@@ -22,8 +23,22 @@ def test_an_entry_has_percentiles_or_a_reason() -> None:
     found = time_entry(Clocked(job, timed, "2 repeats"), 2)
     # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
     assert found["p50"] == pytest.approx(6.0) and (found["repeats"], found["frames"]) == (2, 2)
-    none = {"run": job.run, "p50": None, "p99": None, "repeats": 0, "frames": 0, "note": "it died"}
-    assert time_entry(Clocked(job, None, "it died"), 1) == none
+    none = time_entry(Clocked(job, None, "it died"), 1)
+    assert none["note"] == "it died" and none["p50"] is None and (none["repeats"], none["frames"]) == (0, 0)
+
+
+def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None:
+    job, still = Job("stop_distance", "mujoco", "tuned"), PHASE_FRAMES
+    timed = Timed(np.array([[9000] * (still + 10) + [1000] * still], dtype=np.int64))
+    found = time_entry(Clocked(job, timed), 1, [0] * (still + 10) + [1] * still)
+    assert (found["moving"], found["at_rest"], found["rests"]) == (9.0, 1.0, pytest.approx(still / (2 * still + 10)))
+    few = time_entry(Clocked(job, timed), 1, [0] * (still + 11) + [1] * (still - 1))
+    assert few["moving"] is None and few["rests"] == pytest.approx((still - 1) / (2 * still + 10))
+    unknown = time_entry(Clocked(job, timed), 1)
+    assert unknown["rests"] is None and unknown["moving"] is None
+    # a rendered frame rests if all of its parts do
+    halves = time_entry(Clocked(job, Timed(np.full((1, 4), 2000, dtype=np.int64))), 2, [1, 1, 1, 0])
+    assert halves["rests"] == 0.5 and halves["p95"] == 4.0
 
 
 @pytest.mark.parametrize(("repeats", "frames", "stated"), [(3, 200, True), (2, 200, False), (3, 199, False)])

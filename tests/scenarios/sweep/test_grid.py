@@ -29,7 +29,7 @@ def test_the_presets_come_first_and_there_are_a_dozen_settings_in_a_driven_scene
 
 @pytest.mark.parametrize("setting", GRID, ids=lambda s: s.run)
 def test_every_setting_is_accepted_and_none_repeats_its_base(setting: Setting) -> None:
-    engine, tried = opened(setting.engine), 0
+    engine, tried, differs = opened(setting.engine), 0, False
     for name in SMALL:
         scenario = catalog.get(name)
         scene = scenario.build()
@@ -41,10 +41,11 @@ def test_every_setting_is_accepted_and_none_repeats_its_base(setting: Setting) -
         after = {key: str(value) for key, value in engine.settings_as_run().items()}
         # a reason changes with a setting that was set by hand, so only values are compared
         changed = [k for k in setting.options if before[k].split(",")[0] != after[k].split(",")[0]]
-        assert changed or not setting.options or setting.name.startswith("tuned DISCRETE")
+        differs |= bool(changed)
         tried += 1
     engine.close()
-    assert tried
+    # a step may be that of the preset in one kind of scene
+    assert tried and (differs or not setting.options or setting.name.startswith("tuned DISCRETE"))
 
 
 def test_of_a_stranger_the_presets_and_of_a_reader_the_rows() -> None:

@@ -12,6 +12,13 @@ def test_entries_of_outcomes() -> None:
     assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
 
 
+def test_it_keeps_the_step_the_rest_and_what_the_engine_cannot_say() -> None:
+    about = {"settings": {"dt": [0.002, "a reason"]}, "cannot_say": {"reach cones": "ignored"}}
+    found = entry_of(Outcome(Job("stop_distance", "mujoco", "tuned"), "measured", about=about, resting=(True, False)))
+    assert (found["step"], found["resting"], found["cannot_say"]) == (0.002, [1, 0], {"reach cones": "ignored"})
+    assert entry_of(Outcome(Job("stop_distance", "avatarsim", "default"), "measured"))["step"] is None
+
+
 def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
     found = errors(Job("stop_distance", "abacus", "default", frames=1))
     assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}

@@ -51,6 +51,26 @@ def test_what_cannot_be_a_point_is_kept_as_what_it_is(found: dict[str, object] |
     assert len(rows) == 2 and rows[0].state == state and said in rows[0].note and math.isnan(rows[0].p50)
 
 
+def test_an_error_that_the_engine_has_no_words_for_is_none_and_says_why() -> None:
+    found = {**entry(residual_overlap_max=0.0, course_error_max=0.4), "cannot_say": {"virtual coupling": "no spring"}}
+    overlap, course = rows_of(CELL, ("residual_overlap_max", "course_error_max"), found, {"p50": 1.0, "note": ""})
+    assert overlap.state == "measured" and overlap.p50 == course.p50 == 1.0
+    assert course.state == "cannot-say" and "no spring" in course.note and math.isnan(course.error)
+
+
+def test_a_row_says_whether_what_rests_sleeps_and_how_its_frames_differ() -> None:
+    timed = {"p50": 5.0, "p95": 9.0, "rests": 0.5, "moving": 8.0, "at_rest": 4.0, "note": ""}
+    found = {**entry(residual_overlap_max=0.0), "step": 0.01}
+    awake, asleep = (
+        rows_of(Cell("stack_ten", Setting(engine, name, name.partition(" ")[0], options)), METRICS[:1], found, timed)[0]
+        for engine, name, options in (("mujoco", "tuned", {}), ("mujoco", "tuned sleep=true", {"sleep": True}))
+    )
+    assert (awake.sleeps, asleep.sleeps, awake.step) == (0, 1, 0.01)
+    assert (awake.p95, awake.rests, awake.moving, awake.at_rest) == (9.0, 0.5, 8.0, 4.0)
+    assert [rows_of(Cell(scene, Setting("avatarsim", "default", "default")), METRICS[:1], found, timed)[0].sleeps
+            for scene in ("stack_ten", "thin_wall_hand")] == [1, 0]
+
+
 def test_errors_that_do_not_apply_have_no_row() -> None:
     assert [row.metric for row in rows_of(CELL, (*METRICS, "drift_max"), entry(residual_overlap_max=0.0), None)] == [METRICS[0]]
 
@@ -72,7 +92,8 @@ def test_fronts_of_all_and_of_each() -> None:
 def test_the_file_and_the_table() -> None:
     rows = with_fronts([row("a", "1", 0.0, 10.0), row("b", "1", math.nan, math.nan, "crashed"), row("b", "2", 1.0, math.nan)])
     assert csv_text(rows, Row).splitlines()[1:3] == [
-        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,1e-06,,,,0,0", "s,b,1,residual_overlap_max,m,,,,crashed,,1e-06,,,,0,0",
+        "s,a,1,residual_overlap_max,m,0,10,20,measured,all,1e-06,,,,0,0,,,,,,0,",
+        "s,b,1,residual_overlap_max,m,,,,crashed,,1e-06,,,,0,0,,,,,,0,",
     ]
     text = table(rows)
     assert "no point: b/1: crashed" in text and "not timed: b/2" in text and "0.0100 ms" in text

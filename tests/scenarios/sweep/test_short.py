@@ -3,6 +3,7 @@
 import csv
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -158,6 +159,42 @@ def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -
     names = {f"stop_distance: mujoco/{row['setting']}" for row in left}
     assert set(about(tmp_path)["left"]) == names  # type: ignore[call-overload]
     assert not {name.partition("/")[2] for name in names} & {said.partition(" ")[2] for said in fakes.asked}
+
+
+def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fakes) -> None:
+    known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
+    fakes.each = 0.1
+    ran = short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: fakes.time)
+    ran.ask()
+    first = short.chosen(short.cells_of(ran.request), ran.request, short.FIRST * ran.budget)
+    assert ran.rounds > 1 and len(ran.errors) > len(first.asked) and about(tmp_path)["rounds"] == ran.rounds
+    assert fakes.time <= ran.budget
+
+
+def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_path: Path) -> None:
+    presets = {"mujoco": ("default", "tuned"), "avatarsim": ("default",)}
+    ran = replace(request(tmp_path, outcomes=[outcome("stop_distance", "tuned")]), presets=presets)
+    cells = short.cells_of(ran)
+    by_name = {cell.setting.run: cell for cell in cells}
+
+    def found(error: float) -> Entry:
+        return {"state": "measured", "values": {"stop_distance_error_max": error, "residual_overlap_max": 0.0}}
+
+    errors = {by_name["avatarsim/default"]: found(0.0), by_name["mujoco/tuned dt=1/240"]: found(1.0)}
+    left = [cell for cell in cells if cell not in errors]
+    names = [cell.setting.name for cell in short.refined(left, errors, ran)]
+    finer = ["tuned dt=1/480", "default dt=1/1920", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
+    assert names[:5] == finer and names.index("default") < names.index("tuned dt=1/60")
+    as_good = {**errors, by_name["mujoco/tuned dt=1/240"]: found(0.0)}
+    assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
+
+
+def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
+    silent = replace(outcome("slide_to_roll", "default"), about={"cannot_say": {"virtual coupling": "none"}})
+    same = replace(outcome("slide_to_roll", "tuned"), about={"settings": {"dt": [1 / 240, ""]}})
+    names = [cell.setting.name for cell in short.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
+    assert [name for name in names if name.startswith("default")] == ["default"]
+    assert "tuned dt=1/240" not in names and "tuned dt=1/480" in names
 
 
 def test_no_scene_is_timed_once_twice_the_budget_has_passed(tmp_path: Path, fakes: Fakes) -> None:
