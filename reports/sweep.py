@@ -201,12 +201,12 @@ def _about(path: Path) -> Mapping[str, object]:
 
 
 def _point(row: Mapping[str, str]) -> Point:
+    told = {name: number(row.get(name) or "") for name in ("p95", "rests", "moving", "at_rest", "step")}
     return Point(
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
         row.get("base") or "", row.get("options") or "", int(row.get("repeats") or 0), int(row.get("frames") or 0),
-        row.get("native") or "", *(number(row.get(name) or "") for name in ("p95", "rests", "moving", "at_rest")),
-        bool(int(row.get("sleeps") or 0)), number(row.get("step") or ""),
+        row.get("native") or "", sleeps=bool(int(row.get("sleeps") or 0)), **told,
     )
 
 

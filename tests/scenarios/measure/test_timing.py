@@ -118,7 +118,7 @@ def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
     """What is compared are the first 50 frames, and those are the dear ones."""
     around = np.full((REPEATS, 5 * TAIL_FRAMES), 1000, dtype=np.int64)
     around[:, :5] = 40_000
-    found = frame_times(Timed(around, shared=(REPEATS, 50)))
+    found = frame_times(Timed(around, shared=Shared(REPEATS, 0, 50)))
     assert found["frame_time_p95"] == pytest.approx(40.0, rel=0.5) and found["frame_time_max"] == 40.0
     tail = found["frame_time_p99"]
     assert isinstance(tail, Missing) and "3 x 50 frames" in tail.reason and isinstance(found["frame_time_raw_p99"], Missing)
