@@ -143,7 +143,7 @@ class Run:
 
     def _timed(self, jobs: Sequence[Job], seats: Seats, full: bool, few: bool, meter: Meter) -> list[Clocked]:
         """The timing pass over one scene: at length where there are few of them, otherwise a glance."""
-        if few:
+        if few or not jobs:
             return timed_pass(jobs, full, meter=meter)
         ran = [self.outcomes[job.stem] for job in jobs]
         costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)

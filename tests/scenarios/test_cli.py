@@ -205,6 +205,17 @@ def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_benc
         assert said == f"{rounds} frames, {WARM_FRAMES} warm-up frames"
 
 
+def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scenarios.harness.MANY", 1)
+    words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop"]
+    called(tmp_path, *words, frames=2)
+    found = latest(tmp_path)
+    timed = {row["scenario"] for row in found["rows"] if row["metric"] == "frame_time_p50" and row["value"] is not None}
+    assert timed == {"ball_drop"} and found["exit_code"] is not None
+
+
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
     words = ["check", "--engine", "tunnels", "--filter", "ball_drop", "--preset", "default", "other", "--seed", "1", "2"]
     called(tmp_path, *words)
