@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judge import Judge
 from scenarios.beside.pair import Among, Beside, compared
@@ -61,7 +62,7 @@ def csv_text(found: Sequence[Beside], theirs: str) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Compare, print, write. 0: ours is nowhere farther; 1: somewhere; 2: usage."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.beside", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--engine", default="mujoco", metavar="NAME", help="the other engine (default: mujoco)")
     parser.add_argument("--preset", default="tuned", metavar="NAME", help="with which preset (default: tuned)")
@@ -82,4 +83,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

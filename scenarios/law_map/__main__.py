@@ -9,9 +9,9 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
@@ -74,7 +74,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m scenarios.law_map", description=str(__doc__).splitlines()[2])
     # without a last run none is made up: its name must stay free for a link
     beside = OUT / ("latest" if (OUT / "latest").is_dir() else "sweep")
-    parser.add_argument("--run", type=Path, default=beside, metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, default=beside, metavar="FOLDER", help="folder for the file")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--law", nargs="+", default=worlds.LAWS, choices=worlds.LAWS, metavar="NAME")
@@ -103,4 +103,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))
