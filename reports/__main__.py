@@ -2,7 +2,7 @@
 
 `baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README's table.
 
-Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used.
+Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used: pages are written without what it holds.
 """
 
 import argparse
@@ -48,9 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser().parse_args(arguments)
     try:
         if chosen.command == "write":
-            write_report(chosen.run)
+            damage = write_report(chosen.run)
+            for said in damage:
+                print(f"reports: left out, since it cannot be used: {said}", file=sys.stderr)
             print(chosen.run / PAGE)
-            return 0
+            return 2 if damage else 0
         if chosen.command == "baseline":
             chosen.to.write_text(baseline.text(load(chosen.run)), encoding="utf-8")
             print(chosen.to)

@@ -241,16 +241,17 @@ def finished(asked: argparse.Namespace, words: Sequence[str], made: Plan, ran: R
 
 
 def reported(folder: Path) -> str:
-    """Write the report of a run; empty, or one sentence about why there is none. The figures are safe in their files before."""
+    """Write the report of a run; empty, or one sentence about why there is none, or what it is without. The figures are safe in
+    their files before."""
     try:
         # by name, as engines are: reports stand above scenarios and may import them, never the other way round
-        import_module("reports").write_report(folder)
+        damage = import_module("reports").write_report(folder)
     except (ImportError, AvatarsimError) as error:
         return f"the report was not written: {error}"
     except Exception as error:
         # a fault in a chart must not cost the verdict
         return f"the report was not written: {type(error).__name__}: {error}"
-    return ""
+    return f"left out of the report, since it cannot be used: {'; '.join(damage)}" if damage else ""
 
 
 def show(

@@ -18,7 +18,7 @@ from scenarios.beside.table import FIGURES, known, table
 from scenarios.csv_rows import csv_lines
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
-from scenarios.kept import as_recorded, scenes_of
+from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.record import load
 
 DIGITS = 8
@@ -33,7 +33,8 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
     both = [name for name in scenes_of(run, ours, pattern) if name in scenes_of(run, theirs, pattern)]
     found = []
     for name in both:
-        first, second = (load(run / "recordings" / f"{name}.{who}.0.npz") for who in (ours, theirs))
+        paths = [run / "recordings" / f"{name}.{who}.0.npz" for who in (ours, theirs)]
+        first, second = (fitting(load(path), path, path is paths[0]) for path in paths)
         scenario = as_recorded(name, first)
         scene = scenario.build()
         if not scene.links:

@@ -5,7 +5,6 @@ figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run'
 """
 
 import argparse
-import json
 import math
 import sys
 from collections.abc import Sequence
@@ -73,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(argv)
     try:
         found = written(asked.run, not asked.no_clocks)
-    except (AvatarsimError, OSError, json.JSONDecodeError) as error:
+    except (AvatarsimError, OSError) as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
     if not found:

@@ -1,18 +1,21 @@
 """The rows of Table 2, the paper's own beside those of a run, and the trace of Figure 8."""
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.regular_file import read_json
 from reference.frame_shares.measure import Shares, measured
-from scenarios.kept import as_recorded, scenes_of
+from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.measure.tracker_offset import angle_offsets
+from scenarios.published import check
 from scenarios.record import Recording, load
+from scenarios.results import MOST_BYTES
 from scenarios.table_2.printed import SCENES
 
 Array = NDArray[np.float64]
@@ -88,7 +91,10 @@ class Run:
 
 def runs(folder: Path) -> list[Run]:
     """Every engine and preset with times in the run, in the scenes of Table 2, seed 0."""
-    results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    path = folder / "results.json"
+    results = cast(dict[str, Any], read_json(path, f"results {path}", "the whole file of a run", MOST_BYTES))
+    # the layout that reports read: what it allows is read below without further questions
+    check(results, path)
     tails = {(row["scenario"], f"{row['engine']}/{row['preset']}"): row["value"] for row in results.get("rows", ())
              if row["metric"] == "frame_time_p99" and row["seed"] == 0 and row["value"] is not None}
     found = []
@@ -96,7 +102,8 @@ def runs(folder: Path) -> list[Run]:
         for name, series in results["series"].get(scene, {}).items():
             who = name.replace("/", ".")
             if series["frame_time_us"] and scene in scenes_of(folder, who):
-                recording = load(folder / "recordings" / f"{scene}.{who}.0.npz")
+                kept = folder / "recordings" / f"{scene}.{who}.0.npz"
+                recording = fitting(load(kept), kept)
                 overlap = max((float(value) for value in series["overlap_m"]), default=math.nan)
                 times, p99 = np.array(series["frame_time_us"], dtype=np.float64), float(tails.get((scene, name), math.nan))
                 found.append(Run(scene, name, recording, times, overlap, p99))
