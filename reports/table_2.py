@@ -153,8 +153,8 @@ def markdown(table: Table2) -> str:
     head = ("| scene | method | frames | frame ms | joints | iterations | IK % | pairs | collision % | µs/joint | µs/iteration "
             "| µs/pair |")
     rows: Sequence[str] = [
-        f"| {escaped(r.scene)} | {escaped(r.run)} | {r.frames} | {cell(r.ms, 4 if r.ms < 1.0 else 2)} | {cell(r.joints)} | {cell(r.iterations)} | "
-        f"{cell(r.ik_share)} | {cell(r.pairs)} | {cell(r.collision_share)} | {cell(r.us_per_joint, 2)} | "
+        f"| {escaped(r.scene)} | {escaped(r.run)} | {r.frames} | {cell(r.ms, 4 if r.ms < 1.0 else 2)} | {cell(r.joints)} | "
+        f"{cell(r.iterations)} | {cell(r.ik_share)} | {cell(r.pairs)} | {cell(r.collision_share)} | {cell(r.us_per_joint, 2)} | "
         f"{cell(r.us_per_iteration, 2)} | {cell(r.us_per_pair, 2)} |" for r in table.lines
     ]
     traces = [escaped(spike_sentence(run, *numbers)) for run, numbers in table.trace.items()]

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from avatarsim.command_line import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
@@ -78,16 +79,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         code, said = STOPPED, "stopped"
     except OSError as error:
-        if (lost := lost_output()) is not None:
-            # the answer could not be written; the files of the run are safe. A reader that has gone has read enough
-            said = "" if isinstance(lost, BrokenPipeError) else f"standard output: {lost.strerror or lost}"
-        else:
-            where = f" at {error.filename}" if error.filename else f" below {asked.resume or asked.out}"
-            said = f"the system refused a file{where}: {error.strerror or error}"
-        code = INCOMPLETE
-    if said:
+        if isinstance(error, BrokenPipeError) or isinstance(lost_output(), BrokenPipeError):
+            # the reader of what is printed has read enough
+            return INCOMPLETE
+        # every file that this harness writes is named: without a name it was a stream
+        where = f"a file at {error.filename}" if error.filename else "what was printed, or a file"
+        code, said = INCOMPLETE, f"the system refused {where}: {error.strerror or error}"
+    with suppress(OSError):
+        # where a stream takes nothing, the code says so alone
         print(said, file=sys.stderr)
-    commands.say_last(asked, code, None)
+        commands.say_last(asked, code, None)
+        sys.stdout.flush()
     return code
 
 

@@ -23,6 +23,11 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
         with beside.open("wb") as file:
             write(file)
         os.replace(beside, path)
+    except OSError as error:
+        if error.filename is None:
+            # a disk that is full names no file
+            error.filename = str(path)
+        raise
     finally:
         beside.unlink(missing_ok=True)
 
