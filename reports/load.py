@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from os.path import isfile
 from pathlib import Path
 from typing import Any
 
@@ -109,7 +110,8 @@ class Results:
 def load(run_dir: Path) -> Results:
     """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, empty, not strict, or of another schema."""
     path = run_dir / "results.json"
-    if run_dir.is_file():
+    # by os.path, which takes names that are too long for the system as names of nothing
+    if isfile(run_dir):
         raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
     valid = "complete, strict JSON in UTF-8, as a run leaves it; a killed run leaves half a file"
     data: Any = read_json(path, str(path), valid, MOST_BYTES, _no_number)

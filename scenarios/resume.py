@@ -9,6 +9,7 @@ import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from os.path import isdir
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
@@ -31,7 +32,8 @@ def earlier_run(folder: Path, command: str) -> Path:
     """`folder`, resolved, once it has proved to be a run of `command` that this harness wrote.
 
     Raises InvalidInput or InvalidFile: files are written there, and a folder of something else may not be taken for a run."""
-    if not folder.is_dir():
+    # by os.path, which takes names that are too long for the system as names of nothing
+    if not isdir(folder):
         raise InvalidInput("--resume", str(folder), "the folder of an earlier run")
     path = folder / "results.json"
     try:

@@ -1,6 +1,7 @@
 """Meshes from files. OBJ is read here, the other formats by trimesh: this is the one file that imports it."""
 
 import io
+from os.path import exists
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,8 @@ def read_mesh(path: str | Path) -> Mesh:
     Raises InvalidFile (missing, unknown format, broken, without a triangle); MissingPackage without trimesh.
     """
     path = Path(path)
-    if not path.is_file():
+    # by os.path, which takes names that are too long for the system as names of nothing
+    if not exists(path):
         raise InvalidFile("mesh file", str(path), "the path of an existing file")
     ending = path.suffix.lower()
     if ending == ".obj":

@@ -40,6 +40,8 @@ def test_groups_of_an_obj_keep_their_vertices(tmp_path: Path) -> None:
 def test_what_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(InvalidFile, match=r"nowhere\.stl.*existing file"):
         read_mesh(tmp_path / "nowhere.stl")
+    with pytest.raises(InvalidFile, match=r"existing file"):
+        read_mesh(tmp_path / ("a" * 300))
     (tmp_path / "scene.usd").write_text("x", encoding="utf-8")
     with pytest.raises(InvalidFile, match=r"format of scene\.usd is '\.usd'; valid: one of \.obj \.glb"):
         read_mesh(tmp_path / "scene.usd")
