@@ -8,6 +8,7 @@ Hinge angles keep their sign, because the hinge axes of the humanoid turn along.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -105,7 +106,7 @@ def read_clip(path: Path) -> Clip:
 def _frames(path: Path) -> tuple[Array, bool]:
     """The (F, 44) numbers of a clip file and whether it wraps, everything checked but the quaternions."""
     valid = f"JSON with Loop and at least 2 Frames of {COLUMNS} finite numbers each, steps above 0"
-    content = read_json(path, f"clip {path.name}", valid)
+    content: Any = read_json(path, f"clip {path.name}", valid)
     rows = content.get("Frames") if isinstance(content, dict) else None
     if not isinstance(rows, list) or len(rows) < 2:
         count = len(rows) if isinstance(rows, list) else None
