@@ -4,16 +4,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import read_json
 from reference.frame_shares.measure import Shares, measured
 from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.measure.tracker_offset import angle_offsets
-from scenarios.published import check
 from scenarios.record import Recording, load
 from scenarios.results import MOST_BYTES
 from scenarios.table_2.printed import SCENES
@@ -26,6 +26,7 @@ PRINTED = "printed in the paper"
 OURS = "avatarsim"
 AWAY = 1e-4
 """Angle [rad] from the user's from which a joint counts as moved: far below what can be seen, far above rounding."""
+WHOLE = "the whole file of a run"
 REPEATS = 3
 """Runs of which each frame's quickest is taken."""
 
@@ -92,21 +93,22 @@ class Run:
 def runs(folder: Path) -> list[Run]:
     """Every engine and preset with times in the run, in the scenes of Table 2, seed 0."""
     path = folder / "results.json"
-    results = cast(dict[str, Any], read_json(path, f"results {path}", "the whole file of a run", MOST_BYTES))
-    # the layout that reports read: what it allows is read below without further questions
-    check(results, path)
-    tails = {(row["scenario"], f"{row['engine']}/{row['preset']}"): row["value"] for row in results.get("rows", ())
-             if row["metric"] == "frame_time_p99" and row["seed"] == 0 and row["value"] is not None}
+    results: Any = read_json(path, f"results {path}", WHOLE, MOST_BYTES)
+    try:
+        tails = {(row["scenario"], f"{row['engine']}/{row['preset']}"): float(row["value"]) for row in results.get("rows", ())
+                 if row["metric"] == "frame_time_p99" and row["seed"] == 0 and row["value"] is not None}
+        series = {(scene, name): tuple([float(one) for one in numbers[kind]] for kind in ("frame_time_us", "overlap_m"))
+                  for scene in SCENES for name, numbers in results["series"].get(scene, {}).items()}
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InvalidFile(f"results {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     found = []
-    for scene in SCENES:
-        for name, series in results["series"].get(scene, {}).items():
-            who = name.replace("/", ".")
-            if series["frame_time_us"] and scene in scenes_of(folder, who):
-                kept = folder / "recordings" / f"{scene}.{who}.0.npz"
-                recording = fitting(load(kept), kept)
-                overlap = max((float(value) for value in series["overlap_m"]), default=math.nan)
-                times, p99 = np.array(series["frame_time_us"], dtype=np.float64), float(tails.get((scene, name), math.nan))
-                found.append(Run(scene, name, recording, times, overlap, p99))
+    for (scene, name), (times, overlap) in series.items():
+        who = name.replace("/", ".")
+        if times and scene in scenes_of(folder, who):
+            kept = folder / "recordings" / f"{scene}.{who}.0.npz"
+            recording = fitting(load(kept), kept)
+            deepest, p99 = max(overlap, default=math.nan), tails.get((scene, name), math.nan)
+            found.append(Run(scene, name, recording, np.array(times, dtype=np.float64), deepest, p99))
     return found
 
 
