@@ -24,7 +24,7 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
             write(file)
         os.replace(beside, path)
     except OSError as error:
-        if error.filename is None:
+        if error.errno is not None and error.filename is None:
             # a disk that is full names no file
             error.filename = str(path)
         raise
