@@ -26,6 +26,7 @@ from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained, without_figures
 from scenarios.law_map.rows import Row, table
 from scenarios.processes import Died
+from scenarios.resume import stoppable
 from scenarios.side_by_side import side_by_side
 
 DIGITS = 9
@@ -88,7 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise UnknownName("engine", name, known())
         offered = offers(asked.engine, 1)
         presets = {name: offered[name].presets for name in asked.engine if not offered[name].trouble}
-        rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
+        with stoppable():
+            rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
         asked.run.mkdir(parents=True, exist_ok=True)
         write_text(asked.run / NAME, csv_text(rows, Row, DIGITS))
     except AvatarsimError as error:
