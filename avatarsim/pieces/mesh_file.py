@@ -62,10 +62,16 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
     valid = f"a whole {ending} file with at least one triangle"
     thing = f"mesh {path.name}"
     check(path, thing, valid)
-    # by its path, since a .gltf names further files beside it
     source = io.BytesIO(whole_stl(path.name, read_bytes(path, thing, valid))) if ending == ".stl" else str(path)
+
+    class Beside(trimesh.resolvers.FilePathResolver):
+        """The files beside a .gltf that it names: regular ones too."""
+
+        def get(self, name: str) -> bytes:
+            return read_bytes(self.absolute(name), f"file {name} of {path.name}", valid)
+
     try:
-        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False)
+        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=Beside(str(path)))
         vertices = np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:  # what a reader of foreign files raises on a broken one is not listed anywhere

@@ -1,5 +1,6 @@
 """Files: every format we name, and what is refused by name."""
 
+import json
 import os
 from pathlib import Path
 
@@ -103,6 +104,20 @@ def test_what_is_no_regular_file_or_too_large_is_refused_at_once(ending: str, tm
         file.truncate(2**30)
     with pytest.raises(InvalidFile, match=r"size of mesh large.* is 1073741824; valid: up to"):
         read_mesh(large)
+
+
+@pytest.mark.parametrize("named", ["pipe.bin", "../pipe.bin", "/dev/zero"])
+def test_what_a_gltf_names_is_a_regular_file_beside_it(named: str, tmp_path: Path) -> None:
+    files = trimesh.Trimesh(*ell(), process=False).export(file_type="gltf")
+    (text,) = (json.loads(content) for name, content in files.items() if name.endswith(".gltf"))
+    text["buffers"][0]["uri"] = named
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    for place in (folder, tmp_path):
+        os.mkfifo(place / "pipe.bin")
+    (folder / "named.gltf").write_text(json.dumps(text), encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"named\.gltf"):
+        read_mesh(folder / "named.gltf")
 
 
 def test_without_trimesh_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
