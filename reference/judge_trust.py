@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import InvalidInput
 from avatarsim.spatial import rotation
 from reference.in_fcl import Question, fcl_distances
@@ -200,7 +201,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--pairs", type=int, default=PAIRS, metavar="N", help=f"pairs over all kinds ({PAIRS})")
     parser.add_argument("--seed", type=int, default=SEED, metavar="N", help=f"seed of the draws ({SEED})")
     latest = Path(__file__).resolve().parent.parent / "reports" / "out" / "latest"
-    parser.add_argument("--run", type=Path, default=latest, metavar="FOLDER", help="folder of the file (default: the last run's)")
+    parser.add_argument("--run", type=path_option, default=latest, metavar="FOLDER", help="folder of the file (the last run's)")
     asked = parser.parse_args(argv)
     try:
         found = trust(asked.pairs, asked.seed)
@@ -217,4 +218,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -1,23 +1,26 @@
 """What we say: pages and summaries from the files of one run. Reads files, runs nothing."""
 
 import os
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
+
+from avatarsim.errors import InvalidFile
 
 if TYPE_CHECKING:
     from reports.load import Results
     from reports.page import Extras
     from reports.verdict import Verdict
 
+Found = TypeVar("Found")
 PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
 
 
-def write_report(run_dir: Path) -> None:
+def write_report(run_dir: Path) -> tuple[str, ...]:
     """Write index.html, a page per scene, summary.md and junit.xml beside `run_dir`/results.json.
 
-    All are made before one of them is replaced. Raises InvalidFile when results.json or another file of the run is missing,
+    Of other files of the run one that is damaged costs its scene or its section: the pages name it, and so does a sentence each
+    that is returned. All pages are made before one of them is replaced. Raises InvalidFile when results.json is missing,
     truncated or of another schema; what stands in the folder then stays as it is.
     """
     from reports import (
@@ -39,16 +42,29 @@ def write_report(run_dir: Path) -> None:
     from reports.verdict import verdict
 
     results = load(run_dir)
-    extras = Extras(*(room.load(run_dir) for room in (narrow_phase, broad_phase, table_2, growth, closeness, effects)))
-    extras = replace(
-        extras, figure_7=figure_7.load(run_dir), sweep=sweep.load(run_dir), converging=convergence.load(run_dir),
-        law_map=law_map.load(run_dir), steady=stability.load(run_dir), judge=judge.load(run_dir),
+    damage = list[str]()
+
+    def part(load: Callable[[Path], Found]) -> Found | None:
+        """What a room of the run has; None where its file is damaged."""
+        try:
+            return load(run_dir)
+        except InvalidFile as error:
+            damage.append(str(error).replace(f"{run_dir}/", ""))
+            return None
+
+    extras = Extras(
+        narrow=part(narrow_phase.load), broad=part(broad_phase.load), two=part(table_2.load), growth=part(growth.load),
+        close=part(closeness.load), ablation=part(effects.load), figure_7=part(figure_7.load) or (), sweep=part(sweep.load),
+        converging=part(convergence.load), law_map=part(law_map.load), steady=part(stability.load), judge=part(judge.load),
     )
-    _replace(run_dir, _texts(run_dir, results, verdict(results), extras))
+    _replace(run_dir, _texts(run_dir, results, verdict(results), extras, damage))
+    return tuple(damage)
 
 
-def _texts(run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras") -> Iterator[tuple[str, str]]:
-    """(path, text) of everything that is written."""
+def _texts(
+    run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras", damage: list[str],
+) -> Iterator[tuple[str, str]]:
+    """(path, text) of everything that is written; to `damage` comes what is left out of scenes."""
     from reports.junit import junit
     from reports.page import layout, page
     from reports.page_paths import path_of
@@ -61,8 +77,9 @@ def _texts(run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras
     courses, pictures = {}, {}
     for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):
         courses[made.scene], pictures[made.scene] = made.charts, made.picture
+        damage += [f"{made.scene}: {said}" for said in made.damage]
         yield path_of(made.scene), made.text
-    yield PAGE, page(results, judged, extras, courses, laid_out, pictures)
+    yield PAGE, page(results, judged, extras, courses, laid_out, pictures, damage)
 
 
 def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:

@@ -2,7 +2,7 @@
 
 `baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README's table.
 
-Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used.
+Exit codes: 0; diff 1 when something got worse; 2 when a file cannot be used: pages are written without what it holds.
 """
 
 import argparse
@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError
 from reports import PAGE, baseline, headline, write_report
 from reports.diff import diff
@@ -30,15 +31,15 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="python -m reports", description="Pages and comparisons from files of runs.")
     commands = top.add_subparsers(dest="command", required=True)
     write = commands.add_parser("write", help="write index.html, the scenes' pages, summary.md and junit.xml of a run again")
-    write.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    write.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     compare = commands.add_parser("diff", help="what got better or worse from BASE to NEW")
-    compare.add_argument("base", type=Path, help="folder of the earlier run, or a baseline file (.csv)")
-    compare.add_argument("new", type=Path, nargs="?", default=LATEST, help=f"folder of the later run (default: {LATEST})")
+    compare.add_argument("base", type=path_option, help="folder of the earlier run, or a baseline file (.csv)")
+    compare.add_argument("new", type=path_option, nargs="?", default=LATEST, help=f"folder of the later run (default: {LATEST})")
     keep = commands.add_parser("baseline", help="make a run's accuracy the committed baseline")
-    keep.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
-    keep.add_argument("--to", type=Path, default=COMMITTED, metavar="FILE", help="another file")
+    keep.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    keep.add_argument("--to", type=path_option, default=COMMITTED, metavar="FILE", help="another file")
     head = commands.add_parser("headline", help="write the table of the README from a run (`make headline`: its pictures too)")
-    head.add_argument("run", type=Path, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    head.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
     return top
 
 
@@ -47,9 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser().parse_args(arguments)
     try:
         if chosen.command == "write":
-            write_report(chosen.run)
+            damage = write_report(chosen.run)
+            for said in damage:
+                print(f"reports: left out, since it cannot be used: {said}", file=sys.stderr)
             print(chosen.run / PAGE)
-            return 0
+            return 2 if damage else 0
         if chosen.command == "baseline":
             chosen.to.write_text(baseline.text(load(chosen.run)), encoding="utf-8")
             print(chosen.to)
@@ -69,4 +72,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

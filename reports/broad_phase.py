@@ -1,12 +1,11 @@
 """Sweep and prune in the report: reads what its benchmark left in the run's folder, draws it and puts it in words."""
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from avatarsim.errors import InvalidFile
+from reports.files import lines
 from reports.wording import MOST_FACTOR, count, factor, figures, listed
 
 ROWS = "broad_phase.csv"
@@ -79,14 +78,10 @@ def load(run_dir: Path) -> BroadPhase | None:
     path = run_dir / ROWS
     if not path.exists():
         return None
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            found: dict[tuple[str, str, str], list[Point]] = {}
-            for row in csv.DictReader(file):
-                found.setdefault((row["layout"], row["motion"], row["kernel"]), []).append(_point(row))
-        return BroadPhase(tuple(Line(*key, tuple(sorted(p, key=lambda point: point.objects))) for key, p in found.items()))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file of one run of the benchmark") from error
+    found: dict[tuple[str, str, str], list[Point]] = {}
+    for key, point in lines(path, lambda row: ((row["layout"], row["motion"], row["kernel"]), _point(row))):
+        found.setdefault(key, []).append(point)
+    return BroadPhase(tuple(Line(*key, tuple(sorted(p, key=lambda point: point.objects))) for key, p in found.items()))
 
 
 def _point(row: Mapping[str, str]) -> Point:

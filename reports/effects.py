@@ -1,6 +1,5 @@
 """What each effect costs and what its absence changes, from what `python -m scenarios ablate` left in the run's folder."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -8,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json
+from reports.files import DAMAGED
 from reports.wording import MISSING, count, listed, quantity
 from scenarios.metrics import METRICS
 
@@ -85,13 +86,13 @@ def load(run_dir: Path) -> Ablation | None:
     path = run_dir / FILE
     if not path.exists():
         return None
+    found: Any = read_json(path, str(path), "the whole file that `ablate` wrote")
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
         if found["schema_version"] != SCHEMA_VERSION:
             raise InvalidFile(f"schema_version of {path}", found["schema_version"], f"{SCHEMA_VERSION}; run again")
         lines = [_line(row) for row in found["lines"]]
         idle, form = {str(scene): tuple(map(str, stages)) for scene, stages in found["idle"].items()}, str(found["form"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except DAMAGED as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that `ablate` wrote") from error
     return Ablation(
         tuple(line for line in lines if line.effect != FORCED), tuple(line for line in lines if line.effect == FORCED), idle, form

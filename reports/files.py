@@ -1,25 +1,30 @@
 """Rows of the tables that benchmarks and later questions leave in a run's folder."""
 
 import csv
+import io
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TypeVar
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_text
 
 Line = TypeVar("Line")
+WHOLE = "the whole file that one command wrote"
+DAMAGED = (csv.Error, ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""What is raised over a table or an object that lacks something, or holds something of another kind."""
 
 
 def lines(path: Path, made: Callable[[Mapping[str, str]], Line]) -> tuple[Line, ...]:
     """Every row of a CSV file; none when there is no such file. Raises InvalidFile for a file that is damaged."""
     if not path.exists():
         return ()
+    text = read_text(path, str(path), WHOLE)
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            return tuple(made(row) for row in csv.DictReader(file))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that one command wrote") from error
+        return tuple(made(row) for row in csv.DictReader(io.StringIO(text, newline="")))
+    except DAMAGED as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WHOLE) from error
 
 
 def number(text: str) -> float:

@@ -1,12 +1,13 @@
 """How far the judge may be trusted, from what `python -m reference.judge_trust`, or the comparison itself, left in the run."""
 
-import json
 import math
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json
+from reports.files import DAMAGED
 from reports.wording import count, quantity
 
 FILE, SCHEMA_VERSION = "judge.json", 1
@@ -53,8 +54,8 @@ def load(run_dir: Path) -> Trust | None:
     path = run_dir / FILE
     if not path.exists():
         return None
+    found: Any = read_json(path, str(path), "the whole file of one examination")
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
         if found["schema_version"] != SCHEMA_VERSION:
             raise InvalidFile(f"schema_version of {path}", found["schema_version"], f"{SCHEMA_VERSION}; run again")
         return Trust(
@@ -62,7 +63,7 @@ def load(run_dir: Path) -> Trust | None:
             str(found["sources"]), tuple((str(name), str(text)) for name, text in found["versions"].items()),
             float(found["promise_m"]),
         )
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except DAMAGED as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file of one examination") from error
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json
 from scenarios import array_file
 from scenarios.record import misfit
 
@@ -22,6 +23,9 @@ SCENE_SCHEMA, RECORDING_SCHEMA = 1, 2
 WANTED = ("positions", "orientations", "velocities", "angular_velocities", "times", "raw_positions", "raw_orientations")
 """Members of a recording that are read; the others, poses inside frames, are most of it."""
 WHOLE = "a whole .npz file from this runner"
+WRITTEN = "the whole file that a run wrote"
+PARTS = {"name", "role", "pieces", "mass"}
+"""What a scene's file says of every body."""
 COUNTED = ("contacts", "iterations", "pairs")
 """Counts per frame that a page shows where an engine gives them."""
 
@@ -56,13 +60,15 @@ def drawn(run_dir: Path, scene: str) -> Drawn | None:
     path = run_dir / "scenes" / f"{scene}.json"
     if not path.exists():
         return None
+    found: Any = read_json(path, str(path), WRITTEN)
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
         version, bodies, gravity = found["schema_version"], list(found["bodies"]), np.array(found["gravity"], dtype=np.float64)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that a run wrote") from error
+    except (ValueError, KeyError, TypeError, OverflowError) as error:
+        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WRITTEN) from error
     if version != SCENE_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCENE_SCHEMA}; run again")
+    if gravity.shape != (3,) or not all(isinstance(body, dict) and PARTS <= body.keys() for body in bodies):
+        raise InvalidFile(str(path), "gravity or bodies of another layout", WRITTEN)
     return Drawn(bodies, gravity)
 
 
@@ -81,7 +87,7 @@ def _shown(path: Path, run: str, overlaps: Path) -> Shown:
     stored = array_file.read(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
     try:
         version = json.loads(str(stored["meta"]))["schema_version"]
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     if version != RECORDING_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{RECORDING_SCHEMA}; run again")
@@ -92,6 +98,16 @@ def _shown(path: Path, run: str, overlaps: Path) -> Shown:
         raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", WHOLE)
     pairs = _pairs(overlaps, *stored["positions"].shape[:2])
     return Shown(run, counts=counts, pairs=pairs, **{name: stored[name] for name in WANTED})
+
+
+def fitting(one: Shown, scene: Drawn | None) -> Shown:
+    """`one`, if it has a state at least, at times that are numbers, and as many bodies as the scene's file; else InvalidFile."""
+    if not len(one.times) or not np.isfinite(one.times).all():
+        raise InvalidFile(f"times in the recording of {one.run}", "none, or not all finite", WHOLE)
+    if scene is not None and one.positions.shape[1] != len(scene.bodies):
+        valid = f"{len(scene.bodies)}, as the file of the scene has them"
+        raise InvalidFile(f"bodies in the recording of {one.run}", one.positions.shape[1], valid)
+    return one
 
 
 def _pairs(path: Path, states: int, bodies: int) -> list[tuple[int, int, int, float]]:

@@ -4,13 +4,17 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from os.path import isfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json
 from scenarios.published import check
+from scenarios.results import MOST_BYTES
 from scenarios.sayable import Unsaid
 
 Array = NDArray[np.float64]
@@ -114,14 +118,11 @@ class Results:
 def load(run_dir: Path) -> Results:
     """Read `run_dir`/results.json. Raises InvalidFile when it is missing, truncated, empty, not strict, or of another schema."""
     path = run_dir / "results.json"
-    if run_dir.is_file():
+    # by os.path, which takes names that are too long for the system as names of nothing
+    if isfile(run_dir):
         raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"), parse_constant=_no_number)
-    except OSError as error:
-        raise InvalidFile(str(path), type(error).__name__, "a readable file, written at the end of a run") from error
-    except ValueError as error:
-        raise InvalidFile(str(path), str(error), "complete, strict JSON in UTF-8; a killed run leaves half a file") from error
+    valid = "complete, strict JSON in UTF-8, as a run leaves it; a killed run leaves half a file"
+    data: Any = read_json(path, str(path), valid, MOST_BYTES, _no_number)
     if not isinstance(data, dict) or not isinstance(data.get("rows"), list):
         raise InvalidFile(str(path), type(data).__name__, "an object with a list called rows")
     if data.get("schema_version") != SCHEMA_VERSION:

@@ -1,13 +1,16 @@
 """The narrow phase in the report: reads what the benchmark of single queries left in the run's folder, and puts it in words."""
 
 import csv
-import json
+import io
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json, read_text
+from reports.files import DAMAGED, WHOLE
 from reports.wording import count, figures, listed, quantity
 
 ROWS, VERDICTS, ABOUT = "narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"
@@ -73,7 +76,7 @@ def load(run_dir: Path) -> NarrowPhase | None:
         return None
     try:
         rows, verdicts = _table(run_dir / ROWS), _table(run_dir / VERDICTS)
-        about = json.loads((run_dir / ABOUT).read_text(encoding="utf-8"))
+        about = cast(dict[str, object], read_json(run_dir / ABOUT, str(run_dir / ABOUT), WHOLE))
         engines = tuple(dict.fromkeys(row["engine"] for row in rows))
         found: dict[tuple[str, ...], dict[str, Figure]] = {}
         for row in rows:
@@ -81,14 +84,13 @@ def load(run_dir: Path) -> NarrowPhase | None:
         lines = {mode: tuple(_line(one, found[_where(one)]) for one in verdicts if one["mode"] == mode) for mode in MODES}
         exact = tuple(one for engine in engines if (one := _exactness(engine, [r for r in rows if r["engine"] == engine])))
         return NarrowPhase(lines, engines, {row["engine"]: row["library"] for row in rows}, exact, dict(about))
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except DAMAGED as error:
         raise InvalidFile(f"{ROWS}, {VERDICTS} or {ABOUT} in {run_dir}", f"{type(error).__name__}: {error}",
                           "whole files of one run of the benchmark") from error
 
 
 def _table(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+    return list(csv.DictReader(io.StringIO(read_text(path, str(path), WHOLE), newline="")))
 
 
 def _where(row: Mapping[str, str]) -> tuple[str, ...]:

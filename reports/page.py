@@ -1,7 +1,7 @@
 """index.html: one self-contained page, built from results alone. The template lays out; here the words are gathered."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -158,9 +158,9 @@ def layout(results: Results, verdict: Verdict) -> Layout:
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
-         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None) -> str:
+         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: Sequence[str] = ()) -> str:
     """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
-    scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene."""
+    scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene; `damage`: what could not be used."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
     narrow, broad = extras.narrow, extras.broad
     shown, colours, order = (laid_out or layout(results, verdict))[:3]
@@ -170,7 +170,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
     ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
     return labelled(linked(template.render(
-        verdict=verdict, results=results, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
+        verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
         scenes_said=scenes_sentence(verdict),

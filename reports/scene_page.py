@@ -7,6 +7,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from avatarsim.errors import InvalidFile
 from reports import scripts, three_js
 from reports.as_run import AsRun, as_run
 from reports.card_tables import labelled
@@ -15,7 +16,7 @@ from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT
 from reports.courses import Course, charts, courses
 from reports.gallery import Picture
-from reports.kept import Drawn, Shown, drawn, shown
+from reports.kept import Drawn, Shown, drawn, fitting, shown
 from reports.load import Results, Series
 from reports.marked import cell_note
 from reports.metric_words import words
@@ -58,7 +59,7 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 @dataclass(frozen=True, eq=False)
 class Kept:
     """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
-    settings in force."""
+    settings in force; `damage` is a sentence for each file that could not be used, and is left out."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
@@ -66,20 +67,48 @@ class Kept:
     replay: Mapping[str, object] | None
     picture: Picture
     settings: Sequence[AsRun]
+    damage: tuple[str, ...] = ()
+
+
+UNDRAWABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
+"""What is raised over a file that is whole and holds what no run writes: a shape of an unknown kind, poses without numbers."""
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
-    """Everything that a run kept of a scene. Raises InvalidFile for a damaged file."""
+    """Everything that a run kept of a scene and that can be used."""
     series: Mapping[str, Series] = results.series.get(name, {})
     runs = list(dict.fromkeys([*series, *(row.run for row in results.of(name))]))
     # with several seeds a page shows the first, as the series do
     seed = next((row.seed for row in results.of(name)), 0)
-    scene, recorded = drawn(run_dir, name), shown(run_dir, name, runs, seed)
+    scene, recorded, damage = _readable(run_dir, name, runs, seed)
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
-    replayed = replay(scene, recorded, ours, depths) if scene else None
-    picture = _picture(name, scene, recorded, ours, series, replayed)
-    return Kept(scene, courses(series, recorded, scene), dt, replayed, picture, as_run(run_dir, results, name, seed))
+    settings = as_run(run_dir, results, name, seed)
+    try:
+        replayed = replay(scene, recorded, ours, depths) if scene else None
+        # what cannot be written into the page is noticed here
+        scripts.data(replayed)
+        lines, picture = courses(series, recorded, scene), _picture(name, scene, recorded, ours, series, replayed)
+    except UNDRAWABLE as error:
+        said = f"what was recorded cannot be drawn ({type(error).__name__}: {error})"
+        return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said))
+    return Kept(scene, lines, dt, replayed, picture, settings, damage)
+
+
+def _readable(run_dir: Path, name: str, runs: Sequence[str], seed: int) -> tuple[Drawn | None, list[Shown], tuple[str, ...]]:
+    """The file of a scene and its recordings, so far as they can be used, and a sentence for each that cannot."""
+    scene, recorded, damage = None, list[Shown](), list[str]()
+    try:
+        scene = drawn(run_dir, name)
+    except InvalidFile as error:
+        damage.append(str(error))
+    for run in runs:
+        try:
+            recorded += [fitting(one, scene) for one in shown(run_dir, name, [run], seed)]
+        except InvalidFile as error:
+            damage.append(str(error))
+    # pages travel: where the run lay on this machine is nothing to others
+    return scene, recorded, tuple(said.replace(f"{run_dir}/", "") for said in damage)
 
 
 def _picture(
@@ -111,7 +140,7 @@ def page(
     replayed = found.replay or {}
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
-        block=block, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT, gated=gated,
+        block=block, damage=found.damage, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT, gated=gated,
         believed=lambda row: believed(row, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         quantity=quantity, limit=limit, ratio=ratio, count=count, words_of=words, panels=panels,
         policy=scripts.policy(sources), library=library, words=three_js.WORDS,

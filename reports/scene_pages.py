@@ -18,12 +18,14 @@ POINTS = 160
 
 
 class Made(NamedTuple):
-    """A scene, the text of its page, and what index.html shows of it: its charts over time and its picture."""
+    """A scene, the text of its page, and what index.html shows of it: its charts over time, its picture, and which of its files
+    could not be used."""
 
     scene: str
     text: str
     charts: list[dict[str, object]]
     picture: Picture
+    damage: tuple[str, ...]
 
 
 def scene_pages(
@@ -40,4 +42,4 @@ def scene_pages(
         own = {run: stroke for run, stroke in colours.items() if any(line.run == run for line in block.lines)}
         found = kept(run_dir, block.scene, results, verdict.gated)
         text = page(block, found, verdict, own, around, (panels or {}).get(block.scene, ()))
-        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture)
+        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture, found.damage)

@@ -1,12 +1,11 @@
 """summary.md: the run in the order in which a reviewer needs it. What we lose stands first."""
 
-from html import escape
-
 from reports import losses
 from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, KINEMATIC, hover_notes, ratio_sentence
 from reports.load import Results
+from reports.markdown import code, escaped
 from reports.marked import cell_note
 from reports.metric_words import words
 from reports.table_2 import Table2, markdown
@@ -21,35 +20,36 @@ MOST_LOSSES = 20
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {verdict.sentence}", KINEMATIC, _counts(verdict), loosest(verdict), *_troubles(verdict),
-             *_losses(results, verdict)]
+    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict), escaped(loosest(verdict)),
+             *_troubles(verdict), *_losses(results, verdict)]
     shown = blocks(results, reading_order(results, verdict))
     if shown:
-        parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), " ".join(hover_notes(results))]
+        hovering = escaped(" ".join(hover_notes(results)))
+        parts += ["### All scenes", CAVEAT, _table(shown, verdict.gated), ratio_sentence(), hovering]
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     if two:
         parts += ["### Table 2 of the paper, and its Figure 8", markdown(two)]
     if close and close.near:
-        parts += ["### Beside the nearest free posture", near_sentence(close.near)]
+        parts += ["### Beside the nearest free posture", escaped(near_sentence(close.near))]
     if close and close.pairs:
-        parts += [f"### Distance from the user beside {close.pairs[0].other}", pair_sentence(close.pairs)]
+        parts += [f"### Distance from the user beside {escaped(close.pairs[0].other)}", escaped(pair_sentence(close.pairs))]
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
-    parts.append(f"{'; '.join(told)}." if told else "The results say nothing about where they come from.")
+    parts.append(f"{escaped('; '.join(told))}." if told else "The results say nothing about where they come from.")
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _counts(verdict: Verdict) -> str:
-    return f"{scenes_sentence(verdict)} Gate: `{verdict.gated}`."
+    return f"{escaped(scenes_sentence(verdict))} Gate: {code(verdict.gated)}."
 
 
 def _troubles(verdict: Verdict) -> list[str]:
     """One list item per run that crashed or was not measured."""
     rows = []
     for row in verdict.crashed + verdict.unmeasured:
-        metric = f" {row.metric}" if row.metric not in ("", "run") else ""
-        reason = _text(row.note) or "no reason given"
-        rows.append(f"- **{row.status}** {row.scenario}, `{row.run}`{metric}: {reason}")
+        metric = f" {escaped(row.metric)}" if row.metric not in ("", "run") else ""
+        reason = escaped(row.note) or "no reason given"
+        rows.append(f"- **{row.status}** {escaped(row.scenario)}, {code(row.run)}{metric}: {reason}")
     return ["### Crashed or not measured", "\n".join(rows)] if rows else []
 
 
@@ -60,13 +60,14 @@ def _losses(results: Results, verdict: Verdict) -> list[str]:
     every = by_family(verdict.ranked, results.families)
     lines = ["| scene | measure | ours | theirs, or the limit |", "|---|---|---:|---|"]
     for loss in verdict.losses[:MOST_LOSSES]:
-        factor = f" ({loss.beside})" if loss.beside else ""
+        factor = f" ({escaped(loss.beside)})" if loss.beside else ""
         strong = "**" if loss.kind == "failed" else ""
-        lines.append(f"| {loss.scene} | {strong}{words(loss.what)}{strong} | {loss.ours}{factor} | {_text(loss.theirs)} |")
+        what, ours = f"{strong}{escaped(words(loss.what))}{strong}", f"{escaped(loss.ours)}{factor}"
+        lines.append(f"| {escaped(loss.scene)} | {what} | {ours} | {escaped(loss.theirs)} |")
     more = len(verdict.losses) - MOST_LOSSES
     after = [f"And {count(more, 'smaller one')}; see index.html."] if more > 0 else []
-    return ["### What we lose, worst first", losses.sentence(every, verdict.gated), losses.silent_sentence(verdict.ranked),
-            "\n".join(lines), *after]
+    return ["### What we lose, worst first", escaped(losses.sentence(every, verdict.gated)),
+            escaped(losses.silent_sentence(verdict.ranked)), "\n".join(lines), *after]
 
 
 def _table(shown: tuple[Block, ...], ours: str) -> str:
@@ -74,27 +75,22 @@ def _table(shown: tuple[Block, ...], ours: str) -> str:
     lines = ["| " + " | ".join(head) + " |", "|---|---|" + "---:|" * len(COLUMNS)]
     for block in shown:
         for line in block.lines:
-            name = f"**{line.run}**" if line.ours else line.run
-            trouble = f" {line.trouble}" if line.trouble and not line.nothing else ""
-            cells = _text(line.nothing) + " |" * (len(COLUMNS) - 1) if line.nothing else _cells(line, ours)
-            lines.append(f"| {block.scene} | {name}{trouble} | {cells} |")
+            name = f"**{escaped(line.run)}**" if line.ours else escaped(line.run)
+            trouble = f" {escaped(line.trouble)}" if line.trouble and not line.nothing else ""
+            cells = escaped(line.nothing) + " |" * (len(COLUMNS) - 1) if line.nothing else _cells(line, ours)
+            lines.append(f"| {escaped(block.scene)} | {name}{trouble} | {cells} |")
     return "\n".join(lines)
 
 
 def _cells(line: Line, ours: str) -> str:
     texts = []
     for cell in line.cells:
-        text = cell.word or quantity(cell.value, cell.row.unit if cell.row else "")
+        text = escaped(cell.word or quantity(cell.value, cell.row.unit if cell.row else ""))
         word = believed(cell.row, ours) if cell.row else ""
         if cell.row and cell.row.metric == "frame_time_p50" and cell.value is not None and (how := cell_note(cell, ours)[1]):
-            text += f" [{_text(how)}]"
+            text += f" [{escaped(how)}]"
         text = f"**{text} ✕**" if word == "fail" else f"{text} above bound" if word == "ceiling" else text
         if cell.ratio is not None and text != MISSING:
             text += " (best)" if cell.best else f" ({ratio(cell.ratio)})" if cell.ratio > 1.0 else ""
         texts.append(text)
     return " | ".join(texts)
-
-
-def _text(raw: str) -> str:
-    """Text from outside, on one line, and unable to end a table cell or to open a tag."""
-    return escape(" ".join(raw.split()), quote=False).replace("|", "\\|")

@@ -1,6 +1,5 @@
 """Accuracy against time, from what `scenarios sweep` left in the run: points, fronts, and whether the promised ratios hold."""
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,7 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
-from reports.files import lines, number
+from avatarsim.regular_file import read_json
+from reports.files import WHOLE, lines, number
 from reports.wording import count, figures, limit, listed
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
@@ -191,10 +191,7 @@ def load(run_dir: Path) -> Sweep | None:
 def _about(path: Path) -> Mapping[str, object]:
     if not path.exists():
         return {}
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InvalidFile(str(path), str(error), "the whole file that one command wrote") from error
+    found = read_json(path, str(path), WHOLE)
     if not isinstance(found, dict):
         raise InvalidFile(str(path), type(found).__name__, "an object")
     return found

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reports.files import lines, number
+from reports.markdown import escaped
 from reports.wording import MISSING, count, figures, limit, listed, quantity
 
 Array = NDArray[np.float64]
@@ -152,9 +153,10 @@ def markdown(table: Table2) -> str:
     head = ("| scene | method | frames | frame ms | joints | iterations | IK % | pairs | collision % | µs/joint | µs/iteration "
             "| µs/pair |")
     rows: Sequence[str] = [
-        f"| {r.scene} | {r.run} | {r.frames} | {cell(r.ms, 4 if r.ms < 1.0 else 2)} | {cell(r.joints)} | {cell(r.iterations)} | "
-        f"{cell(r.ik_share)} | {cell(r.pairs)} | {cell(r.collision_share)} | {cell(r.us_per_joint, 2)} | "
+        f"| {escaped(r.scene)} | {escaped(r.run)} | {r.frames} | {cell(r.ms, 4 if r.ms < 1.0 else 2)} | {cell(r.joints)} | "
+        f"{cell(r.iterations)} | {cell(r.ik_share)} | {cell(r.pairs)} | {cell(r.collision_share)} | {cell(r.us_per_joint, 2)} | "
         f"{cell(r.us_per_iteration, 2)} | {cell(r.us_per_pair, 2)} |" for r in table.lines
     ]
-    traces = [spike_sentence(run, *numbers) for run, numbers in table.trace.items()]
-    return "\n".join([head, "|---|---|" + "---:|" * 10, *rows, "", budget(table), ratios(table), *traces])
+    traces = [escaped(spike_sentence(run, *numbers)) for run, numbers in table.trace.items()]
+    said = [escaped(budget(table)), escaped(ratios(table)), *traces]
+    return "\n".join([head, "|---|---|" + "---:|" * 10, *rows, "", *said])

@@ -4,8 +4,9 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
+from contextlib import suppress
 
+from avatarsim.command_line import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import ablation, commands, comparison, listing
 from scenarios.files import OUT
@@ -34,12 +35,13 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
-    shared.add_argument("--settings", type=Path, metavar="FILE.toml", help="your own: each table [engine.name] adds a row")
+    shared.add_argument("--settings", type=path_option, metavar="FILE.toml", help="your own: each table [engine.name] adds a row")
     cpus = os.cpu_count() or 1
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
     shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")
-    shared.add_argument("--out", type=Path, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
-    shared.add_argument("--resume", type=Path, metavar="RUN", help="go on with the run in this folder, keeping its recordings")
+    shared.add_argument("--out", type=path_option, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
+    goes_on = "go on with the run in this folder, of which all is asked for, or more; its recordings are kept"
+    shared.add_argument("--resume", type=path_option, metavar="RUN", help=goes_on)
     shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")
     # for tests: a scene cut short proves nothing about the scene
     shared.add_argument("--frames", type=int, default=None, help=argparse.SUPPRESS)
@@ -76,17 +78,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         code, said = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
     except KeyboardInterrupt:
         code, said = STOPPED, "stopped"
-    except BrokenPipeError:
-        # whoever was reading has read enough; the interpreter would complain of the same pipe again at its end
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return INCOMPLETE
     except OSError as error:
-        where = f" at {error.filename}" if error.filename else f" below {asked.resume or asked.out}"
-        code, said = INCOMPLETE, f"the system refused a file{where}: {error.strerror or error}"
-    print(said, file=sys.stderr)
-    commands.say_last(asked, code, None)
+        if isinstance(error, BrokenPipeError) or isinstance(lost_output(), BrokenPipeError):
+            # the reader of what is printed has read enough
+            return INCOMPLETE
+        # every file that this harness writes is named: without a name it was a stream
+        where = f"a file at {error.filename}" if error.filename else "what was printed, or a file"
+        code, said = INCOMPLETE, f"the system refused {where}: {error.strerror or error}"
+    with suppress(OSError):
+        # where a stream takes nothing, the code says so alone
+        print(said, file=sys.stderr)
+        commands.say_last(asked, code, None)
+        sys.stdout.flush()
     return code
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
+from shutil import rmtree
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -20,7 +21,7 @@ from scenarios import record
 from scenarios.commands import Plan, begun, finished, nothing, passes, scenes
 from scenarios.engines import GATED
 from scenarios.files import plain, point_latest, write_json
-from scenarios.gate import bounds_of
+from scenarios.gate import STOPPED, bounds_of
 from scenarios.harness import outcomes
 from scenarios.job import Job, Outcome
 from scenarios.machine import Meter
@@ -42,6 +43,8 @@ FORCED = "forced"
 """Preset of the run with every effect that nothing calls for."""
 
 
+ASIDE = ".effects-"
+"""How the folder of recordings that are not kept begins; the rest of its name is random."""
 LONG, SHORT = "long", "short"
 """Forms of the file: of the command, and of the study that a comparison asks."""
 
@@ -193,12 +196,14 @@ def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
     code = passes(asked, made, ran, timed=True)
     told = lines(planned, ran.outcomes, ran.clocked, built, ran.scenarios)
     beside = asked.out.resolve() / "latest"
-    write(told, idle(planned, ran.clocked), LONG, [ran.folder, *([beside] if beside.is_dir() else [])])
-    if not beside.exists():
+    # of a run that was stopped nothing goes beside a whole one
+    also = [beside] if code != STOPPED and beside.is_dir() else []
+    write(told, idle(planned, ran.clocked), LONG, [ran.folder, *also])
+    if code != STOPPED and not beside.exists():
         # nothing was compared here before: the report is that of this run
         point_latest(ran.folder)
     print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else table(told))
-    return finished(asked, made, ran, code)
+    return finished(asked, words, made, ran, code)
 
 
 def ask(request: Request) -> list[str]:
@@ -210,7 +215,11 @@ def ask(request: Request) -> list[str]:
         return []
     built = {name: scenario.as_run(request.full).build() for name, scenario in scenarios.items()}
     planned = [job for name, scene in built.items() for job in jobs(name, scene, request.seed, request.full, None)]
-    with Progress("effects", 2 * len(planned), sys.stderr) as progress, TemporaryDirectory(dir=request.folder) as aside:
+    for left in request.folder.glob(f"{ASIDE}*"):
+        # of a run that was killed here
+        rmtree(left, ignore_errors=True)
+    aside_of = TemporaryDirectory(prefix=ASIDE, dir=request.folder)
+    with Progress("effects", 2 * len(planned), sys.stderr) as progress, aside_of as aside:
         done = {}
         for folder, as_it_is in ((request.folder, True), (Path(aside), False)):
             for outcome in outcomes([job for job in planned if (job.preset == PRESET) is as_it_is], folder, request.jobs):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import check
 
 MOST = 2**30
 """Bytes that all arrays of one file may take. The longest recording of the catalogue takes a twentieth; a file of a megabyte that
@@ -33,6 +34,7 @@ def write(file: IO[bytes], arrays: Mapping[str, NDArray[np.generic]]) -> None:
         for name, array in arrays.items():
             ending = f"@{array.dtype}"
             coded = ending in PLANES and array.ndim > 0
+            # a member opened by its name has no date: equal arrays are equal files, whenever they were written
             with archive.open(f"{name}{ending if coded else ''}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, planes(array) if coded else np.asarray(array), allow_pickle=False)
 
@@ -59,6 +61,7 @@ def joined(split: NDArray[np.uint8], kind: np.dtype[Any]) -> NDArray[np.generic]
 
 def read(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[str, NDArray[Any]]:
     """The arrays of a file whose name is `wanted`. Raises InvalidFile for one that is missing, damaged, or too large."""
+    check(path, f"arrays of {path}", "a whole .npz file from this runner", MOST)
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()

@@ -4,6 +4,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from pathlib import Path
@@ -12,7 +13,7 @@ from types import MappingProxyType
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, likely
 from scenarios import offered as scenes_offered
 from scenarios.engines import GATED, known
-from scenarios.files import plain, point_latest, run_folder
+from scenarios.files import clear_halves, plain, point_latest, run_folder
 from scenarios.filtered import filtered, unmatched
 from scenarios.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.harness import Run, offers
@@ -21,13 +22,15 @@ from scenarios.own_settings import OwnSettings, read
 from scenarios.own_trial import tried
 from scenarios.provenance import provenance
 from scenarios.results import Row, is_time
-from scenarios.resume import earlier_run, how_to_go_on
+from scenarios.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
 from scenarios.sayable import Unsaid
 from scenarios.scenario import Scenario
 from scenarios.table import table
 from scenarios.table_2.printed import SCENES
 from scenarios.variants import VARIANTS, variants_of
 
+MOST_SEED = 2**31 - 1
+"""Largest seed: what every engine takes as one, some of them as a number of 32 bits."""
 PILES = ("stack_ten", "stack_struck", "balls_216")
 """Scenes of many contacts whose times stand beside those of the everyday ones in `bench`."""
 
@@ -75,7 +78,10 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
         raise InvalidInput("--jobs", asked.jobs, "0 at least")
     if asked.resume is not None:
         earlier_run(asked.resume, asked.command)
-    own = read(asked.settings, known()) if asked.settings else ()
+    for seed in asked.seed:
+        if not 0 <= seed <= MOST_SEED:
+            raise InvalidInput("--seed", seed, f"0 to {MOST_SEED}")
+    own = read(asked.settings, known(), names) if asked.settings else ()
     found = scenes(asked)
     offered = offers(names, asked.jobs) if found else {}
     missing = [name for name in names if name in offered and offered[name].trouble]
@@ -153,15 +159,13 @@ def carried_out(
             ran.note, code = trouble, code or INCOMPLETE
             ran.write(None if code == STOPPED else code)
             print(trouble, file=sys.stderr)
-    if ran.folder.parent == asked.out.resolve():
-        # the folder of a run that was resumed may lie anywhere, and beside it nothing is ours
-        point_latest(ran.folder)
+    lead_to(ran, asked, code)
     families = {name: scenario.family or name for name, scenario in made.scenarios.items()}
     scales = {name: scenario.scale for name, scenario in made.scenarios.items()}
     show(asked, ran.rows(), made.gated, families, ran.unsaid(), scales)
     for said in ran.lapses():
         print(said, file=sys.stderr)
-    return finished(asked, made, ran, code)
+    return finished(asked, words, made, ran, code)
 
 
 def studied(ran: Run, also: Callable[[Run], Sequence[str]], code: int) -> int:
@@ -190,11 +194,28 @@ def nothing(asked: argparse.Namespace) -> int:
 
 
 def begun(asked: argparse.Namespace, words: Sequence[str], made: Plan, limits: Ceilings) -> Run:
-    """The run's folder, with a results.json that says that it has begun: from here on it can be resumed."""
-    folder = earlier_run(asked.resume, asked.command) if asked.resume else run_folder(asked.out, asked.command).resolve()
-    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, provenance(list(words)) | scenes_offered.origin(made.jobs))
+    """The run's folder, with its plan and a results.json that says that it has begun: from here on it can be resumed. The results
+    of an earlier run that had ended stay until this one ends. Raises InvalidInput where that one has what is not asked for."""
+    stays = False
+    if asked.resume is None:
+        folder = run_folder(asked.out, asked.command).resolve()
+    else:
+        folder = earlier_run(asked.resume, asked.command)
+        check_plan(folder, made.jobs)
+        clear_halves(folder)
+        stays = has_ended(folder)
+    write_plan(folder, words, made.jobs)
+    origin = provenance(list(words)) | scenes_offered.origin(made.jobs)
+    ran = Run(folder, made.scenarios, made.jobs, made.gated, limits, origin, stays)
     ran.write(None)
     return ran
+
+
+def lead_to(ran: Run, asked: argparse.Namespace, code: int) -> None:
+    """Let `latest` lead to a run that has come to its end. The folder of one that was resumed may lie anywhere, and what is
+    called `latest` beside it may be of something else."""
+    if code != STOPPED and ran.folder.parent == asked.out.resolve():
+        point_latest(ran.folder)
 
 
 def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_length: bool = False) -> int:
@@ -212,25 +233,28 @@ def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_leng
     return code
 
 
-def finished(asked: argparse.Namespace, made: Plan, ran: Run, code: int) -> int:
+def finished(asked: argparse.Namespace, words: Sequence[str], made: Plan, ran: Run, code: int) -> int:
     """The last words of a run, and its code."""
     if code == STOPPED:
-        print(how_to_go_on(ran.folder), file=sys.stderr)
+        with suppress(OSError):
+            # a terminal that was closed takes no words, and the run is safe in its files
+            print(how_to_go_on(ran.folder, words), file=sys.stderr)
     say_last(asked, code, ran.folder, meaning(code, ran.rows(), made.gated))
     return code
 
 
 def reported(folder: Path) -> str:
-    """Write the report of a run; empty, or one sentence about why there is none. The figures are safe in their files before."""
+    """Write the report of a run; empty, or one sentence about why there is none, or what it is without. The figures are safe in
+    their files before."""
     try:
         # by name, as engines are: reports stand above scenarios and may import them, never the other way round
-        import_module("reports").write_report(folder)
+        damage = import_module("reports").write_report(folder)
     except (ImportError, AvatarsimError) as error:
         return f"the report was not written: {error}"
     except Exception as error:
         # a fault in a chart must not cost the verdict
         return f"the report was not written: {type(error).__name__}: {error}"
-    return ""
+    return f"left out of the report, since it cannot be used: {'; '.join(damage)}" if damage else ""
 
 
 def show(
@@ -261,9 +285,8 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         return nothing(asked)
     ran = begun(asked, words, made, {})
     code = passes(asked, made, ran, timed=True, at_length=True)
-    if ran.folder.parent == asked.out.resolve():
-        # what times single queries, and the report after it, look for this run there
-        point_latest(ran.folder)
+    # what times single queries, and the report after it, look for this run there
+    lead_to(ran, asked, code)
     rows = [row for row in ran.rows() if is_time(row.metric) or row.status in ("crashed", "not-measured")]
     if asked.json:
         show(asked, rows, frozenset())
@@ -271,4 +294,4 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         for row in rows:
             value = row.note if row.value is None else f"{row.value:12.4g} {row.unit:3} {row.note}".rstrip()
             print(f"{row.scenario:24} {row.run:20} {row.metric:28} {value}")
-    return finished(asked, made, ran, code)
+    return finished(asked, words, made, ran, code)

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,8 +23,40 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
         with beside.open("wb") as file:
             write(file)
         os.replace(beside, path)
+    except OSError as error:
+        if error.errno is not None and error.filename is None:
+            # a disk that is full names no file
+            error.filename = str(path)
+        raise
     finally:
         beside.unlink(missing_ok=True)
+
+
+HALF = re.compile(r"\.(.+)\.([0-9]+)")
+"""Name of a file that is being written: that of its place, and the process that writes it."""
+
+
+def clear_halves(folder: Path) -> None:
+    """Remove, in and below `folder`, what processes were writing when they were killed; halves of a living one stay."""
+    for path in folder.rglob(".*"):
+        match = HALF.fullmatch(path.name)
+        if match and path.is_file() and not _runs(int(match.group(2))):
+            path.unlink(missing_ok=True)
+
+
+def _runs(process: int) -> bool:
+    """Whether a process of that number is there, so far as the system tells."""
+    if os.name != "posix":
+        # where the question itself would end it
+        return True
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        # there, and another user's
+        return True
+    return True
 
 
 def write_text(path: Path, text: str) -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from avatarsim.command_line import ended
 from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps
 from avatarsim.linking import CalledKernel
 from scenarios import catalog
@@ -179,4 +180,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

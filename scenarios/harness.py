@@ -102,13 +102,14 @@ class Run:
 
     def __init__(
         self, folder: Path, scenarios: Mapping[str, Scenario], jobs: Iterable[Job], gated: frozenset[tuple[str, str]],
-        limits: Ceilings, provenance: Mapping[str, object],
+        limits: Ceilings, provenance: Mapping[str, object], stays: bool = False,
     ) -> None:
+        """`stays`: results that lie in the folder are those of a whole run, and stay until this one has ended."""
         self.folder, self.scenarios, self.jobs, self.gated = folder, scenarios, list(jobs), gated
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
         self.clocked: dict[str, Clocked] = {}
-        self.note, self.written, self.writing = "", self.begun, 0.0
+        self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
     def measure(self, ready: Sequence[Outcome], workers: int) -> None:
         """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
@@ -225,7 +226,8 @@ class Run:
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
             notes=[note for note in (self.note, *self.lapses()) if note],
         )
-        results.write(known, self.folder)
+        if code is not None or not self.stays:
+            results.write(known, self.folder)
         self.written = time.monotonic()
         self.writing = self.written - begun
         return known

@@ -5,15 +5,16 @@ z is up, so a vector (x, y, z) becomes (x, -z, y) and a quaternion (w, x, y, z) 
 Hinge angles keep their sign, because the hinge axes of the humanoid turn along.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.regular_file import read_json
 from avatarsim.spatial import rotation
 from scenarios.data_folder import data_file, pybullet_data
 from scenarios.scenario import RENDERED
@@ -105,12 +106,7 @@ def read_clip(path: Path) -> Clip:
 def _frames(path: Path) -> tuple[Array, bool]:
     """The (F, 44) numbers of a clip file and whether it wraps, everything checked but the quaternions."""
     valid = f"JSON with Loop and at least 2 Frames of {COLUMNS} finite numbers each, steps above 0"
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InvalidFile(f"clip {path.name}", str(error), valid) from error
-    except json.JSONDecodeError as error:
-        raise InvalidFile(f"clip {path.name}", f"cut off or not JSON: {error}", valid) from error
+    content: Any = read_json(path, f"clip {path.name}", valid)
     rows = content.get("Frames") if isinstance(content, dict) else None
     if not isinstance(rows, list) or len(rows) < 2:
         count = len(rows) if isinstance(rows, list) else None
@@ -121,7 +117,7 @@ def _frames(path: Path) -> tuple[Array, bool]:
             raise InvalidFile(f"number of columns of frame {k} of clip {path.name}", columns, valid)
     try:
         frames = np.array(rows, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidFile(f"numbers of clip {path.name}", str(error), valid) from error
     bad = ~np.isfinite(frames).all(axis=1) | ~(frames[:, 0] > 0.0)
     # the last step leads nowhere, and some writers put 0 there

@@ -1,15 +1,19 @@
 """Settings that a user brings for an engine: each adds a row of its own beside the engine's presets."""
 
 import re
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.regular_file import read_toml
 
-NAME = re.compile(r"[A-Za-z0-9_.=-]+")
+LONGEST = 80
+"""Characters of a row's name. File systems take 255 in the name of a recording, which holds the scene and the engine too."""
+NAME = re.compile(rf"[A-Za-z0-9_.=-]{{1,{LONGEST}}}")
 """What a row may be called: its name becomes part of file names, addresses and tables."""
+MOST_BYTES = 2**20
+"""Bytes of a file of settings."""
 
 
 @dataclass(frozen=True)
@@ -22,24 +26,25 @@ class OwnSettings:
     options: Mapping[str, object]
 
 
-def read(path: Path, engines: Iterable[str]) -> tuple[OwnSettings, ...]:
+def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None) -> tuple[OwnSettings, ...]:
     """Read a TOML file with a table [engine.name] per row: `preset` is the base ("default"), all else are options.
 
-    Raises InvalidFile, or UnknownName for an engine that nobody registered."""
+    Raises InvalidFile, UnknownName for an engine that is none of `engines`, InvalidInput for one that is not among those `asked`
+    for (None: all are): its rows would be left out."""
     known = list(engines)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "a readable TOML file") from error
+    content = read_toml(path, str(path), "a readable TOML file", MOST_BYTES)
     rows = []
     for engine, tables in content.items():
         if engine not in known:
             raise UnknownName(f"engine in {path}", engine, known)
+        if asked is not None and engine not in asked:
+            valid = f"one of the engines that this command asks: {', '.join(asked)} (--engine names others)"
+            raise InvalidInput(f"engine of a table in {path}", engine, valid)
         if not isinstance(tables, dict) or not tables or not all(isinstance(entry, dict) for entry in tables.values()):
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
         for name, entry in tables.items():
             if not NAME.fullmatch(name):
-                valid = "letters a to z, digits, - _ . =: it becomes part of file names"
+                valid = f"1 to {LONGEST} of letters a to z, digits, - _ . =: it becomes part of file names"
                 raise InvalidFile(f"name of a row in {path}", name, valid)
             options = {key: value for key, value in entry.items() if key != "preset"}
             rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))

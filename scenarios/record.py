@@ -132,7 +132,7 @@ def about(stored: NDArray[np.str_] | None, path: Path) -> tuple[dict[str, object
     try:
         meta = json.loads(str(stored))
         return meta, meta.pop("schema_version")
-    except (ValueError, KeyError, AttributeError, TypeError) as error:
+    except (ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
         raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", "what this runner wrote") from error
 
 

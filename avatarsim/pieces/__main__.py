@@ -4,6 +4,7 @@ import argparse
 import json
 import sys
 
+from avatarsim.command_line import ended
 from avatarsim.errors import AvatarsimError
 from avatarsim.pieces.found import Pieces
 from avatarsim.pieces.from_mesh import pieces_of_mesh
@@ -82,4 +83,4 @@ def as_json(path: str, found: Pieces) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -7,6 +7,7 @@ import numpy as np
 
 from avatarsim.errors import InvalidFile
 from avatarsim.pieces.mesh import Array, Indices, Mesh
+from avatarsim.regular_file import read_text
 
 
 def read_obj(path: Path) -> Mesh:
@@ -49,10 +50,7 @@ def groups(path: Path) -> tuple[tuple[Array, Indices], ...]:
 
 
 def _lines(path: Path) -> Iterable[str]:
-    try:
-        return path.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError as error:
-        raise InvalidFile(f"mesh {path.name}", error.strerror or str(error), "a readable OBJ file") from error
+    return read_text(path, f"mesh {path.name}", "a readable OBJ file", errors="replace").splitlines()
 
 
 def _index(word: str, count: int) -> int:

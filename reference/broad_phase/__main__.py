@@ -6,6 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from reference.broad_phase.clock import KERNELS, MOST_OBJECTS, measure
 from reference.broad_phase.layouts import LAYOUTS, MOTIONS, field
 from reference.broad_phase.rows import Row, csv_text
@@ -26,7 +27,7 @@ WRONG = 1
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(prog="python -m reference.broad_phase", description=__doc__)
-    parser.add_argument("--run", type=Path, default=LATEST, metavar="FOLDER", help="folder for the file (default: the last run)")
+    parser.add_argument("--run", type=path_option, default=LATEST, metavar="FOLDER", help="folder for the file (the last run)")
     parser.add_argument("--quick", action="store_true", help="few objects and frames: shows that it runs, times mean nothing")
     asked = parser.parse_args(argv)
     (warm, samples, work), begun = (QUICK if asked.quick else FULL), time.monotonic()
@@ -46,4 +47,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

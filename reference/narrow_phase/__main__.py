@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from reference.narrow_phase.benchmark import FULL, QUICK, ROWS, about, measure, write
 from reference.narrow_phase.cells import cells
 from reference.narrow_phase.field import ROOMS
@@ -26,7 +27,7 @@ NOTHING, MISSING = 5, 3
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(prog="python -m reference.narrow_phase", description=__doc__)
-    parser.add_argument("--run", type=Path, metavar="FOLDER", help="folder for the files (default: the last run)")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the files (default: the last run)")
     parser.add_argument("--cells", default="*", metavar="GLOB", help='cells by name, such as "box-*" or "* deep"')
     parser.add_argument("--quick", action="store_true", help="a few pairs: shows that it runs, times mean nothing")
     asked = parser.parse_args(argv)
@@ -56,4 +57,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

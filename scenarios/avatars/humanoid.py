@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_bytes
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
@@ -41,11 +42,12 @@ in a clip is the motion's own doing.
 def humanoid(name: str = "human") -> Avatar:
     """The avatar; link frames sit in the joints, x forward, y left, z up when all joints are at zero."""
     path = data_file("humanoid/humanoid.urdf")
+    thing, valid = f"humanoid {path.name}", "a whole URDF file"
     try:
         # the file as shipped ends in a zero byte, a C string written whole, which no XML may hold
-        robot = ElementTree.fromstring(path.read_bytes().rstrip(b"\0"))
+        robot = ElementTree.fromstring(read_bytes(path, thing, valid).rstrip(b"\0"))
     except ElementTree.ParseError as error:
-        raise InvalidFile(f"humanoid {path.name}", str(error), "a whole URDF file") from error
+        raise InvalidFile(thing, str(error), valid) from error
     elements = {_word(path, link, "name"): link for link in robot.iter("link")}
     links = []
     for joint in robot.findall("joint"):

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_bytes
 from avatarsim.scene.avatar import Link
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges, Joint, Rigid
@@ -153,10 +154,12 @@ class Mjcf:
 
 def parsed(path: Path) -> Element:
     """The root element of an XML file; InvalidFile when it is missing or cut off."""
+    thing, valid = f"MJCF file {path.name}", "a whole MJCF file"
     try:
-        return ElementTree.fromstring(path.read_bytes())
-    except (OSError, ElementTree.ParseError) as error:
-        raise InvalidFile(f"MJCF file {path.name}", str(error), "a whole MJCF file") from error
+        return ElementTree.fromstring(read_bytes(path, thing, valid))
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
+        # the last two: an encoding that Python does not know
+        raise InvalidFile(thing, str(error), valid) from error
 
 
 def named(element: Element) -> str:

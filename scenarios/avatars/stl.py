@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_bytes
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
 
 Array = NDArray[np.float64]
@@ -17,10 +18,7 @@ HEADER, RECORD = 84, 50
 def corners(path: Path) -> Array:
     """(3 t, 3) corners of all triangles, in the file's unit. InvalidFile when it is not a whole binary STL file."""
     valid = "a binary STL file: 84 bytes, then 50 per triangle, finite numbers"
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InvalidFile(f"mesh {path.name}", str(error), valid) from error
+    content = read_bytes(path, f"mesh {path.name}", valid)
     count = int.from_bytes(content[HEADER - 4 : HEADER], "little") if len(content) >= HEADER else 0
     if count == 0 or len(content) != HEADER + RECORD * count:
         raise InvalidFile(f"length of {path.name}", len(content), valid)

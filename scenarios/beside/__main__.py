@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judge import Judge
 from scenarios.beside.pair import Among, Beside, compared
@@ -17,7 +18,7 @@ from scenarios.beside.table import FIGURES, known, table
 from scenarios.csv_rows import csv_lines
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
-from scenarios.kept import as_recorded, scenes_of
+from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.record import load
 
 DIGITS = 8
@@ -32,7 +33,8 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
     both = [name for name in scenes_of(run, ours, pattern) if name in scenes_of(run, theirs, pattern)]
     found = []
     for name in both:
-        first, second = (load(run / "recordings" / f"{name}.{who}.0.npz") for who in (ours, theirs))
+        paths = [run / "recordings" / f"{name}.{who}.0.npz" for who in (ours, theirs)]
+        first, second = (fitting(load(path), path, path is paths[0]) for path in paths)
         scenario = as_recorded(name, first)
         scene = scenario.build()
         if not scene.links:
@@ -61,7 +63,7 @@ def csv_text(found: Sequence[Beside], theirs: str) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Compare, print, write. 0: ours is nowhere farther; 1: somewhere; 2: usage."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.beside", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--engine", default="mujoco", metavar="NAME", help="the other engine (default: mujoco)")
     parser.add_argument("--preset", default="tuned", metavar="NAME", help="with which preset (default: tuned)")
@@ -82,4 +84,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -1,12 +1,12 @@
 """What was found, by key: one small file each, whole or absent, so that a run that is killed loses nothing it had finished."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from avatarsim.errors import InvalidInput
-from scenarios.files import write_json
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.regular_file import read_json
+from scenarios.files import clear_halves, write_json
 
 Entry = Mapping[str, Any]
 
@@ -20,6 +20,7 @@ class Store:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InvalidInput("folder of results", str(folder), "a folder that can be made") from error
+        clear_halves(folder)
 
     def path(self, kind: str, key: str) -> Path:
         """The file of one entry."""
@@ -27,9 +28,10 @@ class Store:
 
     def get(self, kind: str, key: str) -> Entry | None:
         """The entry, None where there is none or where what lies there is not one: it is then found again."""
+        path = self.path(kind, key)
         try:
-            found = json.loads(self.path(kind, key).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            found = read_json(path, str(path), "an entry of the store")
+        except InvalidFile:
             return None
         return found if isinstance(found, dict) and found.get("key") == key and found.get("kind") == kind else None
 

@@ -7,10 +7,10 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
@@ -76,7 +76,7 @@ def timed(engines: dict[str, tuple[str, ...]], quick: bool) -> list[Row]:
 def main(argv: Sequence[str] | None = None) -> int:
     """Time, print, write. 0: done; 2: usage; 3: an engine gave no times."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.growth", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--quick", action="store_true", help="the smallest sizes only: shows that it runs")
@@ -99,4 +99,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

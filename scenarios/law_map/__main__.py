@@ -9,9 +9,9 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
@@ -26,6 +26,7 @@ from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained, without_figures
 from scenarios.law_map.rows import Row, table
 from scenarios.processes import Died
+from scenarios.resume import stoppable
 from scenarios.side_by_side import side_by_side
 
 DIGITS = 9
@@ -74,7 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m scenarios.law_map", description=str(__doc__).splitlines()[2])
     # without a last run none is made up: its name must stay free for a link
     beside = OUT / ("latest" if (OUT / "latest").is_dir() else "sweep")
-    parser.add_argument("--run", type=Path, default=beside, metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, default=beside, metavar="FOLDER", help="folder for the file")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--law", nargs="+", default=worlds.LAWS, choices=worlds.LAWS, metavar="NAME")
@@ -88,7 +89,8 @@ def main(argv: Sequence[str] | None = None) -> int:
                 raise UnknownName("engine", name, known())
         offered = offers(asked.engine, 1)
         presets = {name: offered[name].presets for name in asked.engine if not offered[name].trouble}
-        rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
+        with stoppable():
+            rows = measured(jobs_of(asked, presets), Store(asked.run.absolute().parent / "sweep" / "found"), asked.jobs)
         asked.run.mkdir(parents=True, exist_ok=True)
         write_text(asked.run / NAME, csv_text(rows, Row, DIGITS))
     except AvatarsimError as error:
@@ -103,4 +105,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

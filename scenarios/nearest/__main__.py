@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text
@@ -60,7 +61,7 @@ def kept(run: Path, names: Sequence[str], first: str, count: int, jobs: int) -> 
 def main(argv: Sequence[str] | None = None) -> int:
     """Search, print, write. 0: within the promise in every scene; 1: not; 2: usage, or no answer for a scene; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.nearest", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help=f"frames per scene (default: {FRAMES})")
     parser.add_argument("--engine", default="avatarsim", metavar="NAME", help="whose postures (default: avatarsim)")
@@ -92,4 +93,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

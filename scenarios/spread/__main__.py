@@ -7,8 +7,8 @@ into the run's folder.
 import argparse
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios import catalog
 from scenarios.csv_rows import csv_text
@@ -36,7 +36,7 @@ def line(row: Spread) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run, print, write. 0: done; 2: usage."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.spread", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
     parser.add_argument("--orders", type=int, default=ORDERS, metavar="N", help=f"orders tried (default: {ORDERS})")
     parser.add_argument("--engine", default=GATED[0], metavar="NAME", help=f"engine (default: {GATED[0]}), all its presets")
     asked = parser.parse_args(argv)
@@ -60,4 +60,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

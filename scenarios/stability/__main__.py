@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known
@@ -60,8 +61,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 5: the filter matched nothing;
     130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.stability", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, metavar="FOLDER", help="folder for the rows (default: that of the last run)")
-    parser.add_argument("--kept", type=Path, default=KEPT, metavar="FOLDER", help="folder of what is finished")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the rows (default: that of the last run)")
+    parser.add_argument("--kept", type=path_option, default=KEPT, metavar="FOLDER", help="folder of what is finished")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--filter", default="*", metavar="GLOB,...", help="cases (default: all)")
@@ -95,4 +96,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

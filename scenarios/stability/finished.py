@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
+from avatarsim.regular_file import read_text
 from scenarios.files import plain, write_text
 from scenarios.provenance import PACKAGES, code_hash, version
 from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task
@@ -36,7 +37,8 @@ class Finished:
         self.path, self.stamped = path, stamped
         self.known: dict[str, Outcome] = {}
         if path.exists():
-            lines = path.read_text(encoding="utf-8").splitlines()
+            # a byte that a killed sweep left half of costs its line and no other
+            lines = read_text(path, str(path), "the file of a sweep of stability", errors="replace").splitlines()
             good = [line for line in lines if self._read(line)]
             if len(good) < len(lines):
                 write_text(path, "".join(f"{line}\n" for line in good))
@@ -47,7 +49,7 @@ class Finished:
             if entry["stamp"] != self.stamped:
                 return False
             self.known[str(entry["key"])] = Outcome.from_json(entry["outcome"])
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, RecursionError):
             # the last line of a sweep that was killed may be half written; what it said is asked again
             return False
         return True

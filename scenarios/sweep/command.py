@@ -3,7 +3,8 @@
 import argparse
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -105,10 +106,12 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
     for name in engines:
         if name not in known():
             raise UnknownName("engine", name, known())
-    for option, value, least in (("--jobs", asked.jobs, 0), ("--frames", asked.frames, 1)):
+    for option, value, least in (("--jobs", asked.jobs, 0), ("--frames", asked.frames, 1), ("--seed", min(asked.seed), 0)):
         if value is not None and value < least:
             raise InvalidInput(option, value, f"{least} at least")
-    own = read(asked.settings, known()) if asked.settings else ()
+    if asked.resume is not None:
+        raise InvalidInput("--resume", str(asked.resume), "none: what a sweep has found it keeps, and the same command goes on")
+    own = read(asked.settings, known(), engines) if asked.settings else ()
     scenes = swept(asked.filter, asked.full)
     if not scenes:
         return nothing(asked)
@@ -125,12 +128,15 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
         limits = converge([n for n in limit.SCENES if n in scenes], presets, store, asked.jobs, asked.full, asked.frames)
     except KeyboardInterrupt:
         code = STOPPED
-        print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
+        with suppress(OSError):
+            # a terminal that was closed takes no words
+            print("stopped; what was finished is kept, and the same command goes on from there", file=sys.stderr)
     rows = ran.rows()
     about = {"form": "long", "settings": len(ran.cells), "kept": ran.kept}
     files = {ROWS: csv_text(rows, Row), ABOUT: json.dumps(about) + "\n"}
     files |= {LIMITS: csv_text(limits, limit.Row)} if limits else {}
-    written(folder, asked.out.resolve() / "latest", files)
+    # of a sweep that was stopped nothing goes beside the results of a whole run
+    written([folder] if code else [folder, *_last_run(asked.out.resolve())], files)
     text = "\n".join(part for part in (table(rows), limits_table(limits)) if part)
     print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else text)
     for name, trouble in absent.items():
@@ -142,8 +148,13 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
     return code
 
 
-def written(folder: Path, latest: Path, files: dict[str, str]) -> None:
+def written(places: Sequence[Path], files: Mapping[str, str]) -> None:
     """The files of the sweep in its own folder and, where there is a last run, beside its results, for the report."""
-    for place in (folder, *([latest] if latest.is_dir() else [])):
+    for place in places:
         for name, text in files.items():
             write_text(place / name, text)
+
+
+def _last_run(out: Path) -> list[Path]:
+    """The folder of the last run; none before there is one."""
+    return [out / "latest"] if (out / "latest").is_dir() else []

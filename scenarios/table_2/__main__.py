@@ -5,13 +5,13 @@ figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run'
 """
 
 import argparse
-import json
 import math
 import sys
 from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
+from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError
 from scenarios.csv_rows import csv_lines
 from scenarios.files import OUT, write_text
@@ -67,12 +67,12 @@ def table(found: Sequence[Row]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Read, print, write. 0: done; 2: the run cannot be used; 5: it has none of the scenes."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.table_2", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=Path, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
     parser.add_argument("--no-clocks", action="store_true", help="leave out the shares, which need a run of their own")
     asked = parser.parse_args(argv)
     try:
         found = written(asked.run, not asked.no_clocks)
-    except (AvatarsimError, OSError, json.JSONDecodeError) as error:
+    except (AvatarsimError, OSError) as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
     if not found:
@@ -84,4 +84,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

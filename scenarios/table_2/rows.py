@@ -1,18 +1,21 @@
 """The rows of Table 2, the paper's own beside those of a run, and the trace of Figure 8."""
 
-import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import read_json
 from reference.frame_shares.measure import Shares, measured
-from scenarios.kept import as_recorded, scenes_of
+from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.measure.tracker_offset import angle_offsets
 from scenarios.record import Recording, load
+from scenarios.results import MOST_BYTES
 from scenarios.table_2.printed import SCENES
 
 Array = NDArray[np.float64]
@@ -23,6 +26,7 @@ PRINTED = "printed in the paper"
 OURS = "avatarsim"
 AWAY = 1e-4
 """Angle [rad] from the user's from which a joint counts as moved: far below what can be seen, far above rounding."""
+WHOLE = "the whole file of a run"
 REPEATS = 3
 """Runs of which each frame's quickest is taken."""
 
@@ -86,22 +90,30 @@ class Run:
         return float(numbers[1:].mean()) if numbers is not None and len(numbers) > 1 else math.nan
 
 
+def _numbers(values: Iterable[float | str | None]) -> list[float]:
+    return [math.nan if value is None else float(value) for value in values]
+
+
 def runs(folder: Path) -> list[Run]:
     """Every engine and preset with times in the run, in the scenes of Table 2, seed 0."""
-    results = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    tails = {(row["scenario"], f"{row['engine']}/{row['preset']}"): row["value"] for row in results.get("rows", ())
-             if row["metric"] == "frame_time_p99" and row["seed"] == 0 and row["value"] is not None}
+    path = folder / "results.json"
+    results: Any = read_json(path, f"results {path}", WHOLE, MOST_BYTES)
+    try:
+        tails = {(row["scenario"], f"{row['engine']}/{row['preset']}"): float(row["value"]) for row in results.get("rows", ())
+                 if row["metric"] == "frame_time_p99" and row["seed"] == 0 and row["value"] is not None}
+        series = {(scene, name): (_numbers(numbers["frame_time_us"]), _numbers(numbers["overlap_m"]))
+                  for scene in SCENES for name, numbers in results["series"].get(scene, {}).items()}
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InvalidFile(f"results {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     found = []
-    for scene in SCENES:
-        for name, series in results["series"].get(scene, {}).items():
-            who = name.replace("/", ".")
-            # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
-            from_start = series["frame_time_us"] and series["frame_time_us"][0] is not None
-            if from_start and scene in scenes_of(folder, who):
-                recording = load(folder / "recordings" / f"{scene}.{who}.0.npz")
-                overlap = max((float(value) for value in series["overlap_m"]), default=math.nan)
-                times, p99 = np.array(series["frame_time_us"], dtype=np.float64), float(tails.get((scene, name), math.nan))
-                found.append(Run(scene, name, recording, times, overlap, p99))
+    for (scene, name), (times, overlap) in series.items():
+        who = name.replace("/", ".")
+        # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
+        if times and not math.isnan(times[0]) and scene in scenes_of(folder, who):
+            kept = folder / "recordings" / f"{scene}.{who}.0.npz"
+            recording = fitting(load(kept), kept)
+            deepest, p99 = max(overlap, default=math.nan), tails.get((scene, name), math.nan)
+            found.append(Run(scene, name, recording, np.array(times, dtype=np.float64), deepest, p99))
     return found
 
 

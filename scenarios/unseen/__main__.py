@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from avatarsim.command_line import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.gate import FAILED, HELD, INCOMPLETE, USAGE
 from scenarios.processes import Died, Pool
@@ -67,4 +68,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -1,6 +1,7 @@
 """A page per scene: whole, with its replay where three.js is, in words where it is not, and from files alone."""
 
 import json
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -8,13 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from markupsafe import escape
 
 from avatarsim.errors import InvalidFile
 from reports import three_js, write_report
 from reports.courses import conclusion, courses, sentence
 from reports.kept import drawn, shown
+from reports.load import load
 from reports.packed import unpacked
 from reports.replay import MOST_BYTES, replay, stride
+from reports.scene_page import kept
 from scenarios import array_file
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.test_page import Tree
@@ -106,12 +110,57 @@ def test_nan_in_a_recording_is_hidden_not_drawn(folder: Path) -> None:
 THEIR_FILE = f"{NAME}.mujoco.default.0.npz"
 
 
-@pytest.mark.parametrize("file", [f"scenes/{NAME}.json", f"recordings/{THEIR_FILE}", f"overlaps/{THEIR_FILE}"])
-def test_a_damaged_file_is_named_and_no_page_is_written(folder: Path, file: str) -> None:
-    (folder / file).write_bytes((folder / file).read_bytes()[:40])
-    with pytest.raises(InvalidFile, match=re.escape(Path(file).name)):
-        write_report(folder)
-    assert not (folder / "index.html").exists() and not list(folder.glob("scenes/*.html")) and not list(folder.rglob(".*.part"))
+def left_out(folder: Path, *words: str) -> str:
+    """Write the pages: one file costs its part of this scene, is named on both pages, and nothing else is missing. Returns the
+    page of the scene."""
+    (said,) = write_report(folder)
+    index = (folder / "index.html").read_text(encoding="utf-8")
+    text = (folder / "scenes" / f"{NAME}.html").read_text(encoding="utf-8")
+    assert said.startswith(f"{NAME}: ") and all(word in said for word in words) and str(folder) not in said
+    told = str(escape(said.removeprefix(f"{NAME}: ")))
+    assert f"Left out, since it cannot be used: {told}" in text and f"Left out, since it cannot be used: {NAME}: {told}" in index
+    others = [path.read_text(encoding="utf-8") for path in folder.glob("scenes/*.html") if path.stem != NAME]
+    assert others and not any("Left out, since" in other for other in others)
+    return text
+
+
+@pytest.mark.parametrize("content", [b"half", None])
+@pytest.mark.parametrize(("file", "plays"), [
+    (f"scenes/{NAME}.json", None), (f"recordings/{THEIR_FILE}", [OURS]), (f"overlaps/{THEIR_FILE}", [OURS]),
+])
+def test_a_damaged_file_costs_its_part_and_is_named(
+    folder: Path, file: str, plays: list[str] | None, content: bytes | None,
+) -> None:
+    (folder / file).unlink()
+    if content is None:
+        os.mkfifo(folder / file)
+    else:
+        (folder / file).write_bytes(content)
+    text = left_out(folder, Path(file).name)
+    if three_js.library() is not None and plays:
+        assert [run["run"] for run in held(text, "replay-data")["runs"]] == plays
+    if plays is None:
+        assert "Nothing was recorded here that could be played." in text
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_poses_of_ours_that_are_no_numbers_cost_the_replay_of_their_scene(folder: Path, value: float) -> None:
+    path = folder / "recordings" / f"{NAME}.avatarsim.default.0.npz"
+    arrays = array_file.read(path)
+    arrays["positions"][:] = value
+    with path.open("wb") as file:
+        array_file.write(file, arrays)
+    assert "Nothing was recorded here that could be played." in left_out(folder, "cannot be drawn")
+
+
+@pytest.mark.parametrize(("change", "named"), [
+    ({"bodies": []}, "bodies"), ({"bodies": [3]}, "json"), ({"gravity": [10**400, 0, 0]}, "json"), ({"gravity": [1.0]}, "json"),
+    ({"bodies": [dict.fromkeys(("name", "role", "pieces", "mass"))] * 3}, "drawn"), ({"schema_version": 2}, "schema_version"),
+])
+def test_a_file_of_a_scene_that_is_none_costs_its_scene(folder: Path, change: Json, named: str) -> None:
+    scene(folder, NAME, **change)
+    found = kept(folder, NAME, load(folder), OURS)
+    assert found.replay is None and found.damage and named in found.damage[0]
 
 
 @pytest.mark.parametrize(("name", "value"), [
@@ -124,7 +173,7 @@ def test_a_recording_that_contradicts_itself_is_named(folder: Path, name: str, v
     with path.open("wb") as file:
         array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
     with pytest.raises(InvalidFile, match=re.escape(THEIR_FILE)):
-        write_report(folder)
+        shown(folder, NAME, [THEIRS])
 
 
 @pytest.mark.parametrize(("name", "value"), [
@@ -137,13 +186,7 @@ def test_pairs_that_are_nowhere_are_named(folder: Path, name: str, value: Any) -
     with path.open("wb") as file:
         array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
     with pytest.raises(InvalidFile, match=rf"{name} in .*{re.escape(THEIR_FILE)}"):
-        write_report(folder)
-
-
-def test_another_layout_is_refused(folder: Path) -> None:
-    scene(folder, NAME, schema_version=2)
-    with pytest.raises(InvalidFile, match="schema_version"):
-        write_report(folder)
+        shown(folder, NAME, [THEIRS])
 
 
 def test_a_name_that_leads_elsewhere_is_refused(run_dir: Write, results: Json) -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from reports import closeness, growth, table_2, write_report
+from reports.__main__ import main
 from reports.files import times
 from reports.table_2_chart import panels
 from tests.reports.test_page import Tree
@@ -61,6 +62,26 @@ def test_a_damaged_file_is_said_to_be_damaged(tmp_path: Path, room: tuple[object
     (tmp_path / room[1]).write_text("scene,run\ntwo_arms,x\n")
     with pytest.raises(InvalidFile, match=room[1]):
         room[0].load(tmp_path)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("content", [b"scene,run\ntwo_arms,x\n", b"\xff\xfe", b'"' + b"x" * 200_000])
+def test_damaged_tables_cost_their_sections_and_not_the_page(
+    run_dir: Write, results: Json, content: bytes, capsys: pytest.CaptureFixture[str],
+) -> None:
+    folder = run_dir(results)
+    names = (table_2.TABLE, growth.ROWS, closeness.NEAREST, "sweep.csv", "judge.json", "ablation.json", "law_map.csv",
+             "stability.csv", "broad_phase.csv", "narrow_phase.csv", "figure_7.csv", "convergence.csv")
+    for name in names:
+        (folder / name).write_bytes(content)
+    assert main(["write", str(folder)]) == 2
+    said = capsys.readouterr()
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    for name in names:
+        # the narrow phase has three files, and any of them is named
+        named = name.removesuffix(".csv")
+        assert f"left out, since it cannot be used: {named}" in said.err
+        assert f"Left out, since it cannot be used: {named}" in text
+    assert said.out.strip() == str(folder / "index.html") and "Ranking</h2>" in text
 
 
 def test_ratios_of_nothing() -> None:

@@ -1,10 +1,12 @@
 """summary.md begins with the verdict, then what we lose; its tables hold whatever text a run brings."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from reports.load import load
+from reports.markdown import code, escaped
 from reports.summary import summary
 from reports.verdict import verdict
 
@@ -58,3 +60,30 @@ def test_a_median_time_says_how_it_was_taken(run_dir: Write, results: Json) -> N
     timed = [row | note if row["metric"] == "frame_time_p50" else row for row in rows]
     assert "| 31.0 µs [3 x 200 frames; moving 40 µs, resting 3 µs] (best) |" in text_of(run_dir(results | {"rows": timed}))
     assert "| 31.0 µs (best) |" in text_of(run_dir(results))
+
+
+def test_nothing_from_a_file_renders(run_dir: Write, results: Json) -> None:
+    """A tag, a picture that is fetched, a link, code, emphasis, a heading: each stands there as text, wherever it comes from."""
+    evil = "<img src=x>![p](https://a.b/c)`x`**b**|#"
+    rows, series, provenance = results["rows"], results["series"], results["provenance"]
+    assert isinstance(rows, list) and isinstance(series, dict) and isinstance(provenance, dict)
+    changed = [
+        row | {"scenario": evil, "engine": evil, "preset": evil, "unit": evil, "note": evil, "metric": row["metric"]}
+        if row["engine"] != "avatarsim" else row | {"scenario": evil, "note": evil, "unit": evil} for row in rows
+    ]
+    found = results | {"rows": changed, "series": {}, "provenance": provenance | {"command": evil, evil: "x"}}
+    text = text_of(run_dir(found))
+    spans = re.compile(r"`[^`\n]*`")
+    for line in text.splitlines():
+        # within code nothing renders
+        bare = spans.sub("", line)
+        assert "<img" not in bare and "https://" not in bare
+        assert not re.search(r"(?<!\\)[\[`]", bare.replace(" [", "")), line
+        assert "**b**" not in bare and not (line.startswith("#") and evil[:4] in line)
+    assert evil.replace("|", "\\|") not in text and "&lt;img src=x&gt;" in text
+
+
+def test_escapes_of_markdown() -> None:
+    assert escaped("a_b-1 of 2, 3 x 200 (best); \u00d71.5 < 2") == "a_b-1 of 2, 3 x 200 (best); \u00d71.5 &lt; 2"
+    assert escaped("# [a](b)\n*c* `d` | e \\ ~~f~~") == r"\# \[a\](b) \*c\* \`d\` \| e \\ \~\~f\~\~"
+    assert escaped("see https://a.b") == r"see https:\//a.b" and code("a`b\nc") == "`a'b c`"

@@ -1,6 +1,7 @@
 """How a run of the command line ends when something is wrong, and how the next one goes on from there."""
 
 import json
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -40,6 +41,77 @@ def test_a_run_goes_on_where_an_earlier_one_ended(site: Path, tmp_path: Path) ->
     assert called(tmp_path, *words[:-1], str(tmp_path / "nowhere")) == 2
 
 
+def test_a_command_that_asks_for_less_than_the_run_it_resumes_is_refused(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    """With the rows of what it does not ask for, their timings would be gone."""
+    both = ["run", "--engine", "frozen", "tunnels", "--filter", "ball_drop"]
+    called(tmp_path, *both, "--seed", "0", "1")
+    folder = (tmp_path / "out" / "latest").resolve()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    for words in (
+        ["run", "--engine", "frozen", "--filter", "ball_drop", "--seed", "0", "1"], both, [*both, "--seed", "1", "2"],
+        ["run", "--engine", "frozen", "tunnels", "--filter", "bounce_ladder", "--seed", "0", "1"],
+        [*both, "--seed", "0", "1", "--full"], [*both, "--seed", "0", "1", "--preset", "other"],
+    ):
+        assert called(tmp_path, *words, "--resume", str(folder)) == 2, words
+        assert f"python -m scenarios {' '.join(both)} --seed 0 1" in capsys.readouterr().err
+    assert called(tmp_path, *both, "--seed", "0", "1", "--resume", str(folder), frames=5) == 2
+    assert "with frames 6" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    assert called(tmp_path, *both, "--seed", "0", "1", "2", "--resume", str(folder)) == 0
+    assert {row["seed"] for row in latest(tmp_path)["rows"]} == {0, 1, 2}
+
+
+def test_own_settings_of_another_content_are_another_run(
+    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / "mine.toml"
+    words = ["run", "--engine", "frozen", "--filter", "ball_drop", "--settings", str(path)]
+    path.write_text("[frozen.mine]\ngain = 1.0\n")
+    called(tmp_path, *words)
+    folder = (tmp_path / "out" / "latest").resolve()
+    path.write_text("[frozen.mine]\ngain = 2.0\n")
+    assert called(tmp_path, *words, "--resume", str(folder)) == 2
+    assert "gain" in capsys.readouterr().err
+
+
+def test_results_of_a_whole_run_stay_until_what_resumes_it_has_ended(
+    site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from scenarios import harness
+
+    called(tmp_path, "run", "--engine", "frozen", "--filter", "ball_drop")
+    folder = (tmp_path / "out" / "latest").resolve()
+    before = (folder / "results.json").read_bytes()
+
+    def stopped(job: Job, folder: Path) -> Outcome:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(harness, "accuracy", stopped)
+    assert called(tmp_path, "run", "--engine", "frozen", "tunnels", "--filter", "ball_drop", "--resume", str(folder)) == 130
+    assert (folder / "results.json").read_bytes() == before
+
+
+def test_halves_of_a_killed_run_are_removed_when_it_is_resumed(site: Path, tmp_path: Path) -> None:
+    called(tmp_path, "check", "--engine", "frozen", "--filter", "ball_drop")
+    folder = (tmp_path / "out" / "latest").resolve()
+    # no process has so large a number
+    dead, mine = (folder / "recordings" / f".half.npz.{number}" for number in (2**30, os.getpid()))
+    dead.write_bytes(b"PK")
+    mine.write_bytes(b"PK")
+    called(tmp_path, "check", "--engine", "frozen", "--filter", "ball_drop", "--resume", str(folder))
+    assert not dead.exists() and mine.exists()
+
+
+@pytest.mark.parametrize("option", ["--out", "--resume", "--settings"])
+def test_an_empty_path_is_wrong_usage(site: Path, tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    assert main(["check", "--engine", "tunnels", "--filter", "ball_drop", "--frames", "3", "--jobs", "0", option, ""]) == 2
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 def test_a_run_that_is_stopped_keeps_what_was_finished(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -55,7 +127,8 @@ def test_a_run_that_is_stopped_keeps_what_was_finished(
     monkeypatch.setattr(harness, "accuracy", stopped)
     assert called(tmp_path, "check", "--engine", "frozen", "tunnels", "--filter", "ball_drop", frames=40) == 130
     line, err = last(capsys)
-    folder = (tmp_path / "out" / "latest").resolve()
+    assert not (tmp_path / "out" / "latest").exists(), "it leads to runs that have ended"
+    (folder,) = (tmp_path / "out").iterdir()
     assert line.startswith("avatarsim: exit code 130 (stopped before the end)") and f"--resume {folder}" in err
     found = json.loads((folder / "results.json").read_text())
     assert found["exit_code"] is None and {row["engine"] for row in found["rows"]} == {"frozen"}

@@ -4,9 +4,10 @@ import csv
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from avatarsim.errors import UnknownName
@@ -16,6 +17,7 @@ from scenarios.job import Job
 from scenarios.kept import recordings, scenes_of
 from scenarios.nearest.__main__ import main as nearest
 from scenarios.processes import Died
+from scenarios.record import LAYOUT, Recording
 from scenarios.run import accuracy
 from tests.scenarios.beside.test_pair import shown
 from tests.scenarios.examples import fist
@@ -84,3 +86,43 @@ def test_a_run_without_recordings_is_a_usage_error(main, tmp_path: Path, capsys:
     assert main(["--run", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert "InvalidInput" in said and str(tmp_path) in said and "make compare" in said
+
+
+def widened(recording: Recording, name: str) -> Recording:
+    """A recording with one body, link or hinge more, in the fields that have them."""
+    names = [entry.name for entry in fields(recording) if LAYOUT.get(entry.name, ())[2:3] == (name,)]
+    found = {entry: np.concatenate([getattr(recording, entry), np.zeros_like(getattr(recording, entry)[:, :1])], axis=1)
+             if getattr(recording, entry).shape[1] else np.zeros((len(getattr(recording, entry)), 1)) for entry in names}
+    return replace(recording, **found)
+
+
+@pytest.mark.parametrize("main", [beside, nearest])
+@pytest.mark.parametrize(("who", "change", "said"), [
+    ("avatarsim.default", lambda one: replace(one, positions=one.positions * np.nan), "positions"),
+    ("avatarsim.default", lambda one: replace(one, orientations=one.orientations + np.inf), "orientations"),
+    ("mujoco.tuned", lambda one: replace(one, raw_positions=one.raw_positions * np.nan), "raw_positions"),
+    ("mujoco.tuned", lambda one: replace(one, times=one.times * np.nan), "times"),
+    ("avatarsim.default", lambda one: widened(one, "bodies"), "width of positions"),
+    ("mujoco.tuned", lambda one: widened(one, "links"), "width of raw_positions"),
+    ("mujoco.tuned", lambda one: widened(one, "hinges"), "width of raw_angles"),
+    ("avatarsim.default", lambda one: replace(one, meta={**one.meta, "dt": "long"}), "dt"),
+    ("avatarsim.default", lambda one: replace(one, meta={**one.meta, "dt": 0.0}), "dt"),
+])
+def test_a_recording_that_is_not_of_its_scene_is_refused(
+    main, who: str, change: Callable[[Recording], Recording], said: str, run: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = run / "recordings" / f"fist.{who}.0.npz"
+    record.save(change(record.load(path)), path)
+    assert main(["--run", str(run), *(["--jobs", "0", "--frames", "1"] if main is nearest else [])]) == 2
+    err = capsys.readouterr().err
+    assert said in err and path.name in err and "valid: " in err
+
+
+def test_a_rival_that_loses_its_numbers_is_compared_where_it_has_them(run: Path) -> None:
+    path = run / "recordings" / "fist.mujoco.tuned.0.npz"
+    found = record.load(path)
+    found.positions[10:] = np.nan
+    record.save(found, path)
+    beside(["--run", str(run)])
+    [row] = csv.DictReader((run / "beside.csv").read_text().splitlines())
+    assert row["counted"] == "9"

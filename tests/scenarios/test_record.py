@@ -85,6 +85,16 @@ def test_a_write_that_fails_keeps_what_was_there(tmp_path: Path, monkeypatch: py
     assert [entry.name for entry in tmp_path.iterdir()] == ["one.npz"]
 
 
+def test_a_disk_that_is_full_names_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full_disk(file: object, arrays: object) -> None:
+        # as the system says it, without a name
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(array_file, "write", full_disk)
+    with pytest.raises(OSError, match=r"No space left on device: '.*one\.npz'"):
+        record.save(full(), tmp_path / "one.npz")
+
+
 @pytest.mark.parametrize("keep", [0, 10, 1000])
 def test_a_truncated_recording_is_an_invalid_file(tmp_path: Path, keep: int) -> None:
     path = tmp_path / "one.npz"

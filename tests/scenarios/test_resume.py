@@ -12,10 +12,11 @@ import pytest
 
 from avatarsim.errors import InvalidInput
 from scenarios.__main__ import main
-from scenarios.resume import earlier_run
+from scenarios.resume import command_to_go_on, earlier_run, stoppable
 from tests.scenarios.bad_engines import joined
 
 ROOT = Path(__file__).resolve().parents[2]
+PLAN = {"schema_version": 1, "words": ["check", "--full"], "runs": []}
 GOOD = {"schema_version": 1, "provenance": {"command": "python -m scenarios check --full"}}
 
 
@@ -24,6 +25,7 @@ def folder_with(tmp_path: Path, content: object) -> Path:
     folder.mkdir(parents=True)
     if content is not None:
         (folder / "results.json").write_text(content if isinstance(content, str) else json.dumps(content))
+        (folder / "plan.json").write_text(json.dumps(PLAN))
     return folder
 
 
@@ -57,7 +59,23 @@ def test_latest_is_moved_in_out_only(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (folder.parent / "latest").resolve() == folder.resolve()
 
 
-@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("plan", ["", "{", "[]", "{}", '{"schema_version": 1}', json.dumps(PLAN | {"schema_version": 0}),
+                                  json.dumps(PLAN | {"runs": [3]}), json.dumps(PLAN | {"words": 3}), "[" * 100_000])
+def test_a_run_whose_plan_is_damaged_cannot_go_on(tmp_path: Path, plan: str, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = folder_with(tmp_path, GOOD)
+    (folder / "plan.json").write_text(plan)
+    words = ["check", "--filter", "ball_drop", "--resume", str(folder), "--out", str(tmp_path / "out"), "--jobs", "0"]
+    assert main([*words, "--frames", "3"]) == 2
+    assert "plan.json" in capsys.readouterr().err and not (folder / "results.csv").exists()
+
+
+def test_what_goes_on_names_the_whole_command_once_and_quoted() -> None:
+    words = ["check", "--filter", "a*,b", "--resume", "/old", "--resume=/older", "--out", "my runs"]
+    said = command_to_go_on(Path("/new"), words)
+    assert said == "python -m scenarios check --filter 'a*,b' --out 'my runs' --resume /new"
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals) -> None:
     """To the whole group, as a terminal does; long enough a scene that it cannot be over."""
     site = tmp_path / "site"
@@ -68,7 +86,8 @@ def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals)
         [*command, "--out", str(out)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(joined(site))}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
         # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        # and under nohup nothing hears of SIGHUP
+        preexec_fn=lambda: [signal.signal(number, signal.SIG_DFL) for number in (signal.SIGINT, signal.SIGHUP)],
     )
     try:
         deadline = time.monotonic() + 60.0
@@ -86,3 +105,14 @@ def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals)
     assert said.strip().splitlines()[-1].startswith("avatarsim: exit code 130 (stopped before the end)")
     found = json.loads((folder / "results.json").read_text())
     assert found["exit_code"] is None and {row["engine"] for row in found["rows"]} == {"frozen"}
+
+
+def test_a_request_to_end_that_is_ignored_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with stoppable():
+            # as `nohup` has it: the run goes on
+            os.kill(os.getpid(), signal.SIGHUP)
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)

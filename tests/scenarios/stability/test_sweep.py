@@ -37,6 +37,9 @@ def test_what_is_finished_is_kept_and_a_torn_line_asked_again(tmp_path: Path) ->
     assert torn.missing([ONE, OTHER]) == [OTHER]
     torn.add(OTHER, done())
     assert Finished(path, "stamp").missing([ONE, OTHER]) == []
+    whole = path.read_bytes()
+    path.write_bytes(whole + b"\xff\n" + b"[" * 100_000 + b"\n")
+    assert Finished(path, "stamp").missing([ONE, OTHER]) == [] and path.read_bytes() == whole
     # what other sources made is neither believed nor kept
     assert Finished(path, "other sources").missing([ONE, OTHER]) == [ONE, OTHER] and path.read_text() == ""
 

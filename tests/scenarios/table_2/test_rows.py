@@ -113,3 +113,12 @@ def test_shares_are_asked_of_our_methods_alone(run: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(module, "shares_of", shares_of)
     rows(run)
     assert asked == ["avatarsim/paper", "avatarsim/default"]
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", "[" * 100_000, '{"series": 3}', '{"series": {"two_arms": {"a/b": {}}}}',
+                                     '{"series": {"two_arms": {"a/b": {"frame_time_us": [[]], "overlap_m": []}}}}',
+                                     '{"series": {}, "rows": [{"metric": "frame_time_p99", "seed": 0, "value": 1}]}'])
+def test_results_that_are_damaged_are_refused(tmp_path: Path, content: str, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "results.json").write_text(content)
+    assert main(["--run", str(tmp_path)]) == 2
+    assert "InvalidFile: results " in capsys.readouterr().err

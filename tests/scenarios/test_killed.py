@@ -1,0 +1,38 @@
+"""A few kills of the crash test, and that what it compares is not too little: a changed bit of a recording is a difference."""
+
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios import array_file
+from scenarios.__main__ import main
+from tests.scenarios.killed import commands, differing, of_run, run_of, tried
+
+CHEAP = {
+    "compare": ("compare", "--engine", "tracker", "--filter", "ball_drop", "--frames", "3"),
+    "sweep": ("sweep", "--engine", "mujoco", "--preset", "default", "--filter", "stop_distance", "--frames", "2"),
+}
+
+
+@pytest.mark.parametrize(("name", "kills", "each"), [("compare", 2, 2), ("sweep", 1, 1)])
+def test_what_a_kill_leaves_is_gone_on_with(name: str, kills: int, each: int) -> None:
+    said = list[str]()
+    assert tried(name, commands(True, CHEAP)[name], kills, each, random.Random(5), said.append) == []
+    assert len(said) == 2 and "equal" in said[-1]
+
+
+def test_one_bit_of_a_recording_is_a_difference(tmp_path: Path) -> None:
+    words = ["compare", "--engine", "tracker", "--filter", "ball_drop", "--frames", "3", "--jobs", "0", "--out"]
+    main([*words, str(tmp_path / "a")])
+    main([*words, str(tmp_path / "b")])
+    one, folder = of_run(run_of(tmp_path / "a"), False), run_of(tmp_path / "b")
+    assert differing(one, of_run(folder, False)) == []
+    (path,) = folder.glob("recordings/*")
+    arrays = array_file.read(path)
+    arrays["positions"][1, 0, 0] = np.nextafter(arrays["positions"][1, 0, 0], np.inf)
+    with path.open("wb") as file:
+        array_file.write(file, arrays)
+    (folder / "recordings" / ".half.npz.1").write_bytes(b"")
+    assert differing(one, of_run(folder, False)) == ["halves", f"recordings/{path.name}"]

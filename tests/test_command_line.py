@@ -1,0 +1,71 @@
+"""A command ends in a code of its own and a sentence, also where its streams are closed, full, or without a reader."""
+
+import os
+import subprocess
+import sys
+from argparse import ArgumentTypeError
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.command_line import UNSAID, USAGE, path_option
+
+ROOT = Path(__file__).resolve().parent.parent
+PRINTS = "import sys\nfrom avatarsim.command_line import ended\nsys.exit(ended(lambda: print('x' * {}) or {}))"
+FEW, MANY = 10, 1_000_000
+"""Characters that wait in the buffer until the end, and that are written before."""
+
+
+def ran(words: list[str], stdout: int, before: Callable[[], object] | None = None) -> tuple[int, str]:
+    done = subprocess.run(
+        [sys.executable, *words], cwd=ROOT, stdout=stdout, stderr=subprocess.PIPE, text=True, timeout=60, preexec_fn=before,
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("many", [FEW, MANY])
+def test_output_that_is_full_is_said_once(many: int) -> None:
+    with open("/dev/full", "wb") as full:
+        code, said = ran(["-c", PRINTS.format(many, 0)], full.fileno())
+    assert code == UNSAID and "No space left on device" in said and len(said.splitlines()) == 1
+
+
+@pytest.mark.parametrize("many", [FEW, MANY])
+def test_a_reader_that_has_gone_is_not_complained_about(many: int) -> None:
+    here, there = os.pipe()
+    os.close(here)
+    try:
+        assert ran(["-c", PRINTS.format(many, 0)], there) == (UNSAID, "")
+    finally:
+        os.close(there)
+
+
+def test_output_that_is_closed_is_wrong_usage() -> None:
+    code, said = ran(["-c", PRINTS.format(FEW, 0)], subprocess.DEVNULL, lambda: os.close(1))
+    assert code == USAGE and said.startswith("standard output is closed") and len(said.splitlines()) == 1
+
+
+def test_an_error_stream_that_is_closed_changes_no_code() -> None:
+    assert ran(["-c", PRINTS.format(FEW, 5)], subprocess.DEVNULL, lambda: os.close(2)) == (5, "")
+
+
+@pytest.mark.parametrize(("raised", "code"), [("SystemExit(2)", 2), ("SystemExit()", 0), ("SystemExit('bad')", USAGE),
+                                              ("OSError(28, 'full', 'here')", UNSAID)])
+def test_ends_of_other_kinds_keep_their_code(raised: str, code: int) -> None:
+    script = f"import sys\nfrom avatarsim.command_line import ended\ndef main():\n    raise {raised}\nsys.exit(ended(main))"
+    found, said = ran(["-c", script], subprocess.DEVNULL)
+    assert found == code and "Traceback" not in said and ("here: full" in said) == (code == UNSAID)
+
+
+def test_commands_of_the_harness_end_so_too() -> None:
+    """What is printed here is longer than a buffer."""
+    with open("/dev/full", "wb") as full:
+        code, said = ran(["-m", "scenarios", "metrics"], full.fileno())
+    assert code == 3 and said == "the system refused what was printed, or a file: No space left on device\n"
+
+
+def test_an_empty_path_is_refused() -> None:
+    assert path_option("a/b") == Path("a/b")
+    with pytest.raises(ArgumentTypeError, match="empty"):
+        path_option("")
