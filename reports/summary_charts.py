@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 
 from reports.charts import Percentiles
-from reports.conclusions import FRAME_60_HZ, FRAME_90_HZ, OVERLAP_BOUND, peak
+from reports.conclusions import FRAME_90_HZ, OVERLAP_BOUND, peak
 from reports.load import Results
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, overlap_axis, strips, time_axis
 from reports.palette import Stroke
@@ -40,7 +40,7 @@ def times(found: Mapping[str, Mapping[str, Percentiles]], strokes: Mapping[str, 
     if not values:
         return ""
     scale, axis, low, high = time_axis([value for own in values.values() for value in own])
-    spec = strips(_rows(values, strokes, low, high), strokes, scale, axis, {"60 Hz": FRAME_60_HZ, "90 Hz": FRAME_90_HZ})
+    spec = strips(_rows(values, strokes, low, high), strokes, scale, axis, {"90 Hz": FRAME_90_HZ})
     text = _text("Frame time that 95 % of the frames stay below, a dot per scene.", values, "us")
     return picture(spec, text, "all-times")
 

@@ -47,7 +47,6 @@ RANKED: dict[str, Ranked] = {
     "silent_offset_frames": Ranked(FRAMES, stays_inside=True),
     "chatter_frames": Ranked(SHARE, stays_inside=True),
     "reversal_p95": Ranked(LENGTH, stays_inside=True),
-    "contact_gap_p50": Ranked(LENGTH, stays_inside=True),
     "jerk_ratio": Ranked(0.01, stays_inside=True),
     "still_frames": Ranked(0.5, stays_inside=True),
     "halted_frames": Ranked(FRAMES),
@@ -96,6 +95,7 @@ _OWN_WORDS = "an engine counts it of itself and the others do not: to be silent 
 UNRANKED: dict[str, str] = {
     "ratio_standing_max": "here larger is better; the number of fallen towers ranks the same towers",
     "status_frames": "how much an engine says of its own frames: to be silent would win; what is wrong with the frames is ranked",
+    "contact_gap_p50": "a body that is inside what it touches keeps no gap: to overlap would win; overlap is ranked",
     "free_frames": "a property of the scene and its tracker, the same for every engine",
     **{name: _RAW for name in ("frame_time_raw_p50", "frame_time_raw_p95", "frame_time_raw_p99", "frame_time_raw_max")},
     **{f"frame_time_{phase}_p50": "a part of the median frame time, in frames that need not be the same for every engine"

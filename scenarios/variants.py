@@ -37,6 +37,12 @@ def base_of(run: str) -> str:
     return "" if preset is None else f"{engine}/{preset}"
 
 
+def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
+    """Whether a row is of this scenario: a preset always is, a variant where its question is."""
+    condition = VARIANTS.get(engine, {}).get(preset)
+    return condition is None or condition(scenario)
+
+
 def variants_of(engine: str, scenario: Scenario, asked: Sequence[str]) -> Iterator[str]:
     """Variants of `engine` that take part in `scenario`: those `asked` for by name, all where nothing is asked for."""
     for name, takes_part in VARIANTS.get(engine, {}).items():

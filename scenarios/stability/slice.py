@@ -15,6 +15,7 @@ from scenarios.stability.plan import CASES, Trial, trials
 from scenarios.stability.rows import NAME, SLICE, Row, rows
 from scenarios.stability.side_by_side import answers
 from scenarios.studies import Request, Study
+from scenarios.variants import takes_part
 
 LEFT_OUT = {
     "tunnelling": "as dear as four other cases, and what becomes of it is the same under every change",
@@ -44,6 +45,7 @@ def slice_tasks(request: Request) -> list[Task]:
     return [
         Task(case, seconds, engine, preset, trial) for trial in slice_trials() for case, seconds in cases
         for engine, presets in request.presets.items() if engine != BASELINE for preset in presets
+        if takes_part(engine, preset, request.scenarios[case])
     ]
 
 

@@ -7,10 +7,20 @@ import numpy as np
 from scenarios.measure.side import wrong_side
 from scenarios.scenario import Region
 from scenarios.thinned import thinned
-from tests.scenarios.examples import drop, drop_scene, resting, with_inside
+from tests.scenarios.examples import drop, drop_scene, fist, fist_scene, resting, with_inside
 
 BELOW = Region(("ball",), (-9.0, -9.0, -9.0), (9.0, 9.0, 1.0), "a ceiling")
 """Where the ball may be."""
+
+
+def test_velocities_are_kept_of_bodies_and_not_of_links() -> None:
+    scene, whole = fist_scene(), resting(fist_scene(), 4)
+    whole.velocities[:] = 1.0
+    kept = thinned(whole, fist(4), scene)
+    links = kept.links
+    assert np.isnan(kept.velocities[:, links]).all() and np.isnan(kept.angular_velocities[:, links]).all()
+    assert kept.velocities[:, : links.start].tolist() == whole.velocities[:, : links.start].tolist()
+    assert np.isfinite(whole.velocities).all() and links.stop > links.start
 
 
 def test_of_frames_on_the_wrong_side_the_first_snapshot_is_kept_and_of_others_none() -> None:
