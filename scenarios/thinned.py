@@ -23,12 +23,15 @@ def thinned(recording: Recording, scenario: Scenario, scene: Scene) -> Recording
     _, first = np.unique(recording.inside_frame[wrong], return_index=True)
     rows = wrong[first]
     inside = [entry.name for entry in fields(recording) if entry.name.startswith("inside_")]
-    kept = {name: getattr(recording, name)[rows] for name in inside}
-    return replace(recording, **kept, **{name: _of_bodies(recording, name) for name in ("velocities", "angular_velocities")})
+    few = replace(recording, **{name: getattr(recording, name)[rows] for name in inside})
+    return replace(
+        few, velocities=_of_bodies(recording, recording.velocities),
+        angular_velocities=_of_bodies(recording, recording.angular_velocities),
+    )
 
 
-def _of_bodies(recording: Recording, name: str) -> Array:
+def _of_bodies(recording: Recording, velocities: Array) -> Array:
     """(F+1, n, 3) with no number for the links."""
-    found: Array = getattr(recording, name).copy()
+    found = velocities.copy()
     found[:, recording.links] = np.nan
     return found
