@@ -15,15 +15,15 @@ from avatarsim.jit.baseline import compile_for_baseline
 
 def parsed(arguments: list[str] | None) -> argparse.Namespace:
     """The command line; argparse ends the process if it is wrong."""
-    parser = argparse.ArgumentParser(prog="avatarsim", description="Without a command: compile, as `avatarsim compile` does.")
+    parser = argparse.ArgumentParser(prog="avatarsim", description="Without a command: as `avatarsim compile`.")
     parser.add_argument("--parts", metavar="PART", nargs="+", help="only these parts, in this process")
     commands = parser.add_subparsers(dest="command", title="commands")
     what = "compile the engine's kernels ahead of their first use"
-    compiling = commands.add_parser("compile", help=what, description=f"{what.capitalize()}. Every later start finds them on disk.")
+    compiling = commands.add_parser("compile", help=what, description=f"{what.capitalize()}; later starts find them.")
     compiling.add_argument(
         "--to", metavar="DIR", type=Path,
-        help=f"make a folder to carry elsewhere: any user who sets {VARIABLE} to it starts without compiling, on any machine with "
-        "the stated processor",
+        help=f"make a folder to carry elsewhere: with {VARIABLE} set to it any user starts without compiling, on any machine "
+        "with the stated processor",
     )
     compiling.add_argument(
         "--cpu", choices=("baseline", "host"),

@@ -28,8 +28,8 @@ class Distrusted(PermissionError):
 
 
 def bases(name: str, *variables: str) -> list[Path]:
-    """Folders called `name` in which a cache may lie, best first: below AVATARSIM_CACHE_DIR, below each of the further `variables` of
-    the environment, XDG_CACHE_HOME, ~/.cache, and in the temporary folder one per user. None of them needs to exist."""
+    """Folders called `name` for a cache to lie in, best first: below AVATARSIM_CACHE_DIR, below each of the further environment
+    `variables`, XDG_CACHE_HOME, ~/.cache, and in the temporary folder one per user. None of them needs to exist."""
     named = [os.environ.get(variable, "") for variable in (VARIABLE, *variables, "XDG_CACHE_HOME")]
     found: list[Path] = []
     for value in filter(None, named):

@@ -155,15 +155,17 @@ def compile_everything(stream: TextIO | None = None) -> bool:
 def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
     """Compile everything into a folder that serves all users as AVATARSIM_CACHE_DIR; False if a part failed. Raises CannotKeep
     where nothing can be kept."""
-    places.use_places(Places(folder / NAME, required=True))
-    good = compile_everything(stream)
-    kept = [folder, *(folder / NAME).rglob("*")]
-    for path in kept:
+    base, made = folder / NAME, not folder.exists()
+    places.use_places(Places(base, required=True))
+    if not compile_everything(stream):
+        return False
+    kept = [base, *base.rglob("*")]
+    for path in [folder, *kept] if made else kept:
         path.chmod(0o755 if path.is_dir() else 0o644)
     size = sum(path.stat().st_size for path in kept if path.is_file())
-    word = f"  {folder}: {1e-6 * size:.0f} MB, for {compiled_for().name}; set {VARIABLE} to it"
-    print(word, file=stream or sys.stdout)
-    return good
+    made_for = f"{1e-6 * size:.0f} MB of kernels for the processor {compiled_for().name}"
+    print(f"{base}: {made_for}; set {VARIABLE} to the folder above it", file=stream or sys.stdout)
+    return True
 
 
 def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:

@@ -11,8 +11,8 @@ import llvmlite.binding as llvm
 from avatarsim.errors import InvalidInput
 
 NAME = "x86-64-v3"
-"""Level for kernels that travel: most of what AMD and Intel have sold since 2015, with AVX2 and fused multiplication. A lower level
-halves the width of vector code; a higher one leaves out most machines."""
+"""Level for kernels that travel: most of what AMD and Intel have sold since 2015, with AVX2 and fused multiplication. A lower
+level halves the width of vector code; a higher one leaves out most machines."""
 
 FEATURES = (
     "64bit", "avx", "avx2", "bmi", "bmi2", "cmov", "cx16", "cx8", "f16c", "fma", "fxsr", "lzcnt", "mmx", "movbe", "popcnt",

@@ -31,9 +31,9 @@ def compiled_for() -> Cpu:
 
 @functools.cache
 def usable() -> tuple[Cpu, ...]:
-    """Processors whose machine code may be loaded here, best first: the one compiled for, then the baseline of kernels that travel.
+    """Processors whose machine code may be loaded here, best first: the one compiled for, and the baseline of `jit/baseline.py`.
 
-    The baseline is left out if numba was told a processor, or not to use vector code.
+    The latter is left out if numba was told a processor, or not to use vector code.
     """
     own, config = compiled_for(), numba.config
     asked = config.CPU_NAME is not None or config.CPU_FEATURES is not None or not config.ENABLE_AVX

@@ -18,7 +18,7 @@ NAME = "avatarsim-kernels"
 VARIABLE = "NUMBA_CACHE_DIR"
 """numba's own variable for a cache folder is respected for kernels, too."""
 
-SHIPPED = Path(__file__).resolve().parent.parent / "kernels"
+SHIPPED = Path(__file__).resolve().parent.parent / NAME
 """Kernels that a wheel carries. They lie beside the sources, so they are trusted as these are."""
 
 MOST_DAYS = 60.0
