@@ -29,10 +29,10 @@ from typing import Any, TypeVar, cast
 import llvmlite
 import numba
 
-from avatarsim.jit.tested_versions import explained, warn_if_untested
+from avatarsim.jit.tested_versions import guarded
 
-warn_if_untested()
-with explained():
+# Whatever imports a kernel comes past here first.
+with guarded():
     from avatarsim.linking import KernelDispatcher
 
 # numba makes its settings at run time; its annotations know neither them nor the option `_nrt`.

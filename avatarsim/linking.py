@@ -158,7 +158,7 @@ class KernelCache(KernelFiles):
         if library.only_inlined:
             compiled = compiled._replace(library=CodeAlone(library))
         elif name is not None:
-            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+            # It is called and never inlined, so its LLVM code, which takes longer to read than the machine code, is not needed.
             compiled = compiled._replace(library=WithoutCode(compiled))
         return *said, compiled._reduce()
 

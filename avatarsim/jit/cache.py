@@ -153,7 +153,8 @@ class KernelFiles(_Cache):  # type: ignore[misc]  # numba has no annotations her
         except OSError as error:
             say_once("unreadable", f"compiled kernels cannot be read: {error}")
         else:
-            places.current().use(path.parent)
+            if base != SHIPPED:
+                places.current().use(path.parent)
             return data
         return None
 

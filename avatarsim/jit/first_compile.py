@@ -2,14 +2,14 @@
 
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from avatarsim.progress import Progress
 from avatarsim.say_once import say_once
 
 ANNOUNCED = (
-    "compiling the engine's kernels, once for this version and machine: about a minute, half of it on 2 cores if done ahead by "
-    "`python -m avatarsim compile`"
+    "compiling the engine's kernels, once for this version and machine: one to two minutes; `python -m avatarsim compile` does it "
+    "ahead, and faster"
 )
 """What is said at the first kernel that a program has to wait for."""
 
@@ -31,12 +31,14 @@ class FirstCompile:
             return
         say_once("first compile", ANNOUNCED)
         self.compiled += 1
-        if self._progress is None and sys.stderr is not None and sys.stderr.isatty():
-            self._progress = Progress("compiling", sys.stderr)
-        if self._progress is not None:
-            # Which of the kernels a scene calls is known only at its end: most scenes call fewer than all.
-            share = min(self.compiled / max(self.declared, 1), 1.0)
-            self._progress.step(share, f"kernel {self.compiled} of at most {max(self.declared, self.compiled)}")
+        # The stream may be closed, or its terminal gone; that must not stop a compile.
+        with suppress(OSError, ValueError):
+            if self._progress is None and sys.stderr is not None and sys.stderr.isatty():
+                self._progress = Progress("compiling", sys.stderr)
+            if self._progress is not None:
+                # Which of the kernels a scene calls is known only at its end: most scenes call fewer than all.
+                share = min(self.compiled / max(self.declared, 1), 1.0)
+                self._progress.step(share, f"kernel {self.compiled} of at most {max(self.declared, self.compiled)}")
 
     @contextmanager
     def nested(self) -> Iterator[None]:
@@ -47,7 +49,8 @@ class FirstCompile:
         finally:
             self._depth -= 1
             if self._depth == 0 and self._progress is not None:
-                self._progress.erase()
+                with suppress(OSError, ValueError):
+                    self._progress.erase()
 
 
 FIRST_COMPILE = FirstCompile()

@@ -1,5 +1,6 @@
 """Version guard for numba and llvmlite, whose private parts the kernels' compiler builds on and which change without notice."""
 
+import importlib
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +12,28 @@ from avatarsim.errors import UnsupportedVersion
 
 TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
 """Minor versions that the test suite runs with; pyproject.toml lets no later ones be installed."""
+
+
+PRIVATE = {
+    "numba.core": ("cgutils", "compiler", "sigutils", "typed_passes", "types", "untyped_passes"),
+    "numba.core.caching": ("_Cache",),
+    "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
+    "numba.core.compiler": ("CompileResult", "compile_result"),
+    "numba.core.compiler_lock": ("global_compiler_lock",),
+    "numba.core.compiler_machinery": ("AnalysisPass", "PassManager", "register_pass"),
+    "numba.core.datamodel": ("models",),
+    "numba.core.datamodel.models": ("RecordModel",),
+    "numba.core.datamodel.registry": ("register_default",),
+    "numba.core.errors": ("new_error_context",),
+    "numba.core.extending": ("_Intrinsic", "intrinsic"),
+    "numba.core.imputils": ("lower_getattr_generic",),
+    "numba.core.registry": ("CPUDispatcher",),
+    "numba.core.serialize": ("dumps",),
+    "numba.core.types.containers": ("BaseNamedTuple",),
+    "numba.core.types.misc": ("unliteral",),
+    "numba.core.typing.templates": ("AttributeTemplate", "infer_getattr", "signature"),
+}
+"""Private parts of numba without which no kernel can be made; what only `quick_compiler` and `lean_code` change is not here."""
 
 
 def installed() -> dict[str, str]:
@@ -32,19 +55,34 @@ def remedy() -> str:
     return "pip install " + " ".join(f"'{package}=={'.'.join(map(str, minor))}.*'" for package, minor in TESTED.items())
 
 
-def warn_if_untested() -> None:
-    """Warn that the kernels were never tested with what is installed."""
-    if found := untested():
-        warnings.warn(f"avatarsim is not tested with {', '.join(found)}; if it fails: {remedy()}", RuntimeWarning, stacklevel=2)
+def missing() -> list[str]:
+    """Private parts that the installed numba does not have."""
+    found = []
+    for module, names in PRIVATE.items():
+        try:
+            parts = importlib.import_module(module)
+        except ImportError:
+            found.append(module)
+        else:
+            found += [f"{module}.{name}" for name in names if not hasattr(parts, name)]
+    return found
 
 
 @contextmanager
-def explained() -> Iterator[None]:
-    """Turn the failure to find a private part of an untested version into an UnsupportedVersion with the remedy."""
+def guarded() -> Iterator[None]:
+    """For a block that imports private parts: an untested version is warned of, and if it lacks any of them, or the block fails,
+    UnsupportedVersion says so with the remedy."""
+    if not (found := untested()):
+        yield
+        return
+    if lacking := missing():
+        raise _unsupported(found, f"no {', '.join(lacking)}")
+    warnings.warn(f"avatarsim is not tested with {', '.join(found)}; if it fails: {remedy()}", RuntimeWarning, stacklevel=3)
     try:
         yield
     except (ImportError, AttributeError) as error:
-        found = untested()
-        if not found:
-            raise
-        raise UnsupportedVersion(f"avatarsim cannot run with {', '.join(found)} ({error}): {remedy()}") from error
+        raise _unsupported(found, str(error)) from error
+
+
+def _unsupported(found: list[str], why: str) -> UnsupportedVersion:
+    return UnsupportedVersion(f"avatarsim cannot run with {', '.join(found)} ({why}): {remedy()}")

@@ -36,7 +36,7 @@ def test_one_line_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(sys, "stderr", stream)
     first = FirstCompile()
     compiled(first, 3)
-    assert stream.getvalue().count("\n") == 1 and "about a minute" in stream.getvalue() and "\r" not in stream.getvalue()
+    assert stream.getvalue().count("\n") == 1 and "one to two minutes" in stream.getvalue() and "\r" not in stream.getvalue()
 
 
 def test_a_bar_on_a_terminal_that_is_gone_in_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,7 +46,7 @@ def test_a_bar_on_a_terminal_that_is_gone_in_the_end(monkeypatch: pytest.MonkeyP
     first.declared = 4
     compiled(first, 3)
     line, bar = stream.getvalue().split("\n")
-    assert "about a minute" in line and "kernel 1 of at most 4" in bar and "kernel 3 of at most 4" in bar
+    assert "one to two minutes" in line and "kernel 1 of at most 4" in bar and "kernel 3 of at most 4" in bar
     assert bar.endswith("\r") and bar.split("\r")[-2].strip() == ""
 
 
