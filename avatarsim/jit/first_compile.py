@@ -8,8 +8,8 @@ from avatarsim.progress import Progress
 from avatarsim.say_once import say_once
 
 ANNOUNCED = (
-    "compiling the engine's kernels, once for this version and machine: one to two minutes; `python -m avatarsim compile` does it "
-    "ahead, and faster"
+    "compiling the engine's kernels, once for this version and machine: one to two minutes; `python -m avatarsim compile` does it"
+    " ahead, and faster"
 )
 """What is said at the first kernel that a program has to wait for."""
 
