@@ -49,7 +49,7 @@ def test_a_folder_to_carry_elsewhere_is_for_the_baseline_unless_the_host_is_aske
 
 @pytest.mark.parametrize(("command", "words"), [
     (["compile", "--cpu", "host"], ["--cpu goes with --to"]),
-    (["--parts", "motion", "compile"], ["--parts"]),
+    (["--parts=motion", "compile"], ["--parts goes without a command"]),
     (["compile", "--to", "absent/folder"], ["folder of --to is 'absent/folder'", "in a folder that exists"]),
     (["compile", "--to", "a_file", "--cpu", "host"], ["cannot be kept", "a_file"]),
     (["compile", "--to", "new"], ["this machine's processor", "x86-64-v3", "--cpu host"]),

@@ -117,9 +117,9 @@ def test_damaged_files_are_said_once_removed_and_compiled_anew(package: Path, tm
     assert run(package, **cache) == (21.0, 0)
     whole = {path: path.read_bytes() for path in (tmp_path / "cache").rglob("*.kernel")}
     assert len(whole) == 2
-    for spoil in DAMAGE.values():
-        for path, data in whole.items():
-            path.write_bytes(spoil(data))
+    for kinds in (("cut", "emptied"), ("garbled", "foreign")):
+        for kind, (path, data) in zip(kinds, whole.items(), strict=True):
+            path.write_bytes(DAMAGE[kind](data))
         answer, hits, said = told(package, **cache)
         assert (answer, hits) == (21.0, 0)
         assert said.count("compiled anew") == 1 and "Traceback" not in said
