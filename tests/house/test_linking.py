@@ -147,7 +147,7 @@ def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path
 
 def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling(package, tmp_path):
     cache = tmp_path / "cache"
-    gone = f"import shutil; from avatarsim.caller import top; shutil.rmtree({str(cache)!r})\n"
+    gone = f"import shutil; from avatarsim.caller import small, top; small(0.5); shutil.rmtree({str(cache)!r})\n"
     kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))
     command = [sys.executable, "-c", gone + "print(top(0.25))"]
     done = subprocess.run(command, env=kept, cwd=package.parent, capture_output=True, text=True)
