@@ -1,12 +1,14 @@
 """The command line of the engine: what is refused is refused in a sentence with exit code 2, and nothing is compiled twice."""
 
 import os
+import re
 from pathlib import Path
 
 import pytest
 
 from avatarsim import compile_ahead
-from avatarsim.__main__ import main
+from avatarsim.__main__ import main, parsed
+from avatarsim.cache_folder import VARIABLE
 from avatarsim.jit import baseline, places
 from avatarsim.jit.places import NAME, Places
 
@@ -69,3 +71,12 @@ def test_what_is_impossible_is_refused_in_a_sentence(
     said = capsys.readouterr().err
     assert code == 2 and nothing_is_compiled == []
     assert [word for word in words if word not in said] == [] and "Traceback" not in said
+
+
+def test_the_container_file_of_the_manual_has_six_lines_that_agree() -> None:
+    manual = (Path(__file__).parents[1] / "docs" / "installing.md").read_text(encoding="utf-8")
+    (container,) = re.findall(r"```dockerfile\n(.*?)```", manual, re.DOTALL)
+    (command,) = re.findall(r"^RUN avatarsim (.*)$", container, re.MULTILINE)
+    (folder,) = re.findall(rf"^ENV {VARIABLE}=(.*)$", container, re.MULTILINE)
+    asked = parsed(command.split())
+    assert len(container.splitlines()) == 6 and (asked.command, str(asked.to), asked.cpu) == ("compile", folder, None)
