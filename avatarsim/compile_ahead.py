@@ -2,6 +2,7 @@
 
 import fcntl
 import gc
+import hashlib
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,11 +14,16 @@ from typing import TextIO, cast
 import numba
 import numpy as np
 
+from avatarsim.cache_folder import VARIABLE, make_private
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.compile_progress import Compiled
 from avatarsim.engine import Settings
-from avatarsim.kernel import ROOT, cache_folder, config
+from avatarsim.jit import places
+from avatarsim.jit.cpu import Cpu, compiled_for, usable
+from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.places import NAME, CannotKeep, Places
+from avatarsim.kernel import ROOT, config, kernel_folder
 from avatarsim.linking import KernelDispatcher
 from avatarsim.progress import Progress
 from avatarsim.quick_compiler import quicken
@@ -78,11 +84,20 @@ def compile_part(part: str) -> None:
     engine.close()
 
 
-def compile_share(share: tuple[str, ...]) -> None:
-    """Compile some parts, one after the other, in a process that does nothing else: from here on its numba is not numba's own."""
+def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
+    """Compile some parts, one after the other, in a process that does nothing else: from here on its numba is not numba's own.
+
+    Kernels are read from and kept in the folder `only`, if that is given. If they cannot be kept the process ends with an error,
+    for then there is no use in compiling.
+    """
+    places.use_places(Places(only, required=True))
+    FIRST_COMPILE.silent = True
     quicken()
-    for part in share:
-        compile_part(part)
+    try:
+        for part in share:
+            compile_part(part)
+    except CannotKeep as error:
+        sys.exit(f"avatarsim: {error}")
 
 
 def compile_distances() -> None:
@@ -92,35 +107,65 @@ def compile_distances() -> None:
     cast(KernelDispatcher, signed_distance_up_to).called.compile(tuple(numba.typeof(part) for part in question))
 
 
-def compiled_stamp() -> Path | None:
-    """The file that says that everything is compiled for these very sources; None where nothing can be kept."""
-    folder = None if config.DISABLE_JIT else cache_folder(str(ROOT / "simulator.py"))
-    return folder / "everything-compiled" if folder else None
+def stamp_name(cpu: Cpu) -> Path:
+    """The file, within a place of kernels, that says that everything is compiled for these very sources and a processor."""
+    known_as = hashlib.sha256(repr(cpu).encode()).hexdigest()[:20]
+    return kernel_folder(str(ROOT / "simulator.py")) / f"everything-compiled-{known_as}"
+
+
+def is_compiled() -> bool:
+    """Whether everything is compiled for a processor whose code this machine runs."""
+    return any((base / stamp_name(cpu)).exists() for base in places.current().read for cpu in usable())
 
 
 @contextmanager
 def turn(stamp: Path) -> Iterator[None]:
     """Wait until no other process compiles the same thing."""
-    with (stamp.parent / "compiling").open("w") as latch:
-        fcntl.flock(latch, fcntl.LOCK_EX)
+    make_private(stamp.parent)
+    latch = stamp.with_suffix(".compiling")
+    with latch.open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
         yield
+        latch.unlink(missing_ok=True)
 
 
 def compile_everything(stream: TextIO | None = None) -> bool:
     """Compile what is not compiled yet and say how far it is, on the standard output unless told otherwise; False if a part
-    failed, which then compiles when it is first used."""
-    stamp = compiled_stamp()
-    if stamp is None or stamp.exists():
+    failed, which then compiles when it is first used. Where nothing can be kept nothing is compiled, and that is said."""
+    if config.DISABLE_JIT or is_compiled():
         return True
-    stream = stream or sys.stdout
+    base = places.current().write
+    if base is None:
+        return True
+    stamp, stream = base / stamp_name(compiled_for()), stream or sys.stdout
     print("compiling the engine's kernels: once, half a minute to two minutes on 2 cores", file=stream, flush=True)
-    with turn(stamp):
-        if stamp.exists():
-            return True
-        good = run_shares(SHARES, stream)
-        if good:
-            stamp.touch()
-    return good
+    try:
+        with turn(stamp):
+            if stamp.exists():
+                return True
+            good = run_shares(SHARES, stream)
+            if good:
+                stamp.touch()
+        return good
+    except OSError as error:
+        print(f"  stopped: {error}", file=stream)
+        return False
+
+
+def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
+    """Compile everything into a folder that serves all users as AVATARSIM_CACHE_DIR; False if a part failed. Raises CannotKeep
+    where nothing can be kept."""
+    base, made = folder / NAME, not folder.exists()
+    places.use_places(Places(base, required=True))
+    if not compile_everything(stream):
+        return False
+    kept = [base, *base.rglob("*")]
+    for path in [folder, *kept] if made else kept:
+        path.chmod(0o755 if path.is_dir() else 0o644)
+    size = sum(path.stat().st_size for path in kept if path.is_file())
+    made_for = f"{1e-6 * size:.0f} MB of kernels for the processor {compiled_for().name}"
+    print(f"{base}: {made_for}; set {VARIABLE} to the folder above it", file=stream or sys.stdout)
+    return True
 
 
 def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
@@ -128,7 +173,7 @@ def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
     compiled = Compiled()
     # A fork has imported everything already, which takes a second; where there are no forks everything is imported anew.
     child = get_context("fork").Process if sys.platform == "linux" else get_context("spawn").Process
-    children = [child(target=compile_share, args=(share,)) for share in shares]
+    children = [child(target=compile_share, args=(share, places.current().only)) for share in shares]
     for one in children:
         one.start()
     with Progress("compiling", stream) as progress:

@@ -7,8 +7,9 @@ earlier compile left counts as done.
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
+from avatarsim.jit import places
+from avatarsim.jit.cache import SUFFIX
 from avatarsim.kernel import ROOT
 from avatarsim.linking import KernelDispatcher
 
@@ -31,7 +32,9 @@ class Compiled:
 
     def done(self) -> int:
         """Kernels on disk, at most as many as there are."""
-        return min(sum(1 for folder in self.folders for _ in Path(folder).rglob("*.nbc")), self.total)
+        bases = set(places.current().read) | {place for place in [places.current().write] if place is not None}
+        kept = {(folder, path.name) for base in bases for folder in self.folders for path in (base / folder).glob(f"*{SUFFIX}")}
+        return min(len(kept), self.total)
 
     def left(self, done: int) -> float:
         """[s] until all are done if it goes on as it went; infinite at first."""

@@ -9,6 +9,7 @@
     |   +-- UnknownName     an engine, a scene, a preset that nobody registered
     +-- StartOverlaps       the first pose already overlaps
     +-- MissingPackage      an optional package is not installed
+    +-- UnsupportedVersion  an installed package is of a version that cannot be used
 
 Each message names the thing, the value it had and the range it must be in.
 """
@@ -81,3 +82,7 @@ class MissingPackage(AvatarsimError):
     def __init__(self, package: str, extra: str, needed_for: str) -> None:
         self.package, self.extra = package, extra
         super().__init__(f"{needed_for} needs the package {package}, which is not installed: pip install 'avatarsim[{extra}]'")
+
+
+class UnsupportedVersion(AvatarsimError, ImportError):
+    """An installed package is of a version that cannot be used; the message says which one can. Raised by imports."""

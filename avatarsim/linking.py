@@ -14,24 +14,23 @@ What must hold, and how it does:
 """
 
 import copy
-import fcntl
 import functools
 import hashlib
 import importlib
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, cast
 
 import llvmlite.binding as llvm
-from numba.core import config, sigutils, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
-from numba.core.compiler import compile_result
+from numba.core import sigutils, types
+from numba.core.compiler import CompileResult, compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
 
 from avatarsim.compiler_passes import KernelCompiler
+from avatarsim.jit.cache import KernelFiles
+from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.kernel_library import NEVER_RAISE, KernelLibrary, is_large, may_raise
 
 PREFIX = "avatarsim-sealed:"
@@ -57,21 +56,15 @@ class CalledKernel(CPUDispatcher):
     """Kernels that this process has compiled or read from disk, each once per signature."""
 
     def keep_in_cache(self, folder: Path) -> None:
-        """Keep the compiled code on disk in a folder."""
-        kept = config.CACHE_DIR
-        # Only while numba chooses this function's folder: other users of numba here keep their own setting.
-        config.CACHE_DIR = str(folder)
-        try:
-            self._cache = KernelCache(self.py_func, type(self).__name__)
-        finally:
-            config.CACHE_DIR = kept
+        """Keep the compiled code on disk, in a folder within the places that are read and written."""
+        self._cache = KernelCache(self.py_func, type(self).__name__, folder)
 
     def compile(self, sig: Any) -> Any:
         """Compile for a signature, or load it, and let other kernels know how to call it."""
         arguments = tuple(sigutils.normalize_signature(sig)[0])
-        if arguments in self.overloads or not isinstance(self._cache, KernelCache):
+        if arguments in self.overloads:
             return super().compile(sig)
-        with global_compiler_lock, self._cache.turn():
+        with global_compiler_lock, self._cache.turn(), FIRST_COMPILE.nested():
             entry = super().compile(sig)
         CalledKernel.made += 1
         self._seal(self.overloads[arguments], Callee(self.py_func.__module__, self.py_func.__qualname__, arguments))
@@ -103,6 +96,7 @@ class KernelDispatcher(CalledKernel):
         super().__init__(function, targetoptions=options, pipeline_class=KernelCompiler)
         self.folder = folder
         self.keep_in_cache(folder)
+        FIRST_COMPILE.declared += 1
 
     def __reduce__(self) -> tuple[Callable[..., object], tuple[str, str]]:
         """Pickled as a function is: by name."""
@@ -155,7 +149,7 @@ class CodeAlone:
         return self.library.name, self.library._get_module_for_linking().as_bitcode()
 
 
-class KernelCacheImpl(CompileResultCacheImpl):
+class KernelCache(KernelFiles):
     """What is kept on disk of a compiled kernel: numba's data, whether it is sealed or raises, the sealed kernels it calls."""
 
     def reduce(self, compiled: Any) -> Any:
@@ -164,7 +158,7 @@ class KernelCacheImpl(CompileResultCacheImpl):
         if library.only_inlined:
             compiled = compiled._replace(library=CodeAlone(library))
         elif name is not None:
-            # Nobody inlines it, so nobody needs its LLVM code, which takes longer to read than the machine code.
+            # It is called and never inlined, so its LLVM code, which takes longer to read than the machine code, is not needed.
             compiled = compiled._replace(library=WithoutCode(compiled))
         return *said, compiled._reduce()
 
@@ -172,7 +166,7 @@ class KernelCacheImpl(CompileResultCacheImpl):
         name, only_inlined, may_raise, callees, rest = payload
         if not all(load(callee, known_as) for known_as, callee in callees.items()):
             return None  # as if nothing were on disk
-        compiled = small_again(target_context, *rest) if only_inlined else super().rebuild(target_context, rest)
+        compiled = (small_again if only_inlined else CompileResult._rebuild)(target_context, *rest)
         compiled.library.sealed_name, compiled.library.raises = name, may_raise
         return compiled
 
@@ -188,30 +182,6 @@ def small_again(
         entry_point=context.get_executable(library, descriptor, environment), environment=environment, signature=signature,
         objectmode=objectmode, lifted=lifted, type_annotation=annotation, reload_init=reload, referenced_envs=environments,
     )
-
-
-class KernelCache(FunctionCache):
-    """numba's cache of one function, with KernelCacheImpl's data; ``kind`` keeps two compilations of it apart."""
-
-    _impl_class = KernelCacheImpl
-
-    def __init__(self, function: Callable[..., object], kind: str) -> None:
-        super().__init__(function)
-        self.kind = kind
-        self.latch = Path(self._cache_path) / f"{self._impl.filename_base}.compiling"
-
-    @contextmanager
-    def turn(self) -> Iterator[None]:
-        """Wait until no other process compiles this kernel: then it is on disk. Since no kernel calls itself, not even through
-        others, processes cannot wait for one another in a ring."""
-        with ExitStack() as held:
-            # Without a lock (the folder was pruned, or its disk knows none) the kernel is only compiled more than once.
-            with suppress(OSError):
-                fcntl.flock(held.enter_context(self.latch.open("w")), fcntl.LOCK_EX)
-            yield
-
-    def _index_key(self, sig: Any, codegen: Any) -> Any:
-        return (self.kind, *super()._index_key(sig, codegen))
 
 
 def sealed_name(compiled: Any) -> str | None:

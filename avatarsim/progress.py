@@ -49,6 +49,11 @@ class Progress:
         self.stream.flush()
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.erase()
+
+    def erase(self) -> None:
+        """Take the bar off the terminal until the next step."""
         if self.drawn and self.stream is not None:
             self.stream.write("\r" + " " * self.drawn + "\r")
             self.stream.flush()
+            self.drawn = 0

@@ -11,7 +11,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import nullcontext
 from functools import cache
-from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, SimpleNamespace
 from typing import Any
 
@@ -19,7 +18,6 @@ import llvmlite.binding.ffi
 import llvmlite.ir.types
 from numba.core import base, bytecode, byteflow, errors, event, interpreter, ir, lowering, ssa, transforms, typeinfer
 from numba.core.base import BaseContext
-from numba.core.caching import _CacheLocator
 from numba.core.codegen import CPUCodegen
 from numba.core.postproc import PostProcessor, VariableLifetime
 from numba.core.targetconfig import TargetConfig
@@ -61,9 +59,6 @@ def quicken() -> None:
     # LLVM was asked for the size of a type by way of a module of its own, as text.
     layouts: Any = llvmlite.ir.types.Type
     layouts.get_abi_size, layouts.get_abi_alignment = told_once(layouts.get_abi_size), told_once(layouts.get_abi_alignment)
-    # Into a folder for compiled kernels something was written before it was chosen.
-    locator: Any = _CacheLocator
-    locator.ensure_cache_path = lambda locator: Path(locator.get_cache_path()).mkdir(parents=True, exist_ok=True)
     # Python 3.11 leaves room for notes of its own between instructions, which is half of a function.
     told = bytecode
     told._unpack_opargs = without_room(told._unpack_opargs)

@@ -7,14 +7,28 @@ from pathlib import Path
 import pytest
 
 from avatarsim import compile_ahead, linking
-from avatarsim.compile_ahead import PARTS, SHARES, compile_everything, compile_part, part_scene, run_shares
+from avatarsim.compile_ahead import (
+    PARTS,
+    SHARES,
+    compile_everything,
+    compile_into,
+    compile_part,
+    compile_share,
+    is_compiled,
+    part_scene,
+    run_shares,
+    stamp_name,
+)
+from avatarsim.jit import places
+from avatarsim.jit.cpu import compiled_for, usable
+from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.places import NAME, CannotKeep, Places
 
 
 @pytest.fixture
 def stamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    path = tmp_path / "everything-compiled"
-    monkeypatch.setattr(compile_ahead, "compiled_stamp", lambda: path)
-    return path
+    monkeypatch.setattr(places, "PLACES", Places(tmp_path / "kernels"))
+    return tmp_path / "kernels" / stamp_name(compiled_for())
 
 
 @pytest.mark.parametrize("part", [*PARTS, "together"])
@@ -66,7 +80,66 @@ def test_a_failing_child_is_reported_by_its_code(monkeypatch: pytest.MonkeyPatch
     assert "nobody knows how to compile bad parts" in capfd.readouterr().err
 
 
-def test_where_nothing_can_be_kept_nothing_is_compiled_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compile_ahead, "compiled_stamp", lambda: None)
+def test_where_nothing_can_be_kept_nothing_is_compiled_ahead_and_that_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    blocked = tmp_path / "a_file"
+    blocked.write_text("", encoding="utf-8")
+    monkeypatch.setattr(places, "PLACES", Places(blocked / "kernels"))
     monkeypatch.setattr(compile_ahead, "run_shares", lambda *_: pytest.fail("compiled"))
-    assert compile_everything()
+    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+    assert compile_everything() and compile_everything()
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "cannot be kept" in said and str(blocked) in said
+
+
+def test_what_is_compiled_for_any_processor_whose_code_runs_here_counts(stamp: Path) -> None:
+    base = stamp.parents[2]
+    for cpu in usable():
+        made = base / stamp_name(cpu)
+        made.parent.mkdir(parents=True, exist_ok=True)
+        made.touch()
+        monkeyed = Places(base)
+        places.use_places(monkeyed)
+        assert is_compiled()
+        made.unlink()
+        places.use_places(Places(base))
+        assert not is_compiled()
+    assert stamp_name(compiled_for()._replace(name="another")) not in {stamp_name(cpu) for cpu in usable()}
+
+
+def test_a_folder_to_carry_elsewhere_may_be_read_by_all_and_a_folder_of_the_user_keeps_its_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def kept(shares: object, stream: object) -> bool:
+        entry = tmp_path / "carried" / NAME / "avatarsim.x" / "0" / "x.kernel"
+        entry.parent.mkdir(parents=True, mode=0o700)
+        entry.write_bytes(b"code")
+        entry.chmod(0o600)
+        return True
+
+    monkeypatch.setattr(places, "PLACES", places.PLACES)
+    monkeypatch.setattr(compile_ahead, "run_shares", kept)
+    said = io.StringIO()
+    assert compile_into(tmp_path / "carried", said)
+    assert "set AVATARSIM_CACHE_DIR to the folder above it\n" in said.getvalue()
+    modes = {path.stat().st_mode & 0o777 for path in (tmp_path / "carried").rglob("*") if path.is_dir()}
+    assert modes == {0o755} and (tmp_path / "carried").stat().st_mode & 0o777 == 0o755
+    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "carried").rglob("*") if path.is_file()} == {0o644}
+    (tmp_path / "carried").chmod(0o700)
+    assert compile_into(tmp_path / "carried", said) and (tmp_path / "carried").stat().st_mode & 0o777 == 0o700
+
+
+def test_a_share_whose_kernels_cannot_be_kept_ends_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def keep(part: str) -> None:
+        places.current().keep_no_more(OSError(28, "No space left on device"))
+
+    monkeypatch.setattr(places, "PLACES", places.PLACES)
+    monkeypatch.setattr(compile_ahead, "compile_part", keep)
+    monkeypatch.setattr(compile_ahead, "quicken", lambda: None)
+    monkeypatch.setattr(FIRST_COMPILE, "silent", False)
+    with pytest.raises(SystemExit, match="cannot be kept: .* No space left on device"):
+        compile_share(("distance", "posture"), tmp_path)
+    assert isinstance(places.current(), Places) and places.current().only == tmp_path
+    with pytest.raises(CannotKeep):
+        places.current().keep_no_more(OSError(28, "No space left on device"))

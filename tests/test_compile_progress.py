@@ -9,6 +9,8 @@ import pytest
 from avatarsim import compile_progress
 from avatarsim.compile_ahead import PARTS, compile_part
 from avatarsim.compile_progress import Compiled
+from avatarsim.jit import places
+from avatarsim.jit.places import Places
 
 
 class Clock:
@@ -30,14 +32,15 @@ class Stub:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(compile_progress, "kernels", lambda: [Stub(tmp_path)] * 20)
+    monkeypatch.setattr(compile_progress, "kernels", lambda: [Stub(Path("below"))] * 20)
+    monkeypatch.setattr(places, "PLACES", Places(tmp_path))
     (tmp_path / "below").mkdir()
     return tmp_path / "below"
 
 
 def compiled(folder: Path, count: int) -> None:
     for k in range(count):
-        (folder / f"{k}.nbc").touch()
+        (folder / f"{k}.kernel").touch()
 
 
 IN_MEMORY = """

@@ -1,15 +1,19 @@
-"""Compiled kernels are never stale, and a machine that can keep none still runs."""
+"""Compiled kernels are never stale and never run from another user's files, damage is found, and a machine that keeps none still
+runs."""
 
 import importlib.util
 import os
 import shutil
-import subprocess
-import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
 
+import numba
 import pytest
 
-from avatarsim import compiler_passes, kernel_library, linking
 from avatarsim import kernel as real
+from avatarsim.jit.baseline import LISTED, NAME, runs_baseline
+from tests.house.kernel_package import make_package, run_in
 
 CALLEE = (
     "from avatarsim.kernel import kernel\n\n\n@kernel\ndef twice(x: float) -> float:\n    return {} * x\n"
@@ -22,45 +26,42 @@ from avatarsim.{} import twice
 def answer(x: float) -> float:
     return twice(x) + 1.0
 """
-ASK = "from avatarsim.caller import answer; print(answer(10.0), sum(answer.stats.cache_hits.values()))"
+ASK = "from avatarsim.caller import answer\n{}\nprint(answer(10.0), sum(answer.stats.cache_hits.values()))"
 
 
 @pytest.fixture
-def package(tmp_path):
+def package(tmp_path: Path) -> Path:
     """A package of two kernels in two files, with our decorator."""
-    root = tmp_path / "installed" / "avatarsim"
-    root.mkdir(parents=True)
-    shutil.copy(real.__file__, root / "kernel.py")
-    shutil.copy(linking.__file__, root / "linking.py")
-    shutil.copy(compiler_passes.__file__, root / "compiler_passes.py")
-    shutil.copy(kernel_library.__file__, root / "kernel_library.py")
-    (root / "__init__.py").write_text("")
+    root = make_package(tmp_path / "installed")
     (root / "callee.py").write_text(CALLEE.format("2.0"))
     (root / "caller.py").write_text(CALLER.format("callee"))
     (root / "bystander.py").write_text("x = 1\n")
     return root
 
 
-def run(package, **environment):
-    """The answer and the number of cache hits, from a process of its own."""
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON"))}
-    kept |= {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
-    command = [sys.executable, "-c", ASK]
-    done = subprocess.run(command, env=kept, cwd=package.parent, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    answer, hits = done.stdout.split()
-    return float(answer), int(hits)
+def told(package: Path, before: str = "", **environment: str) -> tuple[float, int, str]:
+    """The answer, the number of cache hits and what is said on standard error, from a process of its own that runs `before` when
+    the kernels are imported and not yet called."""
+    said, trouble = run_in(package, ASK.format(before), **environment)
+    answer, hits = said.split()
+    return float(answer), int(hits), trouble
 
 
-def loaded(package):
+def run(package: Path, before: str = "", **environment: str) -> tuple[float, int]:
+    """The answer and the number of cache hits."""
+    return told(package, before, **environment)[:2]
+
+
+def loaded(package: Path) -> ModuleType:
     """The copied kernel.py as a module of its own."""
     spec = importlib.util.spec_from_file_location("copied_kernel", package / "kernel.py")
+    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_an_edited_callee_in_another_file_is_never_stale(package, tmp_path):
+def test_an_edited_callee_in_another_file_is_never_stale(package: Path, tmp_path: Path) -> None:
     cache = {"XDG_CACHE_HOME": str(tmp_path / "cache")}
     assert run(package, **cache) == (21.0, 0)
     assert run(package, **cache) == (21.0, 1)
@@ -70,13 +71,13 @@ def test_an_edited_callee_in_another_file_is_never_stale(package, tmp_path):
     assert run(package, **cache) == (51.0, 1)
 
 
-def test_flags_do_not_share_compiled_code(package, tmp_path):
+def test_flags_do_not_share_compiled_code(package: Path, tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     assert run(package, **cache) == (21.0, 0)
     assert run(package, NUMBA_BOUNDSCHECK="1", **cache) == (21.0, 0)
 
 
-def test_nowhere_to_write_but_the_temporary_folder(package, tmp_path):
+def test_nowhere_to_write_but_the_temporary_folder(package: Path, tmp_path: Path) -> None:
     blocked, temporary = tmp_path / "a_file", tmp_path / "tmp"
     blocked.write_text("")
     temporary.mkdir()
@@ -85,35 +86,124 @@ def test_nowhere_to_write_but_the_temporary_folder(package, tmp_path):
     assert run(package, **places) == (21.0, 1)
 
 
-def test_nowhere_to_write_at_all_compiles_each_time_and_leaves_the_install_alone(
-    package, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(real.tempfile, "tempdir", None)
-    module = loaded(package)
+def test_nowhere_to_write_at_all_compiles_each_time_says_so_once_and_leaves_the_install_alone(
+    package: Path, tmp_path: Path
+) -> None:
     blocked = tmp_path / "a_file"
     blocked.write_text("")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(blocked))
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    monkeypatch.setenv("HOME", str(blocked))
-    monkeypatch.setattr(real.tempfile, "tempdir", str(blocked))
-    assert module.cache_folder(str(package / "caller.py")) is None
-
-    def plus_one(x: float) -> float:
-        return x + 1.0
-
-    assert module.kernel(plus_one)(1.0) == 2.0
-    assert sorted(p.name for p in package.iterdir() if p.is_dir()) in ([], ["__pycache__"])
-    assert not list(package.rglob("*.nb?"))
+    nowhere = "import tempfile\ndef none():\n    raise FileNotFoundError(2, 'no temporary directory')\ntempfile.gettempdir = none"
+    answer, hits, said = told(package, nowhere, XDG_CACHE_HOME=str(blocked), HOME=str(blocked), NUMBA_CACHE_DIR=str(blocked))
+    assert (answer, hits) == (21.0, 0)
+    assert said.count("cannot be kept") == 1 and str(blocked) in said and "Traceback" not in said
+    assert not list(package.rglob("*.kernel"))
 
 
-def test_the_hash_covers_what_is_imported_and_nothing_else(package):
+def test_other_cache_folders_of_the_environment_come_after_our_own(package: Path, tmp_path: Path) -> None:
+    first = {"AVATARSIM_CACHE_DIR": str(tmp_path / "ours"), "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    assert run(package, **first) == (21.0, 0)
+    assert list((tmp_path / "ours").rglob("*.kernel")) and not (tmp_path / "numba").exists()
+
+
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
+    "cut": lambda data: data[: len(data) // 2],
+    "emptied": lambda data: b"",
+    "garbled": lambda data: data[:400] + bytes(byte ^ 0x55 for byte in data[400:]),
+    "foreign": lambda data: b"\x80\x04garbage.",
+}
+
+
+def test_damaged_files_are_said_once_removed_and_compiled_anew(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **cache) == (21.0, 0)
+    whole = {path: path.read_bytes() for path in (tmp_path / "cache").rglob("*.kernel")}
+    assert len(whole) == 2
+    for kinds in (("cut", "emptied"), ("garbled", "foreign")):
+        for kind, (path, data) in zip(kinds, whole.items(), strict=True):
+            path.write_bytes(DAMAGE[kind](data))
+        answer, hits, said = told(package, **cache)
+        assert (answer, hits) == (21.0, 0)
+        assert said.count("compiled anew") == 1 and "Traceback" not in said
+        assert {path for path in (tmp_path / "cache").rglob("*") if path.is_file()} == set(whole), "no leftovers"
+    answer, hits, said = told(package, **cache)
+    assert (answer, hits, said) == (21.0, 1, "")
+
+
+def test_a_full_disk_is_said_once_and_stops_nothing(package: Path, tmp_path: Path) -> None:
+    """A file that may not grow refuses as a full disk does."""
+    full = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))"
+    answer, hits, said = told(package, full, NUMBA_CACHE_DIR=str(tmp_path / "cache"))
+    assert (answer, hits) == (21.0, 0)
+    assert said.count("cannot be kept") == 1 and "cannot be written to" in said and "Traceback" not in said
+    assert [path for path in (tmp_path / "cache").rglob("*") if path.is_file()] == []
+    assert run(package, NUMBA_CACHE_DIR=str(tmp_path / "cache")) == (21.0, 0)
+
+
+def test_too_many_open_files_stop_nothing(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **cache) == (21.0, 0)
+    # From here on no file can be opened; what numba imports late has to be in memory.
+    none = "answer.py_func(1.0); import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (0, 4096))"
+    answer, hits, said = told(package, f"from numba import njit; njit(lambda x: x)(1.0); {none}", **cache)
+    assert (answer, hits) == (21.0, 0)
+    assert said.count("Too many open files") >= 1 and said.count("cannot be kept") == 1 and "Traceback" not in said
+    assert run(package, **cache) == (21.0, 1)
+
+
+def test_a_cache_that_moved_and_may_only_be_read_serves_an_install_that_moved(package: Path, tmp_path: Path) -> None:
+    assert run(package, AVATARSIM_CACHE_DIR=str(tmp_path / "made")) == (21.0, 0)
+    shutil.move(tmp_path / "made", tmp_path / "carried")
+    elsewhere = tmp_path / "another" / "place" / "avatarsim"
+    shutil.copytree(package, elsewhere)
+    read_only = "from avatarsim.jit import places; places.is_writable = lambda folder: False"
+    carried = {"AVATARSIM_CACHE_DIR": str(tmp_path / "carried"), "HOME": str(tmp_path / "home")}
+    assert told(elsewhere, read_only, **carried) == (21.0, 1, "")
+
+
+def test_kernels_inside_the_installed_package_are_used(package: Path, tmp_path: Path) -> None:
+    assert run(package, AVATARSIM_CACHE_DIR=str(package)) == (21.0, 0)
+    assert told(package, HOME=str(tmp_path / "home")) == (21.0, 1, "")
+
+
+def test_kernels_of_the_baseline_run_where_the_processor_has_it_and_nowhere_else(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, NUMBA_CPU_NAME=NAME, NUMBA_CPU_FEATURES=LISTED, **cache) == (21.0, 0)
+    assert run(package, NUMBA_CPU_NAME="generic", **cache) == (21.0, 0)
+    lacking = "from avatarsim.jit import baseline; baseline.runs_baseline = lambda: False"
+    other = {"NUMBA_CACHE_DIR": str(tmp_path / "other")}
+    shutil.copytree(tmp_path / "cache", tmp_path / "other")
+    assert run(package, lacking, **other) == (21.0, 0)
+    assert run(package, **cache) == (21.0, 1 if runs_baseline() else 0)
+
+
+def test_a_file_that_others_may_write_to_is_never_unpickled(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **cache) == (21.0, 0)
+    for path in (tmp_path / "cache").rglob("*.kernel"):
+        path.chmod(0o666)
+    answer, hits, said = told(package, **cache)
+    assert (answer, hits) == (21.0, 0) and "other users may write to it" in said
+    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "cache").rglob("*.kernel")} == {0o600}
+    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "cache").rglob("*") if path.is_dir()} == {0o700}
+    assert run(package, **cache) == (21.0, 1)
+
+
+def test_the_first_compile_is_announced_in_one_line_and_a_cached_start_is_silent(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    said = told(package, **cache)[2]
+    assert said.startswith("avatarsim: compiling the engine's kernels, once") and said.count("\n") == 1
+    assert "python -m avatarsim compile" in said
+    assert told(package, **cache)[2] == ""
+
+
+def test_the_hash_covers_what_is_imported_and_nothing_else(package: Path) -> None:
     module = loaded(package)
     caller = str(package / "caller.py")
 
-    def now():
-        module._imported.cache_clear()
-        module._content.cache_clear()
-        return module.source_hash(caller)
+    def now() -> str:
+        for remembered in (module._imported, module._content, module._files_of, module.source_hash):
+            remembered.cache_clear()
+        found: str = module.source_hash(caller)
+        return found
 
     before = now()
     (package / "bystander.py").write_text("x = 3\n")
@@ -132,7 +222,7 @@ def test_the_hash_covers_what_is_imported_and_nothing_else(package):
     assert now() != relative
 
 
-def test_an_import_of_a_folder_covers_all_in_it(package):
+def test_an_import_of_a_folder_covers_all_in_it(package: Path) -> None:
     room = package / "room"
     room.mkdir()
     (room / "__init__.py").write_text("")
@@ -143,20 +233,14 @@ def test_an_import_of_a_folder_covers_all_in_it(package):
     assert loaded(package).source_hash(str(package / "caller.py")) != before
 
 
-def test_only_the_newest_versions_are_kept(package, tmp_path, monkeypatch):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
-    made = []
-    for k in range(6):
-        (package / "caller.py").write_text(f"x = {k}\n")
-        folder = loaded(package).cache_folder(str(package / "caller.py"))
-        os.utime(folder, (k, k))
-        made.append(folder)
-    assert [f.exists() for f in made] == [False] * 3 + [True] * 3
+def test_neither_the_place_of_the_package_nor_that_of_the_cache_is_in_the_name_of_an_entry(package: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "another" / "place" / "avatarsim"
+    shutil.copytree(package, elsewhere)
+    folders = {loaded(root).kernel_folder(str(root / "caller.py")) for root in (package, elsewhere)}
+    assert len(folders) == 1 and os.sep not in next(iter(folders)).parts[0]
 
 
-def test_other_users_of_numba_keep_their_own_folder():
-    import numba
-
+def test_other_users_of_numba_keep_their_own_folder() -> None:
     before = numba.config.CACHE_DIR
     real.kernel(same)
     assert numba.config.CACHE_DIR == before

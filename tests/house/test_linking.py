@@ -1,7 +1,6 @@
 """A large kernel is compiled once, called by name from everywhere, and never missing when its caller comes from disk."""
 
 import json
-import os
 import pickle
 import shutil
 import subprocess
@@ -9,9 +8,9 @@ import sys
 
 import pytest
 
-from avatarsim import compiler_passes, kernel_library, linking
-from avatarsim import kernel as real
+from avatarsim import linking
 from avatarsim.collide.support import support
+from tests.house.kernel_package import make_package, plain_environment
 
 LARGE = """from avatarsim.kernel import kernel
 
@@ -57,11 +56,7 @@ print(json.dumps({{
 @pytest.fixture
 def package(tmp_path):
     """A package with a kernel of some hundred instructions and two that call it."""
-    root = tmp_path / "installed" / "avatarsim"
-    root.mkdir(parents=True)
-    for module in (real, linking, compiler_passes, kernel_library):
-        shutil.copy(module.__file__, root)
-    (root / "__init__.py").write_text("")
+    root = make_package(tmp_path / "installed")
     steps = "\n".join(f"    y = y * {1.0 + 1.0 / k} + x / (y + {k}.0)" for k in range(1, 90))
     (root / "large.py").write_text(LARGE.format(steps))
     (root / "caller.py").write_text(CALLER)
@@ -69,8 +64,7 @@ def package(tmp_path):
 
 
 def process(package, names, cache):
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON"))}
-    kept |= {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(cache)}
+    kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))
     command = [sys.executable, "-c", ASK.format(names=", ".join(names))]
     return subprocess.Popen(command, env=kept, cwd=package.parent, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
@@ -118,7 +112,7 @@ def test_a_small_kernel_is_kept_without_machine_code_and_inlined_from_disk(packa
     cache = tmp_path / "cache"
     first = ask(package, ["top"], cache)
     assert first["inlined"] == [True] and ask(package, ["top"], cache)["inlined"] == []
-    gone = list(cache.rglob("caller.top-*.nb?"))
+    gone = list(cache.rglob("top-*.kernel"))
     for file in gone:
         file.unlink()
     again = ask(package, ["top"], cache)
@@ -153,9 +147,8 @@ def test_processes_that_start_at_once_compile_each_kernel_once(package, tmp_path
 
 def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling(package, tmp_path):
     cache = tmp_path / "cache"
-    gone = f"import shutil; from avatarsim.caller import top; shutil.rmtree({str(cache)!r})\n"
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON"))}
-    kept |= {"PYTHONPATH": str(package.parent), "NUMBA_CACHE_DIR": str(cache)}
+    gone = f"import shutil; from avatarsim.caller import small, top; small(0.5); shutil.rmtree({str(cache)!r})\n"
+    kept = plain_environment(package, NUMBA_CACHE_DIR=str(cache))
     command = [sys.executable, "-c", gone + "print(top(0.25))"]
     done = subprocess.run(command, env=kept, cwd=package.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

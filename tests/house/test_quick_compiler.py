@@ -33,7 +33,7 @@ from avatarsim.world.world import build
 gc.disable()
 codes, written = {{}}, {{}}
 optimize = linking.KernelLibrary._optimize_functions
-reduce = linking.KernelCacheImpl.reduce
+reduce = linking.KernelCache.reduce
 
 def without_numbers(code):
     # Numbers of specialisations and of types count up in the order of compiling, which is another.
@@ -61,7 +61,7 @@ def note(library, module):
     return optimize(library, module)
 
 linking.KernelLibrary._optimize_functions = note
-linking.KernelCacheImpl.reduce = keep
+linking.KernelCache.reduce = keep
 world = build(part_scene("motion")[0])
 require_free(world)
 from avatarsim.collide.gjk import gjk

@@ -1,0 +1,164 @@
+"""Persistent compilation cache: one checked file per compiled kernel, signature and processor.
+
+It stands in for numba's own cache, which unpickles whatever lies in its files, keeps an index that a crash can leave behind
+wrong, names files by absolute paths, and reads from nothing that it cannot write to.
+
+Everything that shapes the machine code is in the name of the entry: the digest of the sources (which names the folder), the
+kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the package or
+the cache lies, so both may be moved.
+"""
+
+import fcntl
+import hashlib
+import os
+import pickle
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from numba.core import sigutils
+from numba.core.caching import _Cache
+from numba.core.serialize import dumps
+
+from avatarsim.cache_entry import Damaged, read_entry, write_entry
+from avatarsim.cache_folder import Distrusted, make_private, say_distrust
+from avatarsim.jit import places
+from avatarsim.jit.cpu import Cpu, compiled_for, usable
+from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.places import SHIPPED
+from avatarsim.say_once import say_once
+
+SUFFIX = ".kernel"
+"""How the names of entries end."""
+
+LATCH = ".compiling"
+"""How the name of a lock file ends, which is there while a process compiles a kernel."""
+
+
+class KernelFiles(_Cache):  # type: ignore[misc]  # numba has no annotations here
+    """The entries of one kernel. `folder` is that of its source file within a place; `kind` tells compilations of it apart."""
+
+    def __init__(self, function: Callable[..., object], kind: str, folder: Path) -> None:
+        self.folder, self.kind, self.module = folder, kind, function.__module__
+        self.name = function.__qualname__.replace("<", "").replace(">", "")
+        code = function.__code__
+        closure = dumps(tuple(cell.cell_contents for cell in function.__closure__)) if function.__closure__ else b""
+        self._code = code.co_firstlineno, hashlib.sha256(code.co_code).hexdigest(), hashlib.sha256(closure).hexdigest()
+        self._held = ExitStack()
+
+    def reduce(self, compiled: Any) -> Any:
+        """What is kept of a compiled kernel; to be given by a subclass."""
+        raise NotImplementedError
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        """A compiled kernel from what was kept, or None if it cannot be used; to be given by a subclass."""
+        raise NotImplementedError
+
+    @property
+    def cache_path(self) -> str:
+        """The folder within each place."""
+        return str(self.folder)
+
+    def enable(self) -> None:
+        """Asked for by numba; a kernel's cache is always on."""
+
+    def disable(self) -> None:
+        """Asked for by numba; a kernel's cache is always on."""
+
+    def flush(self) -> None:
+        """Remove this kernel's entries from the folder in which new ones are kept."""
+        base = places.current().write
+        if base is not None:
+            for path in (base / self.folder).glob(f"{self.name}-*{SUFFIX}"):
+                _remove(path)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The compiled kernel for a signature from disk; None if it has to be compiled, which is announced.
+
+        Before that it waits for any other process that is compiling the same kernel, and looks again.
+        """
+        target_context.refresh()
+        arguments = tuple(sigutils.normalize_signature(sig)[0])
+        found = self._found(arguments, target_context, places.current().read)
+        base = None if found is not None else places.current().write
+        if base is not None:
+            self._wait(base / self.folder)
+            found = self._found(arguments, target_context, (base,))
+        if found is None:
+            FIRST_COMPILE.begin(self.module)
+        return found
+
+    def save_overload(self, sig: Any, compiled: Any) -> None:
+        """Keep a compiled kernel, if it can be kept."""
+        base = places.current().write
+        if base is None or compiled.library.has_dynamic_globals:
+            return
+        arguments = tuple(sigutils.normalize_signature(sig)[0])
+        data = dumps((arguments, self.reduce(compiled)))
+        try:
+            make_private(base / self.folder)
+            write_entry(base / self.folder / self._file(arguments, compiled_for()), data)
+        except OSError as error:
+            places.current().keep_no_more(error)
+
+    @contextmanager
+    def turn(self) -> Iterator[None]:
+        """Let no other process compile this kernel from the moment it is found missing to the end of the block.
+
+        Since no kernel calls itself, not even through others, processes cannot wait for one another in a ring.
+        """
+        with self._held:
+            yield
+
+    def _wait(self, folder: Path) -> None:
+        # Without a lock (the folder was pruned, or its disk knows none) the kernel is only compiled more than once.
+        with suppress(OSError):
+            make_private(folder)
+            path = folder / f"{self.name}-{self.kind}{LATCH}"
+            latch = self._held.enter_context(open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600), "wb"))
+            fcntl.flock(latch, fcntl.LOCK_EX)
+            # What waits here holds the same file open; what comes later finds the entry.
+            self._held.callback(_remove, path)
+
+    def _file(self, arguments: tuple[Any, ...], cpu: Cpu) -> str:
+        key = repr((self.kind, self._code, arguments, cpu))
+        return f"{self.name}-{hashlib.sha256(key.encode()).hexdigest()[:20]}{SUFFIX}"
+
+    def _found(self, arguments: tuple[Any, ...], target_context: Any, bases: tuple[Path, ...]) -> Any:
+        files = [self._file(arguments, cpu) for cpu in usable()]
+        for base in bases:
+            for file in files:
+                data = self._read(base, file)
+                if data is None:
+                    continue
+                kept_for, payload = pickle.loads(data)
+                found = self.rebuild(target_context, payload) if kept_for == arguments else None
+                if found is not None:
+                    return found
+        return None
+
+    def _read(self, base: Path, file: str) -> bytes | None:
+        """The content of an entry; None if there is none that can be used, and if that is a fault it is said."""
+        path = base / self.folder / file
+        try:
+            data = read_entry(path, must_be_private=base != SHIPPED)
+        except FileNotFoundError:
+            return None
+        except Distrusted as error:
+            say_distrust(error)
+        except Damaged as error:
+            say_once("damaged", f"{error}: such compiled kernels are removed and compiled anew")
+            _remove(path)
+        except OSError as error:
+            say_once("unreadable", f"compiled kernels cannot be read: {error}")
+        else:
+            if base != SHIPPED:
+                places.current().use(path.parent)
+            return data
+        return None
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink()

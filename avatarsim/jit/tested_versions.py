@@ -1,0 +1,88 @@
+"""Version guard for numba and llvmlite, whose private parts the kernels' compiler builds on and which change without notice."""
+
+import importlib
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import llvmlite
+import numba
+
+from avatarsim.errors import UnsupportedVersion
+
+TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
+"""Minor versions that the test suite runs with; pyproject.toml lets no later ones be installed."""
+
+
+PRIVATE = {
+    "numba.core": ("cgutils", "compiler", "sigutils", "typed_passes", "types", "untyped_passes"),
+    "numba.core.caching": ("_Cache",),
+    "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
+    "numba.core.compiler": ("CompileResult", "compile_result"),
+    "numba.core.compiler_lock": ("global_compiler_lock",),
+    "numba.core.compiler_machinery": ("AnalysisPass", "PassManager", "register_pass"),
+    "numba.core.datamodel": ("models",),
+    "numba.core.datamodel.models": ("RecordModel",),
+    "numba.core.datamodel.registry": ("register_default",),
+    "numba.core.errors": ("new_error_context",),
+    "numba.core.extending": ("_Intrinsic", "intrinsic"),
+    "numba.core.imputils": ("lower_getattr_generic",),
+    "numba.core.registry": ("CPUDispatcher",),
+    "numba.core.serialize": ("dumps",),
+    "numba.core.types.containers": ("BaseNamedTuple",),
+    "numba.core.types.misc": ("unliteral",),
+    "numba.core.typing.templates": ("AttributeTemplate", "infer_getattr", "signature"),
+}
+"""Private parts of numba without which no kernel can be made; what only `quick_compiler` and `lean_code` change is not here."""
+
+
+def installed() -> dict[str, str]:
+    """Version of each package that is guarded."""
+    return {"numba": numba.__version__, "llvmlite": llvmlite.__version__}
+
+
+def untested() -> list[str]:
+    """Packages of another minor version than the tested one, with both; empty if there are none."""
+    return [
+        f"{package} {version} (tested: {'.'.join(map(str, TESTED[package]))})"
+        for package, version in installed().items()
+        if version.split(".")[:2] != [str(number) for number in TESTED[package]]
+    ]
+
+
+def remedy() -> str:
+    """What installs the tested versions."""
+    return "pip install " + " ".join(f"'{package}=={'.'.join(map(str, minor))}.*'" for package, minor in TESTED.items())
+
+
+def missing() -> list[str]:
+    """Private parts that the installed numba does not have."""
+    found = []
+    for module, names in PRIVATE.items():
+        try:
+            parts = importlib.import_module(module)
+        except ImportError:
+            found.append(module)
+        else:
+            found += [f"{module}.{name}" for name in names if not hasattr(parts, name)]
+    return found
+
+
+@contextmanager
+def guarded() -> Iterator[None]:
+    """For a block that imports private parts: an untested version is warned of, and if it lacks any of them, or the block fails,
+    UnsupportedVersion says so with the remedy."""
+    if not (found := untested()):
+        yield
+        return
+    if lacking := missing():
+        raise _unsupported(found, f"no {', '.join(lacking)}")
+    warnings.warn(f"avatarsim is not tested with {', '.join(found)}; if it fails: {remedy()}", RuntimeWarning, stacklevel=3)
+    try:
+        yield
+    except (ImportError, AttributeError) as error:
+        raise _unsupported(found, str(error)) from error
+
+
+def _unsupported(found: list[str], why: str) -> UnsupportedVersion:
+    return UnsupportedVersion(f"avatarsim cannot run with {', '.join(found)} ({why}): {remedy()}")

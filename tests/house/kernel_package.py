@@ -1,0 +1,45 @@
+"""A small package with our kernel decorator, so that what is kept on disk can be tried without compiling the engine."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from avatarsim import kernel
+
+COPIED = (
+    "kernel.py", "linking.py", "compiler_passes.py", "kernel_library.py", "errors.py", "progress.py", "say_once.py",
+    "cache_folder.py", "cache_entry.py", "jit",
+)
+"""What the decorator is made of."""
+
+
+def make_package(folder: Path) -> Path:
+    """A package `avatarsim` in `folder` that holds the decorator and nothing to compile."""
+    root = folder / "avatarsim"
+    root.mkdir(parents=True)
+    for name in COPIED:
+        source = kernel.ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, root)
+    (root / "__init__.py").write_text("")
+    return root
+
+
+def plain_environment(package: Path, **environment: str) -> dict[str, str]:
+    """The environment of a process that imports `package`, without settings of numba or of caches from outside."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON", "AVATARSIM_"))}
+    return kept | {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
+
+
+def run_in(package: Path, program: str, **environment: str) -> tuple[str, str]:
+    """What a program prints and what it says on standard error, from a process of its own."""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(
+        command, env=plain_environment(package, **environment), cwd=package.parent, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout, done.stderr

@@ -1,0 +1,75 @@
+"""An untested numba or llvmlite is warned of, and what it lacks becomes a sentence."""
+
+import ast
+import tomllib
+from pathlib import Path
+
+import llvmlite
+import numba
+import pytest
+from packaging.requirements import Requirement
+
+from avatarsim.errors import AvatarsimError, UnsupportedVersion
+from avatarsim.jit import tested_versions
+from avatarsim.jit.tested_versions import PRIVATE, TESTED, guarded, missing, untested
+from avatarsim.kernel import ROOT
+
+
+def test_what_is_installed_here_is_tested_and_errors_are_left_as_they_are() -> None:
+    assert untested() == [] == missing()
+    with guarded():
+        pass
+    with pytest.raises(ImportError, match="^no such part$"), guarded():
+        raise ImportError("no such part")
+
+
+@pytest.mark.parametrize(("package", "version"), [("numba", "0.69.0"), ("numba", "1.68.0"), ("llvmlite", "0.51.0rc1")])
+def test_another_minor_version_is_warned_of(package: str, version: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr({"numba": numba, "llvmlite": llvmlite}[package], "__version__", version)
+    with pytest.warns(RuntimeWarning, match=rf"not tested with {package} {version} .*pip install 'numba==0"), guarded():
+        pass
+
+
+def test_another_patch_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    major, minor = TESTED["numba"]
+    monkeypatch.setattr(numba, "__version__", f"{major}.{minor}.99")
+    with guarded():
+        pass
+
+
+@pytest.mark.parametrize("part", ["numba.core.compiler_machinery.PassManager", "numba.core.imputils.lower_getattr_generic"])
+def test_a_private_part_that_is_gone_becomes_a_sentence(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba, "__version__", "0.99.0")
+    monkeypatch.delattr(part)
+    said = rf"cannot run with numba 0\.99\.0 .*no {part}.*pip install 'numba==0\.68\.\*'"
+    with pytest.raises(UnsupportedVersion, match=said) as caught, guarded():
+        pytest.fail("went on")
+    assert isinstance(caught.value, AvatarsimError) and isinstance(caught.value, ImportError)
+
+
+def test_a_part_that_changed_becomes_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba, "__version__", "0.99.0")
+    for changed in (ImportError("cannot import name 'X'"), AttributeError("no attribute 'X'")):
+        warned = pytest.warns(RuntimeWarning, match="not tested with numba")
+        with warned, pytest.raises(UnsupportedVersion, match=r"cannot run with numba 0\.99\.0 .*'X'"), guarded():
+            raise changed
+
+
+def test_the_list_of_private_parts_is_what_the_engine_imports() -> None:
+    found: dict[str, set[str]] = {}
+    for file in ROOT.rglob("*.py"):
+        if file.name.startswith(("quick_", "lean_")):
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("numba.") and node.module != "numba.extending":
+                found.setdefault(str(node.module), set()).update(alias.name for alias in node.names)
+    assert {module: set(names) for module, names in PRIVATE.items()} == found
+
+
+def test_pyproject_lets_no_later_minor_version_be_installed() -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    asked = {one.name: one.specifier for one in map(Requirement, project["project"]["dependencies"])}
+    assert tested_versions.installed().keys() == TESTED.keys()
+    for package, (major, minor) in TESTED.items():
+        assert asked[package].contains(f"{major}.{minor}.7")
+        assert not asked[package].contains(f"{major}.{minor + 1}.0") and not asked[package].contains(f"{major + 1}.0")

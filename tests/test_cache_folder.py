@@ -1,0 +1,105 @@
+"""Where a cache lies, and whose folders and files it never touches."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from avatarsim import cache_folder
+from avatarsim.cache_folder import Distrusted, bases, is_readable, is_writable, require_trusted, require_trusted_folder
+
+
+@pytest.fixture(autouse=True)
+def nothing_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+
+
+def give_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a file or folder belong to another user: by the administrator's power, or by being another user oneself."""
+    if os.geteuid() == cache_folder.ADMINISTRATOR:
+        os.chown(path, 12345, -1, follow_symlinks=False)
+    else:
+        other = os.geteuid() + 1
+        monkeypatch.setattr(cache_folder.os, "geteuid", lambda: other)
+
+
+def test_folders_come_in_the_order_of_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for variable, value in (("AVATARSIM_CACHE_DIR", "a"), ("MORE", "b"), ("XDG_CACHE_HOME", "c"), ("HOME", "d")):
+        monkeypatch.setenv(variable, str(tmp_path / value))
+    monkeypatch.setattr(cache_folder.tempfile, "tempdir", str(tmp_path / "e"))
+    found = [tmp_path / place for place in ("a/n", "b/n", "c/n", "d/.cache/n", f"e/n-{os.geteuid()}")]
+    assert bases("n", "MORE") == found
+    monkeypatch.setenv("MORE", "")
+    assert bases("n", "MORE") == found[:1] + found[2:] == bases("n")
+
+
+def test_a_machine_without_home_or_temporary_folder_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    def none() -> str:
+        raise FileNotFoundError(2, "no usable temporary directory")
+
+    for variable in ("AVATARSIM_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setenv("HOME", "nowhere")
+    monkeypatch.setattr(cache_folder.tempfile, "gettempdir", none)
+    assert bases("n") == []
+
+
+def test_folders_are_made_for_this_user_alone(tmp_path: Path) -> None:
+    before = os.umask(0)
+    try:
+        assert is_writable(tmp_path / "a" / "b" / "c")
+    finally:
+        os.umask(before)
+    assert {path.stat().st_mode & 0o777 for path in (tmp_path / "a").rglob("*")} == {0o700}
+    assert is_writable(tmp_path / "a" / "b" / "c") and is_readable(tmp_path / "a" / "b" / "c")
+
+
+@pytest.mark.parametrize("mode", [0o777, 0o775, 0o757, 0o1777])
+def test_what_others_may_write_to_is_refused_and_said_once(
+    mode: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "open"
+    folder.mkdir()
+    folder.chmod(mode)
+    assert not is_writable(folder) and not is_readable(folder) and list(folder.iterdir()) == []
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and str(folder) in said and f"mode {mode:04o}" in said
+    folder.chmod(0o755)
+    assert is_writable(folder) and is_readable(folder)
+
+
+def test_what_belongs_to_another_user_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "theirs"
+    folder.mkdir(mode=0o755)
+    give_away(folder, monkeypatch)
+    with pytest.raises(Distrusted, match="belongs to user"):
+        require_trusted_folder(folder)
+    assert not is_writable(folder) and not is_readable(folder)
+
+
+def test_a_link_of_another_user_is_refused_and_ones_own_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "mine").mkdir(mode=0o700)
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "mine")
+    assert is_readable(link) and is_writable(link)
+    give_away(link, monkeypatch)
+    assert not is_readable(link)
+
+
+def test_the_administrators_files_are_trusted_and_a_files_mode_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "file"
+    path.write_text("")
+    path.chmod(0o644)
+    require_trusted(path.stat(), path)
+    monkeypatch.setattr(cache_folder, "ADMINISTRATOR", path.stat().st_uid)
+    monkeypatch.setattr(cache_folder.os, "geteuid", lambda: 12345)
+    require_trusted(path.stat(), path)
+    path.chmod(0o664)
+    with pytest.raises(Distrusted, match="mode 0664"):
+        require_trusted(path.stat(), path)
+
+
+def test_a_file_where_the_folder_should_be_is_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert not is_readable(tmp_path / "file") and not is_writable(tmp_path / "file") and not is_writable(tmp_path / "file" / "x")
+    assert not is_readable(tmp_path / "absent")
