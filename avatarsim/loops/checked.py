@@ -1,5 +1,6 @@
 """Method `default` as the frame sees it: the checked lower loop with its springs."""
 
+from collections.abc import Mapping
 from operator import itemgetter
 from typing import ClassVar
 
@@ -109,6 +110,8 @@ class CheckedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_noticed", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_way")
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "memory", "way")
+    WORKING: ClassVar[tuple[str, ...]] = ("memory.trail",)
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
@@ -123,7 +126,7 @@ class CheckedLoop:
             else no_springs(world.poses, coupling)
         )
         kept = (coupled, springs, settings, memory)
-        self._kept, (_, _, _, self.memory) = packed(kept)
+        self._kept, (_, self.springs, _, self.memory) = packed(kept)
         way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
         self._way, self.way = packed(way)
         self._search_after, self._told = settings.search_after, 0
@@ -138,6 +141,14 @@ class CheckedLoop:
         self._noticed = self._moving
         if self.way.state.item(MODE) != IDLE or self.memory.flags.item(SLOW) >= self._search_after:
             seek_opened(self.world.words, self._kept, self._way)
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Whole numbers that are kept."""
+        return {}
+
+    def go_on(self, begun: bool) -> None:
+        """The memory was replaced by one of which a frame has, or has not, begun."""
+        self._noticed, self._told = self._moving if begun else NOBODY, 0
 
     def watch(self, moving: Index) -> None:
         """Look from now on only at whom `moving` (nb) names: the upper loop keeps it, who moved in its last frame."""

@@ -1,5 +1,6 @@
 """Method `paper` as the frame sees it: the lower loop, the velocities it leaves for the upper one, impulses coming back."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -48,6 +49,8 @@ class PaperLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
@@ -56,6 +59,13 @@ class PaperLoop:
         self._kept, (_, _, _, self.memory) = packed((settings, coupling, attraction, make_paper_memory(world, seed)))
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Whole numbers that are kept."""
+        return {}
+
+    def go_on(self, begun: bool) -> None:
+        """The memory was replaced: forget what the sweep knows of other places."""
 
     def watch(self, moving: Index) -> None:
         """Nothing: this loop looks at everybody in every frame."""

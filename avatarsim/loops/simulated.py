@@ -1,5 +1,6 @@
 """The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from avatarsim.engine import Snapshot
@@ -34,6 +35,8 @@ class SimulatedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
         self.world, self.record, self.status = world, record, DONE
@@ -42,6 +45,13 @@ class SimulatedLoop:
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self._kept, (self.memory, self.events, _) = packed((memory, events, switches))
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Whole numbers that are kept."""
+        return {}
+
+    def go_on(self) -> None:
+        """The memory was replaced: forget what the sweep knows of other places."""
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""
