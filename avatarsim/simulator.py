@@ -167,8 +167,8 @@ class AvatarsimEngine:
     def reset(self, start: TrackerSample | None = None) -> FrameRecord:
         """Load the same scene again with the same settings, and return the first state shown.
 
-        Avatars begin at `start`, which must be free of overlap; without it where they began last. Simulated bodies begin where the
-        scene has them. If it raises, the engine is what it was.
+        Avatars begin at `start`, which must be free of overlap; without it where they began last. Simulated bodies begin where
+        the scene has them. If it raises, the engine is what it was.
         """
         with self._alone():
             scene = self._running().world.scene

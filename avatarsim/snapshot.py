@@ -5,8 +5,8 @@ engine that the bytes are handed to, which has loaded the same scene with the sa
 them is run or looked up by name, no length in them is believed before it is compared, and every whole number, which might be a
 place in memory, is held against the range that its field has. Only when all is well anything is written.
 
-Layout, little endian: a head (see `HEAD`), the bytes of all arrays one after another as zlib has them, and the BLAKE2b of all that
-stands before it.
+Layout, little endian: a head (see `HEAD`), the bytes of all arrays one after another as zlib has them, and the BLAKE2b of all
+that stands before it.
 """
 
 import hashlib

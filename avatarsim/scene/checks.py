@@ -24,7 +24,7 @@ that the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and what 
 
 FASTEST = 1e5
 """Largest velocity component [m/s] with which a body begins. In a frame of 1 s, the longest, the instant of an impact is known
-to 1e-16 s: 1e-11 m of way, which nothing shows; and `FARTHEST` is reached after 100 s at the earliest. Faster: either may fail."""
+to 1e-16 s: 1e-11 m of way, which nothing shows; and `FARTHEST` is reached after 100 s at the earliest. Faster: either fails."""
 
 FASTEST_SPIN = 1e4
 """Largest component of the angular velocity [rad/s] with which a body begins: 95,000 turns a minute, a fast turbine. The search
