@@ -12,7 +12,7 @@ import numpy as np
 
 import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
-from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, NotCopied, UnknownName
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.linking import CalledKernel
 from avatarsim.rehearsal import undone
@@ -192,10 +192,17 @@ class AvatarsimEngine:
             frames = self._running()
             kept = kept_by(frames.parts())
             time, arrays = read(data, self._who(), kept)
-            for field, array in zip(kept, arrays, strict=True):
-                field.array[...] = array
-            frames.go_on_from(time)
-            return self._record({}, {}, ())
+            before, now = [field.array.copy() for field in kept], frames.time
+            try:
+                for field, array in zip(kept, arrays, strict=True):
+                    field.array[...] = array
+                frames.go_on_from(time)
+                return self._record({}, {}, ())
+            except AvatarsimError as error:
+                for field, array in zip(kept, before, strict=True):
+                    field.array[...] = array
+                frames.go_on_from(now)
+                raise InvalidSnapshot("state in the snapshot", str(error), "one that can be shown") from error
 
     def _load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         if settings.preset not in PRESETS:

@@ -138,7 +138,7 @@ def _told(value: object) -> Iterator[bytes]:
 def written(of: Identity, time: float, kept: Sequence[Field]) -> bytes:
     """The state that `kept` holds at `time` [s]."""
     packed = zlib.compressobj(COMPRESSION)
-    body = [packed.compress(np.ascontiguousarray(field.array)) for field in kept]
+    body = [packed.compress(field.array.tobytes()) for field in kept]
     body.append(packed.flush())
     size = sum(field.array.nbytes for field in kept)
     whole = b"".join((HEAD.pack(MAGIC, FORMAT, *of, time, size), *body))

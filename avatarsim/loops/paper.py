@@ -10,8 +10,9 @@ from avatarsim.engine import Snapshot
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give_to_roots, tracked_velocities
 from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
-from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
+from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
+from avatarsim.posture.chain import MODULUS
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.tally import Tally
 from avatarsim.world.arena import opening, packed
@@ -24,6 +25,7 @@ from avatarsim.world.opened import (
     opened_skeleton,
     opened_velocities,
 )
+from avatarsim.world.pair_filter import OPEN
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
@@ -50,7 +52,7 @@ class PaperLoop:
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
     KEPT: ClassVar[tuple[str, ...]] = ("memory",)
-    WORKING: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = WORKING
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
@@ -61,11 +63,13 @@ class PaperLoop:
         self._no_rate = np.zeros_like(self.memory.velocity)
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Whole numbers that are kept."""
-        return {}
+        """The order of the chains, the state of their generator, and families, which are only compared."""
+        return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
 
     def go_on(self, begun: bool) -> None:
-        """The memory was replaced: forget what the sweep knows of other places."""
+        """The memory was replaced, and with it which pairs are looked for: the sweep begins anew."""
+        fat = self.memory.overlaps.sweep.fat
+        fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
     def watch(self, moving: Index) -> None:
         """Nothing: this loop looks at everybody in every frame."""
