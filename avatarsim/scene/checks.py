@@ -22,9 +22,9 @@ FARTHEST = 1e7
 """Largest coordinate [m] of whatever a scene places. Coordinates there are rounded to 2e-9 m, a thousandth of the smallest gap
 that the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and what is shown may overlap."""
 
-FASTEST = 1e5
+FASTEST = 1e6
 """Largest velocity component [m/s] with which a body begins. In a frame of 1 s, the longest, the instant of an impact is known
-to 1e-16 s: 1e-11 m of way, which nothing shows; and `FARTHEST` is reached after 100 s at the earliest. Faster: either fails."""
+to 1e-16 s: 1e-10 m of way, which nothing shows; and `FARTHEST` is reached after 10 s at the earliest. Faster: either fails."""
 
 FASTEST_SPIN = 1e4
 """Largest component of the angular velocity [rad/s] with which a body begins: 95,000 turns a minute, a fast turbine. The search

@@ -20,8 +20,8 @@ EARTH: Vector = (0.0, 0.0, -9.81)
 """Gravity [m/s^2] at the scenes' one place on earth; every closed form uses the same figure."""
 
 HEAVIEST = 1e4
-"""Largest component of gravity [m/s^2], a thousand times the Earth's. What falls for ten seconds has come to `FASTEST`; more:
-bodies are past it, and the reasons for that limit with it, before anything has been seen."""
+"""Largest component of gravity [m/s^2], a thousand times the Earth's. What falls for a hundred seconds has come to `FASTEST`;
+more: bodies are past it, and past the reasons for that limit, before anything has been seen."""
 
 
 @dataclass(frozen=True)
