@@ -16,6 +16,7 @@
 Each message names the thing, the value it had and the range it must be in.
 """
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -57,9 +58,9 @@ class InvalidInput(AvatarsimError):
 
 
 def _shown(value: object) -> str:
-    """The value as a message shows it: of a long one the beginning and the end, and of one that cannot even be shown its type."""
+    """The value in one line of a message: of a long one the beginning and the end, and of one that cannot be shown its type."""
     try:
-        text = repr(value)
+        text = re.sub(r"\n\s*", " ", repr(value))
     except Exception:
         return f"a {type(value).__name__}"
     return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE // 2]}...{text[-LONGEST_VALUE // 2 :]}"

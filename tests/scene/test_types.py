@@ -79,7 +79,7 @@ def test_another_type_is_refused_where_it_is_handed_in(what: str) -> None:
         make()
 
 
-NO_NUMBERS = [np.array(["1", "2", "3"]), np.array([1j, 0.0, 0.0]), MASKED, np.array([1, 2, "x"], dtype=object), b"abc", [None] * 3]
+NO_NUMBERS = [np.array(["1", "2"]), np.array([1j, 0.0, 0.0]), MASKED, np.array([1, 2, "x"], dtype=object), b"abc", [None] * 3]
 NUMBERS = [(1, 2, 3), np.array([1, 2, 3]), np.float32([1, 2, 3]), [np.int8(1), 2.0, np.float64(3)], range(1, 4)]
 
 
