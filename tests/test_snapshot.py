@@ -83,8 +83,8 @@ MOMENTS: dict[str, Moment] = {
     "walking": lambda record: "led" in record.statuses,
     "pushed": lambda record: record.counts.get("rows", record.counts.get("pushes", 0)) > 0,
 }
-"""What was seen in the frame before a snapshot: bodies in the air, all at rest, a path that is looked for, one that is walked, and
-an avatar that something holds back."""
+"""What was seen in the frame before a snapshot: bodies in the air, all at rest, a path that is looked for, one that is walked,
+and an avatar that something holds back."""
 
 
 @dataclass(frozen=True)
