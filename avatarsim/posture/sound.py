@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from avatarsim.posture.way_memory import (
     AT,
+    BLOCKED,
+    BLOCKING,
     CUT_FROM,
     CUT_TO,
     LAST,
@@ -52,19 +54,24 @@ def memory_is_sound(geo: Geometry, skel: Skeleton, memory: Memory) -> bool:
     of_pieces = named[:, 0] >= 0
     return (
         names_pieces(geo, skel, pairs.listed[: marks[LISTED]]) and names_pieces(geo, skel, pairs.failed[: marks[FAILED]])
-        and within(pairs.near[: marks[NEARBY]], 0, len(pairs.near)) and names_pieces(geo, skel, named[of_pieces])
+        and within(pairs.near[: marks[NEARBY]], 0, skel.first) and names_pieces(geo, skel, named[of_pieces])
         and within(named[~of_pieces, 1], 0, degrees)
     )
 
 
 def way_is_sound(geo: Geometry, skel: Skeleton, way: Way) -> bool:
-    """Whether the tree is one, the path ends in it, and it has room for what is left of the walk under way."""
+    """Whether the tree is one and has room for what is left of the walk under way, the path lies in it, and what was last in
+    the way is there."""
     s, room = way.state.tolist(), len(way.before)
     used, node, walked, cut = s[NODES_USED], s[NODE], s[WALKED], s[CUT_TO] - s[CUT_FROM]
     if not (0 <= used <= room and 0 <= s[LEAVES_USED] <= len(way.leaves) and -1 <= node < max(used, 1)):
         return False
     # each node comes after the one that it was reached from: whoever goes back from any comes to the root
     if not (way.before[:used] < np.arange(used)).all() or not 0 <= s[AT] <= s[LAST] < room:
+        return False
+    if s[BLOCKING] != s[BLOCKED] and not names_pieces(geo, skel, np.array([[s[BLOCKING], s[BLOCKED]]])):
+        return False
+    if not 0 <= s[BLOCKING] < len(geo.body):
         return False
     if s[MODE] != SEARCHING or node < 0:
         return memory_is_sound(geo, skel, way.memory)
