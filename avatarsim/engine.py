@@ -8,6 +8,7 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidInput
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.tally import Tally
@@ -87,13 +88,27 @@ class FrameRecord:
 
 @dataclass(frozen=True)
 class Settings:
-    """How an engine is run: a named `preset`, options that override it, the seed, and whether to record sub-steps."""
+    """How an engine is run: a named `preset`, options that override it, the seed, and whether to record sub-steps.
+
+    Raises InvalidInput where one of them is of another type; which names and values an engine takes, it says at `load`."""
 
     preset: str = "default"
     options: Mapping[str, object] = field(default_factory=dict)
     seed: int = 0
     record_inside: bool = False
     time_stages: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.preset, str):
+            raise InvalidInput("preset of the settings", self.preset, "a text, the name of a preset")
+        if not isinstance(self.options, Mapping) or not all(isinstance(name, str) for name in self.options):
+            raise InvalidInput("options of the settings", self.options, "a mapping from names of options to values")
+        # a bool is an int to Python, and no seed that was meant
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int | np.integer):
+            raise InvalidInput("seed of the settings", self.seed, "a whole number")
+        for name, flag in (("record_inside", self.record_inside), ("time_stages", self.time_stages)):
+            if not isinstance(flag, bool | np.bool_):
+                raise InvalidInput(f"{name} of the settings", flag, "True or False")
 
 
 @runtime_checkable

@@ -1,11 +1,14 @@
 """Every exception that avatarsim raises on purpose.
 
     AvatarsimError
+    +-- EngineInUse         a second thread asks an engine for something while the first one's call is under way
+    +-- NotCopied           an engine was to be copied or pickled
     +-- InvalidInput        a value handed in at the door is outside its valid range
     |   +-- InvalidScene    a scene description contradicts itself
     |   +-- InvalidShape    a shape has no volume, a non-finite size, ...
     |   +-- InvalidSample   a tracker sample is not finite or does not fit the avatar
     |   +-- InvalidFile     a file is missing, truncated or not what its name says
+    |   +-- InvalidSnapshot bytes are no snapshot, are damaged, or are of another scene
     |   +-- UnknownName     an engine, a scene, a preset that nobody registered
     +-- StartOverlaps       the first pose already overlaps
     +-- MissingPackage      an optional package is not installed
@@ -14,6 +17,7 @@
 Each message names the thing, the value it had and the range it must be in.
 """
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -21,9 +25,29 @@ ALL_NAMED, NEAREST = 20, 6
 """Names that are all listed, and how many of more are: those most like the one that was asked for. With a hundred names in a
 message nobody sees the one that was meant."""
 
+LONGEST_VALUE = 2000
+"""Most characters of a value in a message. An array of a million numbers would bury what is wrong with it."""
+
 
 class AvatarsimError(Exception):
     """Root of all errors raised on purpose."""
+
+
+class EngineInUse(AvatarsimError):
+    """An engine is asked for something while another call of it is under way: it has one state and no queue."""
+
+    def __init__(self) -> None:
+        super().__init__("this engine is in the middle of another call; give each thread an engine of its own")
+
+
+class NotCopied(AvatarsimError):
+    """An engine was to be copied or pickled; its state is memory that compiled code knows by address."""
+
+    def __init__(self, engine: str) -> None:
+        super().__init__(
+            f"{engine} cannot be copied or pickled: keep what engine.snapshot() returns, and hand it to restore() of an engine "
+            "that has loaded the same scene with the same settings"
+        )
 
 
 class InvalidInput(AvatarsimError):
@@ -31,7 +55,16 @@ class InvalidInput(AvatarsimError):
 
     def __init__(self, thing: str, value: object, valid: str) -> None:
         self.thing, self.value, self.valid = thing, value, valid
-        super().__init__(f"{thing} is {value!r}; valid: {valid}")
+        super().__init__(f"{thing} is {_shown(value)}; valid: {valid}")
+
+
+def _shown(value: object) -> str:
+    """The value in one line of a message: of a long one the beginning and the end, and of one that cannot be shown its type."""
+    try:
+        text = re.sub(r"\n\s*", " ", repr(value))
+    except Exception:
+        return f"a {type(value).__name__}"
+    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE // 2]}...{text[-LONGEST_VALUE // 2 :]}"
 
 
 class InvalidScene(InvalidInput):
@@ -48,6 +81,10 @@ class InvalidSample(InvalidInput):
 
 class InvalidFile(InvalidInput):
     """A file that is missing, truncated or holds something else than its name says."""
+
+
+class InvalidSnapshot(InvalidInput):
+    """Bytes that are no snapshot of the scene that the engine has loaded, or no longer are."""
 
 
 class UnknownName(InvalidInput):

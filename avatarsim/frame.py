@@ -3,6 +3,7 @@
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 """
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -40,6 +41,8 @@ class Frames:
     )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
+    KEPT: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
@@ -90,6 +93,18 @@ class Frames:
         """What did not end well in the last frame."""
         statuses = self.lower.statuses() if self.driven else {}
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: the arrays are the loops'."""
+        return {}
+
+    def go_on_from(self, time: float) -> None:
+        """The arrays of all parts were replaced by those of a frame that ended at `time` [s]."""
+        self.time, self.passed = time, ()
+        if self.driven:
+            self.lower.go_on(time > 0.0)
+        if self.effects.dynamics:
+            self.upper.go_on()
 
     def parts(self) -> tuple[Part, ...]:
         """All that takes part in a frame."""

@@ -5,7 +5,7 @@ minute in one whose are not. Which kernels a frame calls from Python depends on 
 the frame itself knows. Those that it calls only sometimes are called at load by the loop that holds them.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import ClassVar, Protocol
 
@@ -21,6 +21,13 @@ class Part(Protocol):
     """Names of attributes that a frame assigns to."""
     WRITTEN: ClassVar[tuple[str, ...]]
     """Names of attributes whose arrays a frame writes into: arrays, or nested tuples of them."""
+    KEPT: ClassVar[tuple[str, ...]]
+    """Names of attributes whose arrays frames hand on to one another: what a snapshot holds. Views of those above, or they."""
+    WORKING: ClassVar[tuple[str, ...]]
+    """Dotted names of arrays among those, and of tuples, that hold nothing from frame to frame, or nothing that changes."""
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Least and largest value of whole numbers that are kept, by the end of their dotted name."""
 
 
 @contextmanager

@@ -1,15 +1,18 @@
 """The native engine: a scene in, one record per frame out."""
 
 import gc
-from collections.abc import Mapping
-from contextlib import suppress
-from typing import get_type_hints
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from threading import Lock
+from types import TracebackType
+from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
 import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
-from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.linking import CalledKernel
 from avatarsim.rehearsal import undone
@@ -17,6 +20,7 @@ from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen, meanings
+from avatarsim.snapshot import Identity, identity, kept_by, read, written
 from avatarsim.start_check import require_free, require_within_limits
 from avatarsim.world.world import Array, build, shown_again, shown_poses
 
@@ -104,7 +108,12 @@ def require_order(chosen: Chosen, method: str) -> None:
 
 
 class AvatarsimEngine:
-    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies nobody asks for velocities: all are zero."""
+    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies nobody asks for velocities: all are zero.
+
+    Beyond the protocol: `with AvatarsimEngine() as engine` closes it at the end; `reset` begins again, `snapshot` and `restore`
+    keep a state and come back to it. An engine cannot be copied or pickled. It answers one call at a time: a second thread that
+    calls it meanwhile gets EngineInUse; give each thread an engine of its own.
+    """
 
     name = "avatarsim"
     version = avatarsim.__version__
@@ -115,6 +124,18 @@ class AvatarsimEngine:
         self._settings, self._chosen = Settings(), Chosen()
         self._before: tuple[Array, Array] = NOWHERE, NOWHERE
         self._still: tuple[Array, Array] | None = None
+        self._identity: Identity | None = None
+        self._dt = 0.0
+        self._turn = Lock()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        raise NotCopied(type(self).__name__)
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """What this engine leaves out of `scene`."""
@@ -135,7 +156,55 @@ class AvatarsimEngine:
         return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
-        """Build the world; the first pose must be free of overlap."""
+        """Build the world; the first pose must be free of overlap. If it raises, the engine is what it was."""
+        if not isinstance(scene, Scene):
+            raise InvalidInput("scene to load", scene, "a Scene(name, bodies, avatars)")
+        if not isinstance(settings, Settings):
+            raise InvalidInput("settings to load a scene with", settings, "Settings(preset, options, ...)")
+        with self._alone():
+            return self._load(scene, settings, dt)
+
+    def reset(self, start: TrackerSample | None = None) -> FrameRecord:
+        """Load the same scene again with the same settings, and return the first state shown.
+
+        Avatars begin at `start`, which must be free of overlap; without it where they began last. Simulated bodies begin where
+        the scene has them. If it raises, the engine is what it was.
+        """
+        with self._alone():
+            scene = self._running().world.scene
+            return self._load(scene if start is None else replace(scene, start=start), self._settings, self._dt)
+
+    def snapshot(self) -> bytes:
+        """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process
+        or another, goes on from there to the bit, as long as it is the same version on the same kind of processor."""
+        with self._alone():
+            frames = self._running()
+            return written(self._who(), frames.time, kept_by(frames.parts()))
+
+    def restore(self, data: bytes) -> FrameRecord:
+        """Go back, or on, to where `snapshot` returned `data`; returns what is shown there.
+
+        The scene, but for where it starts, and the options must be those that are loaded, dt and what is recorded need not. Bytes
+        may come from strangers: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can.
+        If it raises, the engine is what it was.
+        """
+        with self._alone():
+            frames = self._running()
+            kept = kept_by(frames.parts())
+            time, arrays = read(data, self._who(), kept)
+            before, now = [field.array.copy() for field in kept], frames.time
+            try:
+                for field, array in zip(kept, arrays, strict=True):
+                    field.array[...] = array
+                frames.go_on_from(time)
+                return self._record({}, {}, ())
+            except AvatarsimError as error:
+                for field, array in zip(kept, before, strict=True):
+                    field.array[...] = array
+                frames.go_on_from(now)
+                raise InvalidSnapshot("state in the snapshot", str(error), "one that can be shown") from error
+
+    def _load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         if settings.preset not in PRESETS:
             raise UnknownName("preset of avatarsim", settings.preset, PRESETS)
         frame_time(dt)
@@ -143,18 +212,27 @@ class AvatarsimEngine:
         world = build(scene)
         require_within_limits(world)
         require_free(world)
-        self._settings, self._chosen = settings, chosen
-        self._frames = Frames(
+        frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )
+        self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         self._before = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
         self._still = None if moves else (at_rest(v.linear), at_rest(v.angular))
-        self._rehearse(self._frames, scene.first_sample, dt)
+        self._rehearse(frames, scene.first_sample, dt)
         return self._record({}, {}, ())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """One rendered frame."""
+        # `_alone` written out: a context manager takes half a microsecond more
+        if not self._turn.acquire(False):
+            raise EngineInUse
+        try:
+            return self._advance(sample, dt)
+        finally:
+            self._turn.release()
+
+    def _advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         frames = self._running()
         frame_time(dt)
         # a whole number would compile every kernel again, for integers
@@ -163,7 +241,26 @@ class AvatarsimEngine:
 
     def close(self) -> None:
         """Forget the world."""
-        self._frames = None
+        with self._alone():
+            self._frames = None
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Refuse what another call, in another thread or in a signal's handler, is in the middle of."""
+        if not self._turn.acquire(False):
+            raise EngineInUse
+        try:
+            yield
+        finally:
+            self._turn.release()
+
+    def _who(self) -> Identity:
+        """Of what a snapshot taken now is one."""
+        if self._identity is None:
+            frames, method = self._running(), self._settings.preset
+            in_force = method, *(getattr(self._chosen, group) for group in METHOD_SETTINGS[method])
+            self._identity = identity(frames.world.scene, in_force, kept_by(frames.parts()))
+        return self._identity
 
     def stage_calls(self) -> Mapping[str, int]:
         """How often each stage ran since load; a stage that the scene does not call for has zero."""
@@ -176,7 +273,7 @@ class AvatarsimEngine:
             made = CalledKernel.made
             # an error belongs to the frame that meets it, and will be met again there
             with undone(frames.parts()), suppress(AvatarsimError):
-                self.advance(sample, dt)
+                self._advance(sample, dt)
             if made < CalledKernel.made and gc.isenabled():
                 # a quarter of a million objects came with the kernels: some frame would have to wait until all are gone through
                 gc.collect()

@@ -1,5 +1,6 @@
 """Time and calls per stage of a frame. Off, it costs one count per stage."""
 
+from collections.abc import Mapping
 from time import perf_counter_ns
 from types import TracebackType
 from typing import ClassVar
@@ -13,9 +14,15 @@ class Stage:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("calls", "ns", "_start")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
+    KEPT: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, timing: bool) -> None:
         self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: a clock is no part of the world."""
+        return {}
 
     def __enter__(self) -> None:
         self.calls += 1

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
@@ -95,3 +96,22 @@ def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> 
         for k in range(int(0.5 / speed)):
             record = engine.advance(at(scene.first_sample, (speed * k, 0.0, 0.0)), DT)
         assert record.shown.positions[0, 0] > 0.5 + 0.1 - 2.0 * speed
+
+
+@pytest.mark.parametrize(("field", "value"), [
+    ("preset", None), ("preset", 3), ("options", None), ("options", [1]), ("options", {1: 2}), ("options", "steps"),
+    ("seed", "a"), ("seed", 1.5), ("seed", True), ("seed", None), ("record_inside", 1), ("time_stages", "yes"),
+])
+def test_settings_of_another_type_are_refused(field: str, value: object) -> None:
+    with pytest.raises(InvalidInput, match=f"{field} of the settings is .*; valid: "):
+        Settings(**{field: value})
+
+
+def test_seeds_and_flags_of_numpy_will_do() -> None:
+    assert Settings(seed=np.int64(3), record_inside=np.bool_(True)).seed == 3
+
+
+@pytest.mark.parametrize("settings", [None, {}, {"preset": "default"}, "default"])
+def test_a_scene_is_loaded_with_settings(settings: object) -> None:
+    with pytest.raises(InvalidInput, match="settings to load a scene with is .*; valid: Settings"):
+        AvatarsimEngine().load(SCENE, settings, DT)

@@ -1,17 +1,21 @@
 """Method `default` as the frame sees it: the checked lower loop with its springs."""
 
+from collections.abc import Mapping
 from operator import itemgetter
 from typing import ClassVar
 
 import numpy as np
 
 from avatarsim.engine import Snapshot
+from avatarsim.errors import InvalidSnapshot
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.loops.recorded_events import trail_snapshots
+from avatarsim.posture.chain import MODULUS
 from avatarsim.posture.follow import follow
 from avatarsim.posture.leap_round import seek
+from avatarsim.posture.sound import memory_is_sound, way_is_sound
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
 from avatarsim.posture.workspace import (
     ADOPTED,
@@ -24,9 +28,11 @@ from avatarsim.posture.workspace import (
     LEAPS,
     LED_STEPS,
     RESYNCS,
+    ROW_CAP,
     SLOW,
     TRAPPED_FRAMES,
     WALLED_FRAMES,
+    WORKING,
     ready_memory,
 )
 from avatarsim.settings import CouplingSettings, PostureSettings
@@ -52,6 +58,9 @@ along a way round."""
 
 BAD_OF, ALL_WELL = itemgetter(*BAD), (0,) * len(BAD)
 """These of a list of counts, and what they are in nearly every frame."""
+
+MOST = 2**60
+"""Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
 
 NOTHING_RECEIVED, NOBODY = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
@@ -109,6 +118,11 @@ class CheckedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_noticed", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_way")
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "memory", "way")
+    WORKING: ClassVar[tuple[str, ...]] = (
+        *(f"{whose}.{name}" for whose in ("memory", "way.memory") for name in WORKING),
+        "springs.mass", "springs.still", "way.spare",
+    )
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
@@ -123,7 +137,7 @@ class CheckedLoop:
             else no_springs(world.poses, coupling)
         )
         kept = (coupled, springs, settings, memory)
-        self._kept, (_, _, _, self.memory) = packed(kept)
+        self._kept, (_, self.springs, _, self.memory) = packed(kept)
         way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
         self._way, self.way = packed(way)
         self._search_after, self._told = settings.search_after, 0
@@ -138,6 +152,26 @@ class CheckedLoop:
         self._noticed = self._moving
         if self.way.state.item(MODE) != IDLE or self.memory.flags.item(SLOW) >= self._search_after:
             seek_opened(self.world.words, self._kept, self._way)
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Bodies, pieces, nodes of the tree, counts and flags; `posture.sound` says what holds between them."""
+        geo, nodes = self.world.geometry, len(self.way.before)
+        return {
+            "springs.turn": (0, 1), "axis_stamp": (-1, MOST), "nearest_stamp": (-1, MOST), "listed": (0, len(geo.body) - 1),
+            "failed": (0, len(geo.body) - 1), "age": (0, MOST), "near": (0, len(geo.first_shape) - 2), "marks": (0, MOST),
+            "size": (0, ROW_CAP), "rows.pair": (-MOST, MOST),
+            "way.before": (-1, nodes - 1), "leaves": (0, nodes - 1), "way.path": (-1, nodes - 1), "random": (1, MODULUS - 1),
+            "state": (-1, MOST),
+        }
+
+    def go_on(self, begun: bool) -> None:
+        """The memory was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
+        geo, skel = self.world.geometry, self.world.skeleton
+        if not memory_is_sound(geo, skel, self.memory):
+            raise InvalidSnapshot("memory of the posture", "pairs or bodies that are not there", "places of this scene")
+        if not way_is_sound(geo, skel, self.way):
+            raise InvalidSnapshot("memory of the search for a way", "nodes that are not there", "a tree, and room for it")
+        self._noticed, self._told = self._moving if begun else NOBODY, 0
 
     def watch(self, moving: Index) -> None:
         """Look from now on only at whom `moving` (nb) names: the upper loop keeps it, who moved in its last frame."""

@@ -1,5 +1,6 @@
 """Method `paper` as the frame sees it: the lower loop, the velocities it leaves for the upper one, impulses coming back."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -9,8 +10,9 @@ from avatarsim.engine import Snapshot
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give_to_roots, tracked_velocities
 from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
-from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, make_paper_memory
+from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
+from avatarsim.posture.chain import MODULUS
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.tally import Tally
 from avatarsim.world.arena import opening, packed
@@ -23,6 +25,7 @@ from avatarsim.world.opened import (
     opened_skeleton,
     opened_velocities,
 )
+from avatarsim.world.pair_filter import OPEN
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
@@ -48,6 +51,8 @@ class PaperLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = WORKING
 
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
@@ -56,6 +61,15 @@ class PaperLoop:
         self._kept, (_, _, _, self.memory) = packed((settings, coupling, attraction, make_paper_memory(world, seed)))
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """The order of the chains, the state of their generator, and families, which are only compared."""
+        return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
+
+    def go_on(self, begun: bool) -> None:
+        """The memory was replaced, and with it which pairs are looked for: the sweep begins anew."""
+        fat = self.memory.overlaps.sweep.fat
+        fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
     def watch(self, moving: Index) -> None:
         """Nothing: this loop looks at everybody in every frame."""

@@ -76,6 +76,13 @@ class PaperMemory(NamedTuple):
     chosen: Flags
     counts: Index
 
+WORKING: Final = (
+    "memory.chains", "memory.role", "memory.mass", "memory.counts", "memory.points", "memory.none", "memory.overlaps.ours.first",
+    "memory.overlaps.ours.never", "memory.overlaps.sweep", "memory.overlaps.pairs", "memory.overlaps.found",
+    "memory.overlaps.tally",
+)
+"""What a snapshot leaves out: what never changes, and what each frame fills before it reads it."""
+
 
 def make_paper_memory(world: World, seed: int) -> PaperMemory:
     """Fresh memory for a world that stands at a free pose; ``seed`` settles the order of the chains for good."""

@@ -1,5 +1,6 @@
 """The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from avatarsim.engine import Snapshot
@@ -8,7 +9,8 @@ from avatarsim.kernel import kernel
 from avatarsim.loops.opened_upper import opened_events, opened_memory, opened_switches
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
-from avatarsim.loops.upper_memory import COUNT_NAMES, Switches, make_memory
+from avatarsim.loops.upper_memory import COUNT_NAMES, WORKING, Switches, make_memory
+from avatarsim.motion.path import HELD, STILL
 from avatarsim.tally import Tally
 from avatarsim.world.arena import Index, opening, packed
 from avatarsim.world.opened import opened_dynamics, opened_geometry, opened_poses, opened_velocities
@@ -16,6 +18,9 @@ from avatarsim.world.world import World
 
 EVENTS_KEPT = 256
 """Most events of one frame that a recording keeps (two per impact); more are counted."""
+
+MOST = 2**60
+"""Largest number of a frame, a segment or a contact in a snapshot: counting on from there takes longer than the Earth is old."""
 
 
 @kernel
@@ -34,6 +39,8 @@ class SimulatedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = WORKING
 
     def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
         self.world, self.record, self.status = world, record, DONE
@@ -42,6 +49,18 @@ class SimulatedLoop:
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self._kept, (self.memory, self.events, _) = packed((memory, events, switches))
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
+        bodies, flag, number = len(self.memory.moving), (0, 1), (-1, MOST)
+        return {
+            "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "late": flag, "kind": (STILL, HELD),
+            "last.body": (0, bodies - 1), "key": number, "turn": number, "latest": number, "turns": number, "visits": (0, MOST),
+            "earliest": number, "charged": number, "spent": (0, MOST), "blocked": number, "clogged": number, "frames": (0, MOST),
+        }
+
+    def go_on(self) -> None:
+        """The memory was replaced. What the sweep knows is of other places: it finds that out by itself."""
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""

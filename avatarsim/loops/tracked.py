@@ -1,5 +1,6 @@
 """The raw tracker's posture, shown as it is: what an author gets who switches overlap removal off."""
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
@@ -20,11 +21,20 @@ class TrackedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_still", "_axes")
+    KEPT: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World) -> None:
         self.world = world
         degrees = int(world.skeleton.first_dof[-1])
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing is kept."""
+        return {}
+
+    def go_on(self, begun: bool) -> None:
+        """Nothing: every frame is the first."""
 
     def watch(self, moving: Index) -> None:
         """Nothing: this loop looks at everybody in every frame."""

@@ -141,6 +141,19 @@ class Memory(NamedTuple):
     shown_linear: Array
     shown_angular: Array
 
+WORKING = (
+    *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
+    "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
+    "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.everybody",
+    "memory.margin", "memory.touch",
+    "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.soonest", "memory.newest", "memory.older",
+    "memory.a_rows", "memory.b_rows", "memory.edges", "memory.when", "memory.before", "memory.direction", "memory.boxes",
+    "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
+    "memory.islands.pair_first", "memory.islands.label", "memory.islands.mark",
+)
+"""What a snapshot leaves out: points of contact, which each segment finds anew (but for the work done since it was last counted),
+what never changes, and what each frame fills before it reads it. What a sweep finds does not depend on what it knows."""
+
 
 def make_memory(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True, stand_off: float = 0.0

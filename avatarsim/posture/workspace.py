@@ -209,6 +209,9 @@ HELD_STILL, UNDER_WAY = 1.0, 2.0
 PAST_FRAMES = 6
 """Frames over which coming nearer is judged."""
 
+WORKING = ("trail", "counts", "goal.closeness.path", "goal.closeness.depth", "goal.closeness.root", "rows.pressing")
+"""Parts of a Memory that hold nothing from frame to frame, or never change."""
+
 
 def _posture(nl: int, nd: int) -> Posture:
     return Posture(np.zeros((nl, 3)), np.tile(np.eye(3), (nl, 1, 1)), np.zeros(nd))

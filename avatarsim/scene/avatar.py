@@ -1,12 +1,26 @@
 """Avatars: trees of links. The first link is the root; a rigid hand is an avatar of one link."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Quaternion, Vector, distinct, named, positive, unit_quaternion, vector, within
+from avatarsim.scene.checks import (
+    Quaternion,
+    Vector,
+    distinct,
+    each,
+    instance,
+    name_pairs,
+    named,
+    pair,
+    place,
+    positive,
+    unit_quaternion,
+    within,
+)
 from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece, reach
@@ -32,11 +46,15 @@ class Link:
 
     def __post_init__(self) -> None:
         named("a link", self.name)
+        instance(f"parent of link {self.name}", self.parent, str | None, "the name of a link, or None for the root")
+        each(f"pieces of link {self.name}", self.pieces, Piece, "a Piece(shape)")
+        instance(f"mass of link {self.name}", self.mass, Mass, "a Mass, for instance solid(pieces, kg)")
+        named(f"the material of link {self.name}", self.material)
         joint: object = self.joint
         if not isinstance(joint, Free | Rigid | Hinges | Ball):
             valid = "Free(), Rigid(), Hinges((Hinge(...), ...)) or Ball(...)"
             raise InvalidScene(f"joint of link {self.name}", joint, valid)
-        object.__setattr__(self, "anchor", vector(f"anchor of link {self.name}", self.anchor))
+        object.__setattr__(self, "anchor", place(f"anchor of link {self.name}", self.anchor))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
 
 
@@ -64,6 +82,9 @@ class Avatar:
 
     def __post_init__(self) -> None:
         named("an avatar", self.name)
+        each(f"links of avatar {self.name}", self.links, Link, "a Link")
+        each(f"chains of avatar {self.name}", self.chains, str, "the name of a link")
+        name_pairs(f"ignore of avatar {self.name}", self.ignore)
         if not self.links:
             raise InvalidScene(f"number of links of avatar {self.name}", 0, "at least 1")
         distinct(f"link of avatar {self.name}", (link.name for link in self.links))
@@ -76,12 +97,13 @@ class Avatar:
             if isinstance(link.joint, Free) and index > 0:
                 raise InvalidScene(f"joint of link {link.name}", "Free", "Rigid, Hinges or Ball below the root")
             known.add(link.name)
-        for name in [*self.chains, *(name for pair in self.ignore for name in pair)]:
+        for name in [*self.chains, *(name for both in self.ignore for name in both)]:
             if name not in known:
                 raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
-        low, high = self.size_range
+        least, most = pair(f"size_range of avatar {self.name}", self.size_range)
+        low, high = (within(f"size_range of avatar {self.name} [m]", size, 0.0, math.inf) for size in (least, most))
         if any(link.pieces for link in self.links):
             within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
 

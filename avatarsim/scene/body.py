@@ -4,7 +4,18 @@ from dataclasses import dataclass
 from enum import Enum
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Quaternion, Vector, named, unit_quaternion, vector
+from avatarsim.scene.checks import (
+    FASTEST,
+    FASTEST_SPIN,
+    Quaternion,
+    Vector,
+    bounded,
+    each,
+    instance,
+    named,
+    place,
+    unit_quaternion,
+)
 from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece
 from avatarsim.spatial import rotation
@@ -23,7 +34,8 @@ class Body:
     """A rigid body: convex pieces, material, first pose, and for simulated ones mass and first velocities.
 
     `position` [m] and `orientation` (w, x, y, z) place the body frame in the world; `velocity` [m/s] is that of
-    the centre of mass, `angular_velocity` [rad/s] is in world axes.
+    the centre of mass, `angular_velocity` [rad/s] is in world axes. Their components are at most `FARTHEST`, `FASTEST` and
+    `FASTEST_SPIN` of `avatarsim.scene.checks`, where the reasons stand.
     """
 
     name: str
@@ -38,16 +50,20 @@ class Body:
 
     def __post_init__(self) -> None:
         named("a body", self.name)
+        instance(f"role of body {self.name}", self.role, Role, "Role.FIXED or Role.SIMULATED")
+        each(f"pieces of body {self.name}", self.pieces, Piece, "a Piece(shape)")
+        named(f"the material of body {self.name}", self.material)
+        instance(f"mass of body {self.name}", self.mass, Mass | None, "a Mass, for instance solid(pieces, kg)")
         if not self.pieces:
             raise InvalidScene(f"number of pieces of body {self.name}", 0, "at least 1")
         if self.role is Role.DRIVEN:
             raise InvalidScene(f"role of body {self.name}", "driven", "fixed or simulated; driven bodies are avatars")
         if self.role is Role.SIMULATED and self.mass is None:
             raise InvalidScene(f"mass of simulated body {self.name}", None, "a Mass, for instance solid(pieces, kg)")
-        object.__setattr__(self, "position", vector(f"position of {self.name}", self.position))
+        object.__setattr__(self, "position", place(f"position of {self.name}", self.position))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of {self.name}", self.orientation))
-        object.__setattr__(self, "velocity", vector(f"velocity of {self.name}", self.velocity))
-        spin = vector(f"angular velocity of {self.name}", self.angular_velocity)
+        object.__setattr__(self, "velocity", bounded(f"velocity of {self.name} [m/s]", self.velocity, FASTEST))
+        spin = bounded(f"angular velocity of {self.name} [rad/s]", self.angular_velocity, FASTEST_SPIN)
         object.__setattr__(self, "angular_velocity", spin)
         if self.role is Role.FIXED and any((*self.velocity, *self.angular_velocity)):
             raise InvalidScene(f"velocity of fixed body {self.name}", (*self.velocity, *spin), "zero: what is fixed never moves")

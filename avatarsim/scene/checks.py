@@ -1,7 +1,8 @@
-"""The one place where values handed in are checked: finite, positive, of the right shape."""
+"""The one place where values handed in are checked: of the right type, finite, positive, of the right shape."""
 
 import math
 from collections.abc import Iterable
+from types import UnionType
 from typing import cast
 
 import numpy as np
@@ -16,6 +17,19 @@ Quaternion = tuple[float, float, float, float]
 SHORTEST, LONGEST = 1e-6, 1e7
 """Lengths [m] that a shape may have: from a tenth of a grain of dust's to past the Earth's radius. Outside, volumes and
 inertias, which grow with the third and fifth power, leave the range in which sums of them mean anything."""
+
+FARTHEST = 1e7
+"""Largest coordinate [m] of whatever a scene places. Coordinates there are rounded to 2e-9 m, a thousandth of the smallest gap
+that the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and what is shown may overlap."""
+
+FASTEST = 1e6
+"""Largest velocity component [m/s] with which a body begins. In a frame of 1 s, the longest, the instant of an impact is known
+to 1e-16 s: 1e-10 m of way, which nothing shows; and `FARTHEST` is reached after 10 s at the earliest. Faster: either fails."""
+
+FASTEST_SPIN = 1e4
+"""Largest component of the angular velocity [rad/s] with which a body begins: 95,000 turns a minute, a fast turbine. The search
+for the instant of an impact goes by parts of a turn: over a floor a disc or a box of 0.3 m takes up to 40 ms in a frame with 1e4
+rad/s, 0.3 s with 1e5, and with 1e6 most of a second in every frame."""
 
 
 def as_number(value: object) -> float:
@@ -49,6 +63,32 @@ def length(thing: str, value: object, error: type[InvalidInput] = InvalidScene) 
     return within(f"{thing} [m]", value, SHORTEST, LONGEST, error)
 
 
+def instance(
+    thing: str, value: object, kind: type[object] | UnionType, valid: str, error: type[InvalidInput] = InvalidScene
+) -> None:
+    """Raise unless `value` is of type `kind`; `valid` says in words what that is."""
+    if not isinstance(value, kind):
+        raise error(thing, value, valid)
+
+
+def each(thing: str, values: object, kind: type[object], valid: str, error: type[InvalidInput] = InvalidScene) -> None:
+    """Raise unless `values` is a tuple whose entries are all of type `kind`; `valid` says in words what one of them is. A list
+    could be changed once it has been checked."""
+    if not isinstance(values, tuple):
+        raise error(thing, values, f"a tuple, each entry {valid}")
+    for k, value in enumerate(values):
+        if not isinstance(value, kind):
+            raise error(f"{thing}, entry {k}", value, valid)
+
+
+def name_pairs(thing: str, pairs: object) -> None:
+    """Raise InvalidScene unless `pairs` is a tuple of pairs of names."""
+    each(thing, pairs, tuple, "a pair of names")
+    for k, pair in enumerate(cast(tuple[tuple[object, ...], ...], pairs)):
+        if len(pair) != 2 or not all(isinstance(name, str) for name in pair):
+            raise InvalidScene(f"{thing}, entry {k}", pair, "a pair of names")
+
+
 def named(thing: str, name: object) -> None:
     """Raise InvalidScene unless `name` is a text that can be read and told apart from nothing."""
     if not isinstance(name, str) or not name.strip():
@@ -58,15 +98,44 @@ def named(thing: str, name: object) -> None:
 def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: type[InvalidInput] = InvalidScene) -> Array:
     """`value` as a float64 array of `shape` (-1 matches any length) with finite entries only."""
     try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise error(thing, value, f"numbers of shape {shape}") from None
+        array = real_array(value)
+    except (TypeError, ValueError, OverflowError):
+        raise error(thing, value, f"real numbers of shape {shape}") from None
     fits = array.ndim == len(shape) and all(want in (-1, got) for want, got in zip(shape, array.shape, strict=True))
     if not fits:
         raise error(f"shape of {thing}", array.shape, f"{shape}, where -1 is any length")
     if not np.isfinite(array).all():
         raise error(thing, array.tolist(), "finite numbers only")
     return array
+
+
+def real_array(value: ArrayLike) -> Array:
+    """A float64 array of its own of real numbers; TypeError for what numpy would make numbers of without a word: texts, complex
+    and truth values, and masked arrays, whose masks it would drop."""
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError("a masked array")
+    found = np.asarray(value)
+    if found.dtype.kind not in "iuf":
+        raise TypeError(f"an array of {found.dtype}")
+    return np.array(found, dtype=np.float64)
+
+
+def bounded(thing: str, value: Iterable[float], most: float, error: type[InvalidInput] = InvalidScene) -> Vector:
+    """A finite 3-vector as a tuple, none of its components larger than `most`."""
+    found = vector(thing, value, error)
+    if not max(map(abs, found)) <= most:
+        raise error(thing, found, f"components from {-most:g} to {most:g}")
+    return found
+
+
+def place(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
+    """A position [m] as a tuple, within `FARTHEST`."""
+    return bounded(f"{thing} [m]", value, FARTHEST, error)
+
+
+def parts(value: object) -> ArrayLike:
+    """An array as it is, whose type says what it is; of all else the parts."""
+    return value if isinstance(value, np.ndarray) else cast(ArrayLike, listed(value))
 
 
 def listed(value: object) -> list[object]:
@@ -84,13 +153,13 @@ def pair(thing: str, value: object) -> tuple[object, object]:
 
 def vector(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
     """A finite 3-vector as a tuple."""
-    x, y, z = finite_array(thing, cast(ArrayLike, listed(value)), (3,), error)
+    x, y, z = finite_array(thing, parts(value), (3,), error)
     return float(x), float(y), float(z)
 
 
 def unit_vector(thing: str, value: Iterable[float]) -> Vector:
     """A finite, non-zero 3-vector, scaled to length 1."""
-    array = finite_array(thing, cast(ArrayLike, listed(value)), (3,))
+    array = finite_array(thing, parts(value), (3,))
     length = float(np.linalg.norm(array))
     if not length > 1e-12:
         raise InvalidScene(thing, array.tolist(), "a vector of non-zero length")
@@ -100,7 +169,7 @@ def unit_vector(thing: str, value: Iterable[float]) -> Vector:
 
 def unit_quaternion(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Quaternion:
     """A quaternion (w, x, y, z) of length 1 to 1e-6, normalised to rounding."""
-    array = finite_array(thing, cast(ArrayLike, listed(value)), (4,), error)
+    array = finite_array(thing, parts(value), (4,), error)
     length = float(np.linalg.norm(array))
     if not abs(length - 1.0) <= 1e-6:
         raise error(thing, array.tolist(), "a quaternion (w, x, y, z) of length 1, to 1e-6")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Vector, pair, unit_vector, within
+from avatarsim.scene.checks import Vector, each, instance, pair, unit_vector, within
 from avatarsim.scene.reach_cone import ReachCone, angle
 
 PI = float(np.pi)
@@ -49,11 +49,9 @@ class Hinges:
     hinges: tuple[Hinge, ...]
 
     def __post_init__(self) -> None:
+        each("hinges of a joint", self.hinges, Hinge, "a Hinge(axis, lower, upper)")
         if not 1 <= len(self.hinges) <= 3:
             raise InvalidScene("number of hinges that share a centre", len(self.hinges), "1 to 3")
-        for hinge in self.hinges:
-            if not isinstance(hinge, Hinge):
-                raise InvalidScene("hinge of a joint", hinge, "a Hinge(axis, lower, upper)")
 
 
 @dataclass(frozen=True)
@@ -86,6 +84,8 @@ class Ball:
     cone: ReachCone | None = None
 
     def __post_init__(self) -> None:
+        instance("limits of a ball joint", self.limits, SwingTwist | None, "a SwingTwist(axis, centre, swing, twist), or None")
+        instance("cone of a ball joint", self.cone, ReachCone | None, "a ReachCone(vertices, visible_point), or None")
         if self.limits is None or self.cone is None:
             return
         away = angle(np.array(self.limits.centre), np.array(self.cone.visible_point))

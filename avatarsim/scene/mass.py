@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.checks import Vector, finite_array, positive, vector
+from avatarsim.scene.checks import Vector, each, finite_array, listed, place, positive
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
 
@@ -24,7 +24,7 @@ class Mass:
 
     def __post_init__(self) -> None:
         positive("mass", self.mass)
-        object.__setattr__(self, "centre", vector("centre of mass", self.centre))
+        object.__setattr__(self, "centre", place("centre of mass", self.centre))
         inertia = finite_array("inertia", self.inertia, (3, 3))
         if not np.allclose(inertia, inertia.T, rtol=1e-9, atol=1e-12 * np.abs(inertia).max()):
             raise InvalidScene("inertia", inertia.tolist(), "a symmetric matrix")
@@ -88,6 +88,7 @@ def volume(shape: Shape) -> float:
 def solid(pieces: Sequence[Piece], mass: float) -> Mass:
     """Mass properties of a body of total `mass` [kg], spread evenly over its pieces (overlaps count twice)."""
     positive("mass", mass)
+    each("pieces of a solid", tuple(listed(pieces)), Piece, "a Piece(shape)")
     if not pieces:
         raise InvalidScene("number of pieces of a solid", 0, "at least 1")
     volumes, centres, covariances = [], [], []

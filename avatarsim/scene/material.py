@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from avatarsim.errors import InvalidScene, UnknownName
-from avatarsim.scene.checks import within
+from avatarsim.scene.checks import instance, name_pairs, within
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,11 @@ class PairTable:
     pairs: Mapping[tuple[str, str], Contact]
 
     def __post_init__(self) -> None:
+        instance("pairs of a PairTable", self.pairs, Mapping, "a mapping {(material, material): Contact(restitution, friction)}")
+        name_pairs("pairs of a PairTable", tuple(self.pairs))
         both_ways = dict[tuple[str, str], Contact]()
         for (a, b), contact in self.pairs.items():
+            instance(f"contact of {a} and {b}", contact, Contact, "a Contact(restitution, friction)")
             if both_ways.get((a, b), contact) != contact:
                 raise InvalidScene(f"contact of {a} and {b}", contact, f"that of {b} and {a}, {both_ways[a, b]!r}")
             both_ways[a, b] = both_ways[b, a] = contact

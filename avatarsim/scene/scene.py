@@ -11,13 +11,17 @@ from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Role
 from avatarsim.scene.calls import CALLS, KEPT, Parts
-from avatarsim.scene.checks import Vector, distinct, named, vector
+from avatarsim.scene.checks import FARTHEST, Vector, bounded, distinct, each, instance, name_pairs, named
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.material import TABLE_1, PairTable
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
 EARTH: Vector = (0.0, 0.0, -9.81)
 """Gravity [m/s^2] at the scenes' one place on earth; every closed form uses the same figure."""
+
+HEAVIEST = 1e4
+"""Largest component of gravity [m/s^2], a thousand times the Earth's. What falls for a hundred seconds has come to `FASTEST`;
+more: bodies are past it, and past the reasons for that limit, before anything has been seen."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,8 @@ class Scene:
 
     def __post_init__(self) -> None:
         named("a scene", self.name)
-        object.__setattr__(self, "gravity", vector("gravity", self.gravity))
+        self._require_types()
+        object.__setattr__(self, "gravity", bounded("gravity [m/s^2]", self.gravity, HEAVIEST))
         if not self.bodies and not self.avatars:
             raise InvalidScene(f"number of bodies of scene {self.name}", 0, "at least 1 body or avatar")
         distinct(f"body of scene {self.name}", self.names)
@@ -57,7 +62,18 @@ class Scene:
                 if name not in self.names:
                     raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
         self._agree_on_effects()
-        checked(self.first_sample, self.avatars)
+        first = np.asarray(checked(self.first_sample, self.avatars).positions)
+        if not (np.abs(first) <= FARTHEST).all():
+            raise InvalidScene("roots of the start [m]", first.tolist(), f"coordinates from {-FARTHEST:g} to {FARTHEST:g}")
+
+    def _require_types(self) -> None:
+        """InvalidScene for a part that is something else than its place is for."""
+        each(f"bodies of scene {self.name}", self.bodies, Body, "a Body; avatars have a place of their own")
+        each(f"avatars of scene {self.name}", self.avatars, Avatar, "an Avatar; bodies have a place of their own")
+        instance(f"materials of scene {self.name}", self.materials, PairTable, "a PairTable")
+        name_pairs(f"exclude of scene {self.name}", self.exclude)
+        for said in ("narrow", "require", "force"):
+            each(f"{said} of scene {self.name}", getattr(self, said), str, "the name of an effect")
 
     def _agree_on_effects(self) -> None:
         """InvalidScene for an effect that nobody knows, that is required and lacks its part, or is required and narrowed away."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidShape
-from avatarsim.scene.checks import Quaternion, Vector, finite_array, length, unit_quaternion, vector
+from avatarsim.scene.checks import Quaternion, Vector, as_number, finite_array, instance, length, place, unit_quaternion, vector
 from avatarsim.spatial import rotation
 
 FLATTEST_HULL = 1e-9
@@ -92,7 +92,8 @@ class Piece:
     orientation: Quaternion = rotation.IDENTITY
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", vector("piece position", self.position, InvalidShape))
+        instance("shape of a piece", self.shape, Shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull", InvalidShape)
+        object.__setattr__(self, "position", place("piece position", self.position, InvalidShape))
         object.__setattr__(self, "orientation", unit_quaternion("piece orientation", self.orientation, InvalidShape))
 
 
@@ -117,8 +118,8 @@ def ellipsoid_hull(radii: Vector, vertices: int = 52) -> ConvexHull:
 
     n points in general position span 2 n - 4 triangles, so 52 give the paper's hundred per part of the hand.
     """
-    if not vertices >= 4:
-        raise InvalidShape("number of vertices of an ellipsoid's hull", vertices, "at least 4")
+    if not as_number(vertices) >= 4 or vertices != int(vertices):
+        raise InvalidShape("number of vertices of an ellipsoid's hull", vertices, "a whole number, at least 4")
     k = np.arange(vertices) + 0.5
     height = 1.0 - 2.0 * k / vertices
     turn = np.pi * (1.0 + np.sqrt(5.0)) * k

@@ -1,5 +1,6 @@
 """The tracker's posture of this frame as arrays, and how fast the tracker's links move."""
 
+from collections.abc import Mapping
 from math import isfinite
 from typing import ClassVar
 
@@ -29,6 +30,8 @@ class Target:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("posture",)
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -36,6 +39,10 @@ class Target:
         incoming = Posture(*(array.copy() for array in first))
         self.words, (self.posture, _, hinges) = packed((first, incoming, world.hinges))
         self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: a posture is real numbers."""
+        return {}
 
     def read(self, sample: TrackerSample) -> None:
         """Check the sample and take it over."""

@@ -1,5 +1,6 @@
 """The whole world as arrays: what never changes, and the state that the stages write."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
 from avatarsim.scene.body import Role
+from avatarsim.scene.checks import real_array
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
@@ -33,6 +35,8 @@ class World:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture")
+    WORKING: ClassVar[tuple[str, ...]] = ()
 
     scene: Scene
     words: NDArray[np.int64]
@@ -44,6 +48,10 @@ class World:
     posture: Posture
     centres: Array
     hinges: NDArray[np.int64]
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: what changes in a world are real numbers."""
+        return {}
 
 
 def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:
@@ -63,7 +71,7 @@ def _ready(array: Array) -> Array:
     # np.require finds this out in three times the time
     if type(array) is np.ndarray and array.dtype is FLOAT64 and array.flags.carray:
         return array
-    return np.require(array, np.float64, ["C", "W"])
+    return np.require(real_array(array), np.float64, ["C", "W"])
 
 
 def build(scene: Scene) -> World:

@@ -159,23 +159,23 @@ def test_a_horizon_of_nothing() -> None:
 
 
 def test_a_spin_of_many_turns_costs_little_until_it_matters() -> None:
-    """1e5 rad/s, 265 turns in the frame: past the wall in a few rounds; into it at the instant the ball around it tells."""
+    """1e4 rad/s, 26 turns in the frame: past the wall in a few rounds; into it at the instant the ball around it tells."""
     rod = Capsule(0.005, 0.19)
-    flier = thing("rod", rod, (0.2, 0.0, 0.0), velocity=(-5.0, 0.0, 0.0), angular_velocity=(0.0, 1e5, 0.0))
+    flier = thing("rod", rod, (0.2, 0.0, 0.0), velocity=(-5.0, 0.0, 0.0), angular_velocity=(0.0, 1e4, 0.0))
     past = TwoBodies(wall(), flier, gyroscopic=False)
     found = past.first_contact(1.0 / 60.0)
     assert found.outcome == CLEAR and found.rounds <= 5
     into = past.first_contact(0.05)
-    # the tip comes round every 31 microseconds, so the first touch is at most that later than the ball around the rod
+    # the tip comes round every 310 microseconds, so the first touch is at most that later than the ball around the rod
     ball_meets = (0.2 - 0.1 - 0.005) / 5.0
-    assert into.outcome == IMPACT and ball_meets - 1e-8 <= into.time <= ball_meets + 3.2e-5
+    assert into.outcome == IMPACT and ball_meets - 1e-8 <= into.time <= ball_meets + 3.2e-4
 
 
 def test_a_spent_budget_is_a_status_and_its_time_is_safe() -> None:
-    """A disc that spins flat over the floor at 1e6 rad/s never comes nearer, but no bound can tell: the budget ends."""
+    """A disc that spins flat over the floor at 1e4 rad/s never comes nearer, but no bound can tell: the budget ends."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     ring = np.stack([0.2 * np.cos(angle), 0.2 * np.sin(angle), np.full(12, 0.05)], axis=1)
-    disc = thing("disc", ConvexHull(np.vstack([ring, ring * [1, 1, -1]])), (0.0, 0.0, 0.06), angular_velocity=(0.0, 0.0, 1e6))
+    disc = thing("disc", ConvexHull(np.vstack([ring, ring * [1, 1, -1]])), (0.0, 0.0, 0.06), angular_velocity=(0.0, 0.0, 1e4))
     floor = fixed("floor", (Piece(Box((2.0, 2.0, 1.0))),), "m", (0.0, 0.0, -0.5))
     found = TwoBodies(floor, disc).first_contact(1.0, budget=Budget(rounds=50))
     assert found.outcome == SPENT and 0.0 < found.time < 1.0 and found.contact == np.inf

@@ -84,5 +84,5 @@ def test_a_hinge_alone_is_no_joint() -> None:
     """It would be taken for a ball without limits."""
     with pytest.raises(InvalidScene, match="joint of link finger is Hinge"):
         link("finger", "root", Hinge(AXIS, -1.0, 1.0))  # type: ignore[arg-type]
-    with pytest.raises(InvalidScene, match="hinge of a joint is "):
+    with pytest.raises(InvalidScene, match="hinges of a joint, entry 0 is "):
         Hinges((AXIS,))  # type: ignore[arg-type]

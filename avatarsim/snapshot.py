@@ -1,0 +1,202 @@
+"""Checkpoint and restart: the state of a world between two frames as bytes, and back.
+
+What the parts of a frame keep from one frame to the next is written, constants and working memory are not: they are those of the
+engine that the bytes are handed to, which has loaded the same scene with the same settings. Bytes come from strangers: nothing in
+them is run or looked up by name, no length in them is believed before it is compared, and every whole number, which might be a
+place in memory, is held against the range that its field has. Only when all is well anything is written.
+
+Layout, little endian: a head (see `HEAD`), the bytes of all arrays one after another as zlib has them, and the BLAKE2b of all
+that stands before it.
+"""
+
+import hashlib
+import math
+import struct
+import zlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import AvatarsimError, InvalidSnapshot
+from avatarsim.rehearsal import Part
+
+MAGIC = b"avatarsim\r\n\0"
+"""First bytes of a snapshot; the line's end shows files that were sent as text."""
+
+FORMAT = 1
+"""Number of this layout. What else is written than before, or otherwise, gets the next one."""
+
+DIGEST = 16
+"""Bytes of a BLAKE2b. Its use is to find damage and mistakes, not to keep out forgers: that is what the ranges are for."""
+
+HEAD = struct.Struct(f"<{len(MAGIC)}sI{DIGEST}s{DIGEST}s{DIGEST}sdQ")
+"""Magic, format, digests of scene, settings and fields, time [s], bytes of all arrays."""
+
+COMPRESSION = 1
+"""Level of zlib. Most of a world's memory is room that is not in use; higher levels take several times as long for little."""
+
+Bits = NDArray[np.generic]
+
+
+class Identity(NamedTuple):
+    """Of what a snapshot is one: digests of the scene, of the settings in force, and of the fields that are kept."""
+
+    scene: bytes
+    settings: bytes
+    fields: bytes
+
+
+class Field(NamedTuple):
+    """One array that is kept, by its dotted name, and the least and largest value that its whole numbers may have."""
+
+    name: str
+    array: Bits
+    least: int
+    most: int
+
+
+def kept_by(parts: Sequence[Part]) -> list[Field]:
+    """What `parts` keep from frame to frame, in order. A field of whole numbers without a range is a defect and an error."""
+    found = []
+    for part in parts:
+        ranges = part.ranges()
+        for name in part.KEPT:
+            for path, array in _named(f"{type(part).__name__}.{name}", getattr(part, name)):
+                short = path.partition(".")[2]
+                if not any(short == left or short.startswith(f"{left}.") for left in part.WORKING):
+                    found.append(Field(path, array, *_range(path, short, array, ranges)))
+    return found
+
+
+def _named(path: str, value: object) -> Iterator[tuple[str, Bits]]:
+    """Arrays in nested named tuples with their dotted names; single numbers are constants, and records working memory."""
+    if isinstance(value, np.ndarray):
+        yield path, value
+    elif isinstance(value, tuple):
+        names: Iterable[str] = getattr(value, "_fields", map(str, range(len(value))))
+        for name, part in zip(names, value, strict=True):
+            yield from _named(f"{path}.{name}", part)
+
+
+def _range(path: str, short: str, array: Bits, ranges: Mapping[str, tuple[int, int]]) -> tuple[int, int]:
+    if array.dtype == np.bool_:
+        return 0, 1
+    if array.dtype == np.float64:
+        return 0, 0
+    for name, least_and_most in ranges.items():
+        if short == name or short.endswith(f".{name}"):
+            return least_and_most
+    raise AvatarsimError(f"no range is stated for the whole numbers in {path}: this is a defect")
+
+
+def identity(scene: object, settings: object, kept: Sequence[Field]) -> Identity:
+    """Of what a snapshot of these fields is one. How a scene starts is no part of it: what is kept says where things are."""
+    layout = tuple((field.name, field.array.dtype.str, *field.array.shape) for field in kept)
+    return Identity(*map(digest_of, (scene, settings, layout)))
+
+
+def digest_of(value: object) -> bytes:
+    """A digest of nested descriptions: equal if and only if they say the same."""
+    digest = hashlib.blake2b(digest_size=DIGEST)
+    for piece in _told(value):
+        digest.update(struct.pack("<Q", len(piece)) + piece)
+    return digest.digest()
+
+
+def _told(value: object) -> Iterator[bytes]:
+    """A description as bytes, each with its kind before it, so that different ones are never told alike."""
+    if is_dataclass(value) and not isinstance(value, type):
+        yield type(value).__name__.encode()
+        for field in fields(value):
+            if field.compare:
+                yield from _told(getattr(value, field.name))
+    elif isinstance(value, np.ndarray):
+        yield f"array {value.dtype.str} {value.shape}".encode()
+        yield value.tobytes()
+    elif isinstance(value, Mapping):
+        yield f"mapping {len(value)}".encode()
+        for key in sorted(value):
+            yield from _told(key)
+            yield from _told(value[key])
+    elif isinstance(value, tuple):
+        yield f"tuple {len(value)}".encode()
+        for part in value:
+            yield from _told(part)
+    elif isinstance(value, int | float | np.number) and not isinstance(value, bool):
+        # 1 and 1.0 describe the same
+        yield f"number {float(value).hex()}".encode()
+    elif value is None or isinstance(value, str | bool | Enum):
+        yield f"{type(value).__name__} {value}".encode()
+    else:
+        raise AvatarsimError(f"a {type(value).__name__} in a scene has no digest: this is a defect")
+
+
+def written(of: Identity, time: float, kept: Sequence[Field]) -> bytes:
+    """The state that `kept` holds at `time` [s]."""
+    packed = zlib.compressobj(COMPRESSION)
+    body = [packed.compress(field.array.tobytes()) for field in kept]
+    body.append(packed.flush())
+    size = sum(field.array.nbytes for field in kept)
+    whole = b"".join((HEAD.pack(MAGIC, FORMAT, *of, time, size), *body))
+    return whole + hashlib.blake2b(whole, digest_size=DIGEST).digest()
+
+
+def read(data: object, of: Identity, kept: Sequence[Field]) -> tuple[float, list[Bits]]:
+    """Time [s] and what the arrays of `kept` are to hold; InvalidSnapshot unless `data` is a whole one `of` what is loaded."""
+    if not isinstance(data, bytes | bytearray | memoryview):
+        raise InvalidSnapshot("snapshot", data, "the bytes that engine.snapshot() returned")
+    whole = bytes(data)
+    if len(whole) < HEAD.size + DIGEST:
+        raise InvalidSnapshot("length of the snapshot", len(whole), f"at least {HEAD.size + DIGEST} bytes: it is cut off")
+    magic, layout, scene, settings, names, time, size = HEAD.unpack_from(whole)
+    if magic != MAGIC:
+        raise InvalidSnapshot("beginning of the snapshot", magic, f"{MAGIC!r}: these bytes are something else")
+    if layout != FORMAT:
+        raise InvalidSnapshot("format of the snapshot", layout, f"{FORMAT}: it is of another version of avatarsim")
+    if hashlib.blake2b(whole[:-DIGEST], digest_size=DIGEST).digest() != whole[-DIGEST:]:
+        raise InvalidSnapshot("checksum of the snapshot", whole[-DIGEST:].hex(), "that of its bytes: it is damaged or cut off")
+    for part, found, wanted, why in (
+        ("scene", scene, of.scene, "that of the scene that is loaded"),
+        ("settings", settings, of.settings, "that of the preset and the options that are loaded"),
+        ("fields", names, of.fields, "that of this version of avatarsim"),
+    ):
+        if found != wanted:
+            raise InvalidSnapshot(f"digest of the {part} of the snapshot", found.hex(), f"{wanted.hex()}, {why}")
+    if not 0.0 <= time < math.inf:
+        raise InvalidSnapshot("time of the snapshot [s]", time, "a finite number from 0")
+    return time, _arrays(_unpacked(whole[HEAD.size : -DIGEST], size, kept), kept)
+
+
+def _unpacked(packed: bytes, size: int, kept: Sequence[Field]) -> bytes:
+    wanted = sum(field.array.nbytes for field in kept)
+    if size != wanted:
+        raise InvalidSnapshot("size of the snapshot's arrays", size, f"{wanted} bytes")
+    unpacking = zlib.decompressobj()
+    try:
+        # no more than is wanted, however much is packed into it
+        found = unpacking.decompress(packed, wanted + 1)
+    except zlib.error as error:
+        raise InvalidSnapshot("arrays of the snapshot", str(error), "bytes that zlib can unpack") from None
+    if len(found) != wanted or not unpacking.eof or unpacking.unused_data:
+        raise InvalidSnapshot("arrays of the snapshot", len(found), f"{wanted} bytes, and nothing behind them")
+    return found
+
+
+def _arrays(body: bytes, kept: Sequence[Field]) -> list[Bits]:
+    found, at = [], 0
+    for field in kept:
+        kind: np.dtype[Any] = np.dtype(np.uint8) if field.array.dtype == np.bool_ else field.array.dtype
+        array = np.frombuffer(body, kind, field.array.size, at).reshape(field.array.shape)
+        at += field.array.nbytes
+        if kind == np.float64:
+            if np.isnan(array).any():
+                raise InvalidSnapshot(f"{field.name} of the snapshot", math.nan, "numbers")
+        elif array.size and not (field.least <= array.min() and array.max() <= field.most):
+            spread = int(array.min()), int(array.max())
+            raise InvalidSnapshot(f"range of {field.name} in the snapshot", spread, f"from {field.least} to {field.most}")
+        found.append(array)
+    return found
