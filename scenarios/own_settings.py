@@ -8,6 +8,8 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile, UnknownName
 
+EXAMPLE = "scenarios/settings_example.toml"
+"""A file that every engine takes as it is, from the folder of the checkout."""
 NAME = re.compile(r"[A-Za-z0-9_.=-]+")
 """What a row may be called: its name becomes part of file names, addresses and tables."""
 
