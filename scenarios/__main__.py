@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
-    own = "rows of your own: tables [engine.name] with `preset` to begin from and settings to replace, as in " + own_settings.EXAMPLE
+    own = f"rows of your own: tables [engine.name] of `preset` to begin from and settings, as in {own_settings.EXAMPLE}"
     shared.add_argument("--settings", type=Path, metavar="FILE.toml", help=own)
     cpus = os.cpu_count() or 1
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")

@@ -1,8 +1,8 @@
 """`python -m tests.hostile [--cases N] [--seed S] [--only GLOB] [--jobs N]`: hostile inputs for every reader, every public
 constructor and the command lines.
 
-Cases come in batches, each in a process of its own with limits of time and memory. Every outcome must be a valid result or a typed
-error; all else is printed once per place with the command that repeats it, and the exit code is then 1.
+Cases come in batches, each in a process of its own with limits of time and memory. Every outcome must be a valid result or a
+typed error; all else is printed once per place with the command that repeats it, and the exit code is then 1.
 """
 
 import argparse

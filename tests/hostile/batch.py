@@ -1,8 +1,8 @@
-"""`python -m tests.hostile.batch DOOR SEED COUNT [--first K] [--last K] [--out FILE]`: cases of one door, in this process, which has
-limits.
+"""`python -m tests.hostile.batch DOOR SEED COUNT [--first K] [--last K] [--out FILE]`: cases of one door, in this process,
+which has limits.
 
-What is found goes to FILE, or to the terminal, a line of JSON each, and at the end how many cases there were. Before each case its
-number and text go to FILE.now, so that a crash or a hang is known by its case.
+What is found goes to FILE, or to the terminal, a line of JSON each, and at the end how many cases there were. Before each case
+its number and text go to FILE.now, so that a crash or a hang is known by its case.
 """
 
 import argparse

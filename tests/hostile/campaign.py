@@ -114,7 +114,8 @@ class Watched:
         self.batch, self.out, self.killed = batch, out, False
         self.errors = out.with_suffix(".stderr").open("wb")
         command = batch.command("--first", str(batch.first), "--out", str(out))
-        self.process = subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self.errors)
+        nothing = subprocess.DEVNULL
+        self.process = subprocess.Popen(command, cwd=ROOT, stdin=nothing, stdout=nothing, stderr=self.errors)
         self.seen, self.since = "", time.monotonic()
 
     def ended(self) -> bool:
@@ -154,7 +155,8 @@ class Watched:
             report.add(self.batch, {"kind": "no start", "place": "", "said": last, "case": 0, "text": ""})
             return None
         code = self.process.returncode
-        kind = "hang" if self.killed else f"crash ({signal.Signals(-code).name})" if code < 0 else f"end of the process with {code}"
+        ended = f"crash ({signal.Signals(-code).name})" if code < 0 else f"end of the process with {code}"
+        kind = "hang" if self.killed else ended
         report.add(self.batch, {"kind": kind, "place": "", "said": last, "case": int(number), "text": text})
         report.asked[door] = report.asked.get(door, 0) + int(number) + 1 - self.batch.first
         rest = replace(self.batch, first=int(number) + 1, crashes=self.batch.crashes + 1)

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from functools import partial
 from pathlib import Path
-from typing import get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 import hypothesis
 import numpy as np
@@ -156,9 +156,9 @@ def body_doors() -> list[SearchStrategy[Asked]]:
         v.asked(fixed, name=v.names, material=v.materials, **placed),
         v.asked(simulated, name=v.names, material=v.materials, **placed, **moving),
         v.asked(sample_checked, known=posture, time=v.lengths, positions=st.none(), rotations=st.none(), angles=st.none()),
-        v.asked(Scene, name=v.names, bodies=st.lists(v.bodies, max_size=3).map(tuple), avatars=st.lists(v.avatars, max_size=1).map(tuple),
-                materials=v.tables | st.just(v.TABLE_1), gravity=v.vectors, start=st.none(), exclude=st.just(()), narrow=st.just(()),
-                require=st.just(()), force=st.just(())),
+        v.asked(Scene, name=v.names, bodies=st.lists(v.bodies, max_size=3).map(tuple), gravity=v.vectors, start=st.none(),
+                avatars=st.lists(v.avatars, max_size=1).map(tuple), materials=v.tables | st.just(v.TABLE_1),
+                exclude=st.just(()), narrow=st.just(()), require=st.just(()), force=st.just(())),
     ]
 
 
@@ -179,15 +179,23 @@ def mesh_doors() -> list[SearchStrategy[Asked]]:
     wishes = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),
               "repair": st.sampled_from(("auto", "remesh", "refuse"))}
     return [
-        v.asked(partial(pieces_of_mesh, kept=False, quiet=True, hull=True), mesh=meshes, scale=v.lengths, y_up=st.booleans(), **wishes),
+        v.asked(hull_of_mesh, mesh=meshes, scale=v.lengths, y_up=st.booleans(), **wishes),
         v.asked(Wishes, hull=st.booleans(), **wishes),
     ]
 
 
+def hull_of_mesh(**arguments: Any) -> object:
+    """One convex piece."""
+    return pieces_of_mesh(**arguments, kept=False, quiet=True, hull=True)
+
+
 COUNTS = ("steps", "corrections", "attempts", "sweeps", "work", "search_work", "leap_search", "rounds", "patience")
 """Options that say how long an engine may work. They may ask for hours, which settings are trusted with: here up to 50."""
-LENGTHS = ("stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
-           "turn_share", "turn_alone", "spring", "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back")
+LENGTHS = (
+    "stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
+    "turn_share", "turn_alone", "spring", "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
+)
+"""Options that are no counts."""
 
 
 def engine_doors() -> list[SearchStrategy[Asked]]:
@@ -200,10 +208,10 @@ def engine_doors() -> list[SearchStrategy[Asked]]:
     scenes = st.builds(lambda bodies, avatar: Scene("some", tuple({body.name: body for body in bodies}.values()), (avatar,)),
                        st.lists(v.bodies, max_size=3), v.avatars)
     return [
-        v.asked(shown, scene=st.just(hand_over_table()), preset=presets, options=options, seed=v.seeds, dt=st.just(1 / 60), record=st.booleans(),
-                moves=st.lists(v.seeds, max_size=3)),
-        v.asked(shown, scene=scenes, preset=presets, options=st.just({}), seed=st.just(0), dt=st.floats(1e-4, 0.1), record=st.booleans(),
-                moves=st.lists(v.seeds, min_size=1, max_size=4)),
+        v.asked(shown, scene=st.just(hand_over_table()), preset=presets, options=options, seed=v.seeds, dt=st.just(1 / 60),
+                record=st.booleans(), moves=st.lists(v.seeds, max_size=3)),
+        v.asked(shown, scene=scenes, preset=presets, options=st.just({}), seed=st.just(0), dt=st.floats(1e-4, 0.1),
+                record=st.booleans(), moves=st.lists(v.seeds, min_size=1, max_size=4)),
     ]
 
 
@@ -242,8 +250,8 @@ def shown(scene: Scene, preset: str, options: dict[str, object], seed: int, dt: 
 def doors() -> tuple[Door, ...]:
     """All of them; each constructor's strategy is drawn as often as its neighbours in a group."""
     groups: tuple[tuple[str, float, Callable[[], list[SearchStrategy[Asked]]]], ...] = (
-        ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors), ("mesh arrays", 3.0, mesh_doors),
-        ("engine", 10.0, engine_doors),
+        ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors),
+        ("mesh arrays", 3.0, mesh_doors), ("engine", 10.0, engine_doors),
     )
     return tuple(
         Door(name, weight, partial(cases, partial(one_of, made), as_declared), slow=weight <= 10.0,

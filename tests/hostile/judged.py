@@ -1,4 +1,4 @@
-"""How an answer to a hostile input is judged: a valid result or a typed error, in time and within memory; all else is a finding."""
+"""How an answer to a hostile input is judged: a valid result or a typed error, in time and memory; all else is a finding."""
 
 import resource
 import signal

@@ -92,6 +92,16 @@ def replays(folder: Path, path: Path) -> object:
     return kept.shown(folder, valid.SCENE, (valid.RUN,))
 
 
+def results(folder: Path, path: Path) -> object:
+    """The figures of a run."""
+    return load_results(folder)
+
+
+def kept_figures(folder: Path, path: Path) -> object:
+    """The committed figures of the gate, or of the README's table."""
+    return (headline if path.name == "headline.csv" else baseline).load(path)
+
+
 def table(module: str, folder: Path, path: Path) -> object:
     """What a page says of one table."""
     return import_module(f"reports.{module}").load(folder)
@@ -125,7 +135,7 @@ def resumed(folder: Path, path: Path) -> object:
 
 STORED = {"key.kind.json": b'{"key": "key", "kind": "kind", "figures": {"p50": 3.5, "note": ""}}'}
 FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": {"state": "survived", "frames": 36}}\n' * 3}
-EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --filter wall"}, "rows": []}'}
+EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
 
 
 def some(names: Iterable[str]) -> Callable[[], valid.Files]:
@@ -148,8 +158,7 @@ def doors() -> tuple[Door, ...]:
         Door("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh).cases, slow=True),
         Door("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh).cases),
         Door("settings", 60.0, FileDoor(valid.settings, damaged, own_settings).cases),
-        Door("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, lambda folder, path: load_results(folder)).cases,
-             slow=True),
+        Door("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results).cases, slow=True),
         Door("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look).cases),
         Door("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays).cases, slow=True),
         Door("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)).cases, slow=True),
@@ -157,8 +166,8 @@ def doors() -> tuple[Door, ...]:
         Door("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store).cases),
         Door("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished).cases),
         Door("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed).cases),
-        Door("baseline", 15.0, FileDoor(lambda: committed("baseline.csv"), damaged_csv, lambda folder, path: baseline.load(path)).cases),
-        Door("headline", 15.0, FileDoor(lambda: committed("headline.csv"), damaged_csv, lambda folder, path: headline.load(path)).cases),
+        Door("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures).cases),
+        Door("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures).cases),
         Door("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept).cases, slow=True, reserves=True),
     ]
     for module, names in TABLES.items():

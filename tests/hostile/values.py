@@ -3,7 +3,7 @@
 import datetime
 import decimal
 import fractions
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 from hypothesis import strategies as st
@@ -28,6 +28,9 @@ EXTREMES = (
 
 numbers: Any = st.one_of(st.sampled_from(EXTREMES), st.floats(-10.0, 10.0), st.floats(), st.integers())
 """Any number."""
+
+some_numbers: Any = st.lists(numbers, min_size=3, max_size=4).map(tuple)
+"""Vectors and quaternions of any numbers."""
 
 
 class Strange:
@@ -62,18 +65,19 @@ def arrays() -> Any:
 
 singles: Any = st.one_of(
     st.none(), numbers, st.text(max_size=8), st.binary(max_size=8), st.complex_numbers(), arrays(),
-    st.sampled_from((object(), int, print, ..., NotImplemented, range(3), Strange(), decimal.Decimal("1.5"), fractions.Fraction(1, 3),
-                     datetime.date(2020, 1, 1), decimal.Decimal("NaN"), "\ud800", "a" * 5000, "nan", b"\xff", Exception("x"))),
+    st.sampled_from((object(), int, print, ..., NotImplemented, range(3), Strange(), decimal.Decimal("1.5"),
+                     fractions.Fraction(1, 3), datetime.date(2020, 1, 1), decimal.Decimal("NaN"), "\ud800", "a" * 5000, "nan",
+                     b"\xff", Exception("x"))),
     st.builds(lambda: iter([1.0, 2.0, 3.0])),
-    st.sampled_from((Sphere(0.1), Piece(Sphere(0.1)), Free(), Rigid(), Hinge((1.0, 0.0, 0.0), -1.0, 1.0), Mass(1.0), Contact(0.5, 0.5),
-                     TABLE_1, Sphere, Box, fixed("f", (Piece(Sphere(0.1)),), "wood"), rest(()))),
+    st.sampled_from((Sphere(0.1), Piece(Sphere(0.1)), Free(), Rigid(), Hinge((1.0, 0.0, 0.0), -1.0, 1.0), Mass(1.0),
+                     Contact(0.5, 0.5), TABLE_1, Sphere, Box, fixed("f", (Piece(Sphere(0.1)),), "wood"), rest(()))),
 )
 """Anything that has no parts."""
 
 anything: Any = st.recursive(
     singles, lambda inner: st.one_of(
-        st.lists(inner, max_size=5), st.lists(inner, max_size=4).map(tuple), st.dictionaries(st.text(max_size=3), inner, max_size=3),
-        st.lists(numbers, min_size=3, max_size=4).map(tuple), st.sets(st.integers(), max_size=3),
+        st.lists(inner, max_size=5), st.lists(inner, max_size=4).map(tuple),
+        st.dictionaries(st.text(max_size=3), inner, max_size=3), some_numbers, st.sets(st.integers(), max_size=3),
     ), max_leaves=6,
 )
 """Anything at all."""
@@ -152,21 +156,20 @@ def sample(of: tuple[Avatar, ...], seed: int, reach: float) -> TrackerSample:
     """Any posture of avatars."""
     drawn, links = np.random.default_rng(seed), sum(len(avatar.links) for avatar in of)
     turns = drawn.normal(size=(links, 4))
+    turns /= np.linalg.norm(turns, axis=1, keepdims=True)
     angles = drawn.uniform(-3.0, 3.0, sum(avatar.hinge_count for avatar in of))
-    return TrackerSample(0.0, drawn.uniform(-reach, reach, (links, 3)), turns / np.linalg.norm(turns, axis=1, keepdims=True), angles)
+    return TrackerSample(0.0, drawn.uniform(-reach, reach, (links, 3)), turns, angles)
 
 
 samples = st.builds(sample, avatars.map(lambda avatar: (avatar,)), seeds, st.floats(0.0, 10.0))
-tables = st.builds(lambda pairs: PairTable(dict(pairs)), st.dictionaries(st.tuples(st.just("wood"), materials), contacts, min_size=1))
+tables = st.builds(PairTable, st.dictionaries(st.tuples(st.just("wood"), materials), contacts, min_size=1))
 
-Parts = Mapping[str, SearchStrategy[object]]
+Asked = tuple[Callable[..., object], dict[str, object]]
+"""A constructor, or a function, and its arguments."""
 
 
-def asked(make: Callable[..., object], **parts: SearchStrategy[object]) -> SearchStrategy[tuple[Callable[..., object], dict[str, object]]]:
+def asked(make: Callable[..., object], **parts: SearchStrategy[object]) -> SearchStrategy[Asked]:
     """A constructor and its arguments: valid ones, of which some were replaced by any number or by anything."""
     valid = st.fixed_dictionaries(parts)
-    replaced = st.dictionaries(st.sampled_from(sorted(parts)), st.one_of(anything, numbers, numbers3), max_size=2)
+    replaced = st.dictionaries(st.sampled_from(sorted(parts)), st.one_of(anything, numbers, some_numbers), max_size=2)
     return st.tuples(st.just(make), st.builds(lambda a, b: {**a, **b}, valid, replaced))
-
-
-numbers3: Any = st.lists(numbers, min_size=3, max_size=4).map(tuple)

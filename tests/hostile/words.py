@@ -15,8 +15,11 @@ from tests.hostile.mutation import damaged, damaged_csv, damaged_json
 
 CODES = {"scenarios": frozenset({0, 1, 2, 3, 5}), "reports": frozenset({0, 1, 2}), "pieces": frozenset({0, 1, 2})}
 """What each command's help says of its exit codes."""
-STRANGE = ("", " ", "-", "--", "-1", "0", "nan", "inf", "1e400", "9" * 400, "9" * 5000, "*", "[", "[!a", "\x00", "\udcff", "a" * 5000, "..", "/",
-           "/dev/null", "no_such_thing", "Ä", "%s", "$(id)", "'", "--help=", "--filter", "--engine", "=", "@file", "1,,2", "é\u202e")
+STRANGE = (
+    "", " ", "-", "--", "-1", "0", "nan", "inf", "1e400", "9" * 400, "9" * 5000, "*", "[", "[!a", "\x00", "\udcff", "a" * 5000,
+    "..", "/", "/dev/null", "no_such_thing", "Ä", "%s", "$(id)", "'", "--help=", "--filter", "--engine", "=",
+    "@file", "1,,2", "é\u202e",
+)
 """Words."""
 COMMANDS = ("list", "metrics", "run", "compare", "check", "bench", "ablate", "sweep", "stability", "dance", "", "-h", "list")
 
@@ -59,7 +62,8 @@ def of_reports(rng: random.Random, folder: Path) -> list[str]:
 
 def damaged_run(rng: random.Random, folder: Path) -> None:
     """Damage one of the two runs and the table, or none of them."""
-    for name, content in (("earlier/results.json", valid.run()["results.json"]), ("run/results.json", valid.run()["results.json"])):
+    content = valid.run()["results.json"]
+    for name in ("earlier/results.json", "run/results.json"):
         place(folder, name, damaged_json(content, rng) if rng.random() < 0.4 else content)
     table = b"scenario,run,metric,unit,value\narm_wall,avatarsim/default,overlap_frames,%,0.5\n"
     place(folder, "table.csv", damaged_csv(table, rng) if rng.random() < 0.5 else table)
