@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.hostile.campaign import Report, campaign
+from tests.hostile.campaign import batches, campaign
 from tests.hostile.every import doors
 
 
@@ -28,7 +28,7 @@ def main(words: list[str] | None = None) -> int:
     """0 if nothing was found, 1 otherwise."""
     wanted = parser().parse_args(words)
     with TemporaryDirectory(prefix="hostile-") as folder:
-        report: Report = campaign(wanted.cases, wanted.seed, wanted.only, wanted.jobs, Path(folder), sys.stderr)
+        report = campaign(batches(wanted.cases, wanted.seed, wanted.only), wanted.jobs, Path(folder), sys.stderr)
     print(report.text())
     return 1 if report.found or not report.asked else 0
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatch
 from pathlib import Path
@@ -66,9 +66,9 @@ class Report:
         return "\n".join(lines)
 
 
-def campaign(cases: int, seed: int, only: str, jobs: int, folder: Path, stream: TextIO | None) -> Report:
-    """Ask so many cases of the doors whose names match; whatever goes wrong in them is in the report."""
-    report, waiting = Report(), deque(batches(cases, seed, only))
+def campaign(wanted: Iterable[Batch], jobs: int, folder: Path, stream: TextIO | None = None) -> Report:
+    """Ask batches side by side; whatever goes wrong in them is in the report."""
+    report, waiting = Report(), deque(wanted)
     total, running = len(waiting), dict[Batch, Watched]()
     done = 0
     try:

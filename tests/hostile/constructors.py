@@ -251,7 +251,7 @@ def doors() -> tuple[Door, ...]:
     """All of them; each constructor's strategy is drawn as often as its neighbours in a group."""
     groups: tuple[tuple[str, float, Callable[[], list[SearchStrategy[Asked]]]], ...] = (
         ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors),
-        ("mesh arrays", 3.0, mesh_doors), ("engine", 10.0, engine_doors),
+        ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors),
     )
     return tuple(
         Door(name, weight, partial(cases, partial(one_of, made), as_declared), slow=weight <= 10.0,

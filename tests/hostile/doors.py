@@ -38,6 +38,7 @@ class Door:
     slow      one case takes milliseconds, so batches are shorter
     warm      what takes long once and belongs to no case: compiling
     reserves  its libraries reserve far more memory than they use, so that only what is resident can be limited
+    files     where its cases are damaged files: the files before that
     """
 
     name: str
@@ -46,6 +47,7 @@ class Door:
     slow: bool = False
     warm: Callable[[], None] = nothing
     reserves: bool = False
+    files: "FileDoor | None" = None
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,11 @@ class FileDoor:
             path = place(folder, name, content)
             yield Case(f"{name}, {len(content)} bytes: {content[:60]!r}", lambda path=path: self.ask(folder, path))  # type: ignore[misc]
             place(folder, name, files[name])
+
+
+def of_files(name: str, weight: float, files: FileDoor, slow: bool = False, reserves: bool = False) -> Door:
+    """The door of a reader."""
+    return Door(name, weight, files.cases, slow, reserves=reserves, files=files)
 
 
 def place(folder: Path, name: str, content: bytes) -> Path:

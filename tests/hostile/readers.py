@@ -24,7 +24,7 @@ from scenarios.own_settings import read as read_settings
 from scenarios.resume import earlier_run
 from scenarios.stability.finished import Finished
 from tests.hostile import valid_files as valid
-from tests.hostile.doors import Door, FileDoor, Unsound, finite, sound
+from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files, sound
 from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
 
 ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
@@ -150,28 +150,28 @@ def doors() -> tuple[Door, ...]:
                            ("glb", damaged_glb), ("gltf", damaged_json)):
         files = some_gltf if ending == "gltf" else partial(valid.meshes, ending)
         also = partial(valid.meshes, "gltf") if ending == "gltf" else dict
-        found.append(Door(f"mesh {ending}", 30.0, FileDoor(files, damage, whole_mesh, also).cases))
+        found.append(of_files(f"mesh {ending}", 30.0, FileDoor(files, damage, whole_mesh, also)))
         # to measure a hull against its mesh takes a tenth of a second
-        found.append(Door(f"hull {ending}", 2.0, FileDoor(files, damage, hull, also).cases, slow=True))
+        found.append(of_files(f"hull {ending}", 1.0, FileDoor(files, damage, hull, also), slow=True))
     found += [
-        Door("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip).cases),
-        Door("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh).cases, slow=True),
-        Door("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh).cases),
-        Door("settings", 60.0, FileDoor(valid.settings, damaged, own_settings).cases),
-        Door("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results).cases, slow=True),
-        Door("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look).cases),
-        Door("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays).cases, slow=True),
-        Door("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)).cases, slow=True),
-        Door("kept pieces", 30.0, FileDoor(valid.pieces, damaged_zip, cached).cases, slow=True),
-        Door("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store).cases),
-        Door("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished).cases),
-        Door("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed).cases),
-        Door("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures).cases),
-        Door("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures).cases),
-        Door("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept).cases, slow=True, reserves=True),
+        of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
+        of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
+        of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
+        of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
+        of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
+        of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),
+        of_files("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays), slow=True),
+        of_files("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
+        of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged_zip, cached), slow=True),
+        of_files("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store)),
+        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished)),
+        of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
+        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
+        of_files("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures)),
+        of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept), slow=True, reserves=True),
     ]
     for module, names in TABLES.items():
-        found.append(Door(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module)).cases))
+        found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
     return tuple(found)
 
 

@@ -109,6 +109,6 @@ def doors() -> tuple[Door, ...]:
         Door(f"words of {name}", weight, partial(cases, made, main, CODES[name]), slow=True)
         for name, weight, made, main in (
             ("scenarios", 25.0, of_scenarios, scenarios.main), ("reports", 25.0, of_reports, reports.main),
-            ("pieces", 2.0, of_pieces, pieces.main),
+            ("pieces", 1.0, of_pieces, pieces.main),
         )
     )

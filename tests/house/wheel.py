@@ -1,8 +1,8 @@
 """The wheel alone: `python -m tests.house.wheel [--python NAME ...]` builds it and runs README's example with nothing else.
 
 For each interpreter: an environment that holds the wheel and what it asks for, in the versions of requirements.lock; a user that
-is not root, an empty folder to run in, a HOME that may only be read. What is asked: README's example prints what it says, twice; an
-extra that is missing is named with a command that pip understands; nothing of the checkout, and no optional package, is loaded.
+is not root, an empty folder to run in, a HOME that may only be read. What is asked: README's example prints what it says, twice;
+an extra that is missing is named with a command that pip understands; nothing of the checkout and no optional package is loaded.
 """
 
 import argparse
@@ -35,6 +35,7 @@ except MissingPackage as error:
     print(error)
 """
 VERSION = "import platform; print(platform.python_version())"
+BASE = "import sys; print(sys.base_prefix); print('python%d.%d' % sys.version_info[:2])"
 WHERE = """
 import avatarsim, os
 print(avatarsim.__file__, os.getuid(), os.access(os.environ["HOME"], os.W_OK), os.listdir("."))
@@ -111,7 +112,7 @@ def reachable(python: str, folder: Path) -> str:
         run([os.path.realpath(python), "-c", ""], **as_nobody())
         return python
     except Stopped:
-        base, name = run([python, "-c", "import sys; print(sys.base_prefix); print('python%d.%d' % sys.version_info[:2])"]).split()
+        base, name = run([python, "-c", BASE]).split()
         left = shutil.ignore_patterns("test", "*.a", "__pycache__")
         shutil.copytree(base, folder / "interpreter", symlinks=True, ignore=left)
         return str(folder / "interpreter" / "bin" / name)
