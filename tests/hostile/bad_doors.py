@@ -52,7 +52,8 @@ def ends() -> object:
 
 
 DEEDS = {
-    "bad crash": crashes, "bad hang": hangs, "bad memory": fills_memory, "bad words": raises, "bad nan": shows_nan, "bad end": ends,
+    "bad crash": crashes, "bad hang": hangs, "bad memory": fills_memory, "bad words": raises, "bad nan": shows_nan,
+    "bad end": ends,
 }
 """What each does."""
 
