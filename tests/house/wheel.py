@@ -80,7 +80,7 @@ def built(folder: Path) -> Path:
     source.mkdir()
     listed = run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT).split("\0")
     for name in listed:
-        if name.startswith(("avatarsim/", "pyproject.toml", "README.md", "LICENSE")) and (ROOT / name).is_file():
+        if (ROOT / name).is_file() and not (ROOT / name).is_symlink():
             (source / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / name, source / name)
     run([sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w", folder / "dist", source])
