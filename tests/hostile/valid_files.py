@@ -2,7 +2,9 @@
 
 import io
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -181,12 +183,33 @@ def overlaps_folder() -> str:
     return overlapping.FOLDER
 
 
+PIECES = "0123456789abcdef"
+"""The key under which pieces are kept."""
+
+
+@contextmanager
+def cache_in(folder: Path) -> Iterator[None]:
+    """Let this process keep pieces of meshes below a folder, whatever its environment says."""
+    places = ("XDG_CACHE_HOME", "AVATARSIM_CACHE_DIR")
+    before = {name: os.environ.pop(name, None) for name in places}
+    os.environ["XDG_CACHE_HOME"] = str(folder)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
+
+
 @cache
 def pieces() -> Files:
-    """An entry of the cache of convex pieces, without its checksum: that is put before whatever became of it."""
+    """What the cache of convex pieces keeps of one mesh."""
     from avatarsim.pieces import cache as kept_pieces
     from avatarsim.pieces.hausdorff import Deviation
 
     hulls = tuple(np.asarray(points, dtype=np.float64) for points in (cube()[0], ell()[0]))
-    entry = kept_pieces._packed(kept_pieces.Answer(hulls, "decomposed", Deviation(0.1, 0.2, 0.05), ("a repair",)))
-    return {"entry": entry[kept_pieces.MARK :]}
+    answer = kept_pieces.Answer(hulls, "decomposed", Deviation(0.1, 0.2, 0.05), ("a repair",))
+    with TemporaryDirectory() as made, cache_in(Path(made)):
+        kept_pieces.store(PIECES, answer)
+        return {str(path.relative_to(made)): path.read_bytes() for path in Path(made).rglob("*") if path.is_file()}
