@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.errors import InvalidScene, InvalidShape
+from avatarsim.errors import InvalidScene
 from avatarsim.scene.checks import Vector, finite_array, positive, vector
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
@@ -83,7 +83,7 @@ def _hull_moments(vertices: Array) -> tuple[float, Array, Array]:
 def volume(shape: Shape) -> float:
     """Volume [m^3] of one shape."""
     if not isinstance(shape, Shape):
-        raise InvalidShape("shape whose volume is asked for", shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull")
+        raise InvalidScene("shape whose volume is asked for", shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull")
     return _moments(shape)[0]
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.errors import InvalidScene, InvalidShape
+from avatarsim.errors import InvalidScene
 from avatarsim.scene.mass import Mass, solid, volume
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 
@@ -122,5 +122,5 @@ def test_a_solid_needs_a_piece() -> None:
 
 @pytest.mark.parametrize("shape", [None, 1.0, (1.0, 2.0, 3.0), Sphere, Piece(Sphere(0.1))])
 def test_what_is_no_shape_has_no_volume(shape: object) -> None:
-    with pytest.raises(InvalidShape, match="shape whose volume is asked for"):
+    with pytest.raises(InvalidScene, match="shape whose volume is asked for"):
         volume(shape)  # type: ignore[arg-type]
