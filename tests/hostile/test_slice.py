@@ -8,7 +8,7 @@ from tests.hostile.doors import FileDoor, place
 from tests.hostile.every import doors
 from tests.hostile.judged import Judge
 
-CASES, SLOW_CASES = 40, 4
+CASES, SLOW_CASES = 20, 3
 """Cases of one door. A case of a slow one may take a tenth of a second."""
 APART = ("engine",)
 """Doors whose first case waits for the engine's kernels: their batches are those of `make hostile`."""
