@@ -53,10 +53,10 @@ def test_the_user_ends_a_period_where_the_next_begins() -> None:
     np.testing.assert_allclose(first.angles, scene().first_sample.angles, atol=1e-9)
 
 
-def test_two_short_periods_show_no_overlap_and_an_engine_that_hoards_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(soaked, "PERIOD", 60)
+def test_short_periods_show_no_overlap_and_an_engine_that_hoards_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soaked, "PERIOD", 8)
     monkeypatch.setattr(soaked, "MOST_DRIFT", np.inf)
-    whole = soak(240, samples=3)
-    assert (whole.frames, len(whole.resident), len(whole.ratios)) == (240, 3, 3)
+    whole = soak(24, samples=2)
+    assert (whole.frames, len(whole.resident), len(whole.ratios)) == (24, 2, 2)
     assert whole.deepest <= soaked.DEEPEST and "worst frame" in whole.text()
-    assert any("memory" in fault for fault in soak(240, Hoards, samples=3).faults())
+    assert any("memory" in fault for fault in soak(24, Hoards, samples=2).faults())
