@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look headline fuzz check ablate bench sweep map stability nearness report lint lock prune clean FORCE
+.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -119,6 +119,17 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, h
 	done; \
 	$(VENV_PYTHON) -m scenarios.unseen --motions $(or $(MOTIONS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
 	exit $$failed
+
+hostile: $(READY)  ## 100,000 damaged files, wrong values and command lines for every reader and constructor (CASES=, SEED=, ONLY=)
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m tests.hostile --cases $(or $(CASES),100000) --seed $(or $(SEED),1) --only '$(or $(ONLY),*)'
+
+soak: $(READY)  ## one engine through a million frames: memory flat, frames as fast as at first, nothing overlaps (FRAMES=)
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m tests.stability.soak --frames $(or $(FRAMES),1000000)
+
+wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only
+	@$(VENV_PYTHON) -m tests.house.wheel
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .

@@ -18,8 +18,14 @@ Each message names the thing, the value it had and the range it must be in.
 """
 
 import re
+import shlex
 from collections.abc import Iterable
 from difflib import get_close_matches
+from importlib import metadata
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+"""The folder that the package lies in: a checkout, or a folder of installed packages."""
 
 ALL_NAMED, NEAREST = 20, 6
 """Names that are all listed, and how many of more are: those most like the one that was asked for. With a hundred names in a
@@ -114,12 +120,28 @@ class StartOverlaps(AvatarsimError):
 
 
 class MissingPackage(AvatarsimError):
-    """An optional package is not installed; names the package and the extra that brings it."""
+    """An optional package is not installed; names the package, its extra, and the command that brings it here."""
 
     def __init__(self, package: str, extra: str, needed_for: str) -> None:
         self.package, self.extra = package, extra
-        super().__init__(f"{needed_for} needs the package {package}, which is not installed: pip install 'avatarsim[{extra}]'")
+        super().__init__(f"{needed_for} needs the package {package}, which is not installed: {bringing(extra, package)}")
 
 
 class UnsupportedVersion(AvatarsimError, ImportError):
     """An installed package is of a version that cannot be used; the message says which one can. Raised by imports."""
+
+
+def bringing(extra: str, package: str, root: Path = ROOT) -> str:
+    """The command that installs an extra: of the checkout at `root`, if it is one, else of the installed avatarsim.
+
+    An extra of a name that no index has ("avatarsim[assets]") cannot be asked for by that name, so an installed avatarsim says
+    what its own metadata lists under the extra.
+    """
+    if (root / "pyproject.toml").is_file():
+        return f"pip install {shlex.quote(f'{root}[{extra}]')}, or `make setup` in {root} for its .venv"
+    try:
+        required = metadata.requires("avatarsim") or []
+    except metadata.PackageNotFoundError:
+        required = []
+    listed = [line.partition(";")[0].strip() for line in required if f'extra == "{extra}"' in line]
+    return "pip install " + " ".join(shlex.quote(line) for line in listed or [package])

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from avatarsim.command_line import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios import ablation, commands, comparison, listing
+from scenarios import ablation, commands, comparison, listing, own_settings
 from scenarios.files import OUT
 from scenarios.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.resume import stoppable
@@ -35,7 +35,8 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
-    shared.add_argument("--settings", type=path_option, metavar="FILE.toml", help="your own: each table [engine.name] adds a row")
+    own = f"rows of your own: tables [engine.name] of `preset` to begin from and settings, as in {own_settings.EXAMPLE}"
+    shared.add_argument("--settings", type=path_option, metavar="FILE.toml", help=own)
     cpus = os.cpu_count() or 1
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
     shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")

@@ -26,5 +26,5 @@ def robotics_assets() -> Path:
     """Folder of gymnasium-robotics' models; MissingPackage when the package is not there."""
     found = find_spec("gymnasium_robotics")
     if found is None or not found.submodule_search_locations:
-        raise MissingPackage("gymnasium-robotics", "assets", "reading the articulated hand")
+        raise MissingPackage("gymnasium-robotics", "hand", "reading the articulated hand")
     return Path(next(iter(found.submodule_search_locations))) / "envs" / "assets"

@@ -8,6 +8,8 @@ from pathlib import Path
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.regular_file import read_toml
 
+EXAMPLE = "scenarios/settings_example.toml"
+"""A file that every engine takes as it is, from the folder of the checkout."""
 LONGEST = 80
 """Characters of a row's name. File systems take 255 in the name of a recording, which holds the scene and the engine too."""
 NAME = re.compile(rf"[A-Za-z0-9_.=-]{{1,{LONGEST}}}")

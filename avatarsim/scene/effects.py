@@ -22,6 +22,12 @@ class Effects:
     continuous: bool = True
     sleeping: bool = True
 
+    def __post_init__(self) -> None:
+        for switch in fields(self):
+            value = getattr(self, switch.name)
+            if not isinstance(value, bool):
+                raise InvalidScene(f"effect {switch.name}", value, "True or False")
+
     def narrowed(self, *off: str) -> "Effects":
         """The same effects without those named in `off`."""
         return self._switched(off, False)

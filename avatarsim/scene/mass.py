@@ -82,6 +82,8 @@ def _hull_moments(vertices: Array) -> tuple[float, Array, Array]:
 
 def volume(shape: Shape) -> float:
     """Volume [m^3] of one shape."""
+    if not isinstance(shape, Shape):
+        raise InvalidScene("shape whose volume is asked for", shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull")
     return _moments(shape)[0]
 
 

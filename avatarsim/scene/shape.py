@@ -124,4 +124,4 @@ def ellipsoid_hull(radii: Vector, vertices: int = 52) -> ConvexHull:
     height = 1.0 - 2.0 * k / vertices
     turn = np.pi * (1.0 + np.sqrt(5.0)) * k
     ring = np.sqrt(1.0 - height * height)
-    return ConvexHull(np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=-1) * np.array(radii))
+    return ConvexHull(np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=-1) * np.array(Ellipsoid(radii).radii))

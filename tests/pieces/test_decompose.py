@@ -33,7 +33,7 @@ def test_neither_size_nor_place_changes_the_pieces() -> None:
 
 def test_without_coacd_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(decompose, "find_spec", lambda name: None)
-    with pytest.raises(MissingPackage, match=r"decomposing ell\.obj .*coacd.*avatarsim\[assets\]"):
+    with pytest.raises(MissingPackage, match=r"decomposing ell\.obj .*coacd.*pip install .*\[assets\]"):
         decomposed([ELL], Wishes(), False, None)
 
 

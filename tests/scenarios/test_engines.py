@@ -36,7 +36,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it(name: str, mon
     for module in [module for module in sys.modules if module.startswith(f"reference.in_{name}")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, name, None)
-    with pytest.raises(MissingPackage, match=rf"engine {name} needs the package {name}.*avatarsim\[compare\]"):
+    with pytest.raises(MissingPackage, match=rf"engine {name} needs the package {name}.*pip install .*\[compare\]"):
         opened(name)
 
 

@@ -77,7 +77,7 @@ def test_every_link_of_the_hand_has_a_shape_and_no_hull_is_large() -> None:
 
 def test_the_hand_needs_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    with pytest.raises(MissingPackage, match=r"gymnasium-robotics.*avatarsim\[assets\]"):
+    with pytest.raises(MissingPackage, match=r"gymnasium-robotics.*pip install .*\[hand\]"):
         hand_file.robotics_assets()
 
 

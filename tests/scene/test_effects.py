@@ -24,3 +24,9 @@ def test_an_unknown_effect_is_named_and_the_known_ones_listed() -> None:
 def test_what_an_author_took_away_is_listed() -> None:
     derived = Effects(friction=False)
     assert derived.narrowed("friction", "sleeping").missing_from(derived) == ("sleeping",)
+
+
+@pytest.mark.parametrize("value", [0, 1.0, "yes", None, ()])
+def test_a_switch_is_true_or_false(value: object) -> None:
+    with pytest.raises(InvalidScene, match="effect friction is .*True or False"):
+        Effects(friction=value)  # type: ignore[arg-type]

@@ -118,3 +118,9 @@ def test_inertia_is_a_read_only_copy() -> None:
 def test_a_solid_needs_a_piece() -> None:
     with pytest.raises(InvalidScene, match="number of pieces of a solid is 0; valid: at least 1"):
         solid([], 1.0)
+
+
+@pytest.mark.parametrize("shape", [None, 1.0, (1.0, 2.0, 3.0), Sphere, Piece(Sphere(0.1))])
+def test_what_is_no_shape_has_no_volume(shape: object) -> None:
+    with pytest.raises(InvalidScene, match="shape whose volume is asked for"):
+        volume(shape)  # type: ignore[arg-type]

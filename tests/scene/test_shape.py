@@ -90,3 +90,9 @@ def test_pieces_check_their_place() -> None:
         Piece(Sphere(1.0), (0.0, math.inf, 0.0))
     with pytest.raises(InvalidShape, match="piece orientation is .*2.0.* length 1"):
         Piece(Sphere(1.0), orientation=(2.0, 0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("radii", [0.1, (0.1, 0.1), (0.1, 0.1, 0.1, 0.1), (0.1, "a", 0.1), [{}, {}, []], None, (0.1, -1.0, 0.1)])
+def test_the_hull_of_an_ellipsoid_takes_the_radii_that_one_has(radii: object) -> None:
+    with pytest.raises(InvalidShape, match="ellipsoid radi"):
+        ellipsoid_hull(radii)  # type: ignore[arg-type]

@@ -1,0 +1,37 @@
+"""`python -m tests.hostile [--cases N] [--seed S] [--only GLOB] [--jobs N]`: hostile inputs for every reader, every public
+constructor and the command lines.
+
+Cases come in batches, each in a process of its own with limits of time and memory. Every outcome must be a valid result or a
+typed error; all else is printed once per place with the command that repeats it, and the exit code is then 1.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.hostile.campaign import batches, campaign
+from tests.hostile.every import doors
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options."""
+    options = argparse.ArgumentParser(prog="python -m tests.hostile", description=(__doc__ or "").split("\n\n")[1])
+    options.add_argument("--cases", type=int, default=100_000, metavar="N", help="cases of all doors together (default 100000)")
+    options.add_argument("--seed", type=int, default=1, metavar="S", help="equal seeds, equal cases (default 1)")
+    options.add_argument("--only", default="*", metavar="GLOB", help="doors by name: " + ", ".join(doors()))
+    options.add_argument("--jobs", type=int, default=2, metavar="N", help="batches side by side (default 2)")
+    return options
+
+
+def main(words: list[str] | None = None) -> int:
+    """0 if nothing was found, 1 otherwise."""
+    wanted = parser().parse_args(words)
+    with TemporaryDirectory(prefix="hostile-") as folder:
+        report = campaign(batches(wanted.cases, wanted.seed, wanted.only), wanted.jobs, Path(folder), sys.stderr)
+    print(report.text())
+    return 1 if report.found or not report.asked else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

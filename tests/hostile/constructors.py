@@ -1,0 +1,272 @@
+"""Doors for values: every public constructor, tracker samples, settings, and scenes that are loaded and shown."""
+
+import collections.abc
+import reprlib
+import types
+import typing
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
+
+import hypothesis
+import numpy as np
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from hypothesis.strategies import SearchStrategy
+
+from avatarsim.engine import Settings
+from avatarsim.pieces import pieces_of_mesh
+from avatarsim.pieces.wishes import Wishes
+from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+from avatarsim.scene.body import Body, Role, fixed, simulated
+from avatarsim.scene.effects import Effects
+from avatarsim.scene.joint import Ball, Hinge, Hinges, SwingTwist
+from avatarsim.scene.mass import Mass, solid, volume
+from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
+from avatarsim.scene.tracker import TrackerSample, checked, rest
+from avatarsim.simulator import AvatarsimEngine
+from tests.hostile import values as v
+from tests.hostile.doors import Case, Door, Unsound, finite, nothing, sound
+
+Asked = tuple[Callable[..., object], dict[str, object]]
+CHUNK = 250
+"""Examples that are drawn at once; hypothesis gets slower with more."""
+
+
+def told(value: object) -> str:
+    """A value in few words, whatever its own answer to that is."""
+    try:
+        return reprlib.repr(value)
+    except Exception as error:
+        return f"{type(value).__name__} without words ({type(error).__name__})"
+
+
+def conforms(value: object, hint: object) -> bool:
+    """Whether a value is of an annotated type, parts included."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (typing.Union, types.UnionType):
+        return any(conforms(value, one) for one in inner)
+    if hint is float:
+        return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    if hint is int:
+        return isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if hint in (None, type(None)):
+        return value is None
+    if origin is tuple:
+        if not isinstance(value, tuple):
+            return False
+        if len(inner) == 2 and inner[1] is ...:
+            return all(conforms(part, inner[0]) for part in value)
+        return len(value) == len(inner) and all(map(conforms, value, inner))
+    if origin is collections.abc.Mapping:
+        return isinstance(value, collections.abc.Mapping) and all(
+            conforms(key, inner[0]) and conforms(part, inner[1]) for key, part in value.items()
+        )
+    if origin is np.ndarray:
+        return isinstance(value, np.ndarray) and value.dtype == np.float64
+    return hint is object or not isinstance(hint, type) or isinstance(value, hint)
+
+
+def as_declared(value: object) -> object:
+    """A value whose fields are of the types that its class declares, and none of them nan. Raises Unsound."""
+    if is_dataclass(value):
+        hints = get_type_hints(type(value))
+        for entry in fields(value):
+            part = getattr(value, entry.name)
+            if not conforms(part, hints[entry.name]):
+                raise Unsound(f"{type(value).__name__}.{entry.name} is of another type: {told(part)[:80]}")
+    return sound(value)
+
+
+def drawn(strategy: SearchStrategy[Asked], seed: int, count: int) -> list[Asked]:
+    """So many examples of a strategy, or all that it has; equal seeds draw equally."""
+    found: list[Asked] = []
+
+    @settings(max_examples=count, database=None, phases=[Phase.generate], deadline=None, derandomize=False,
+              suppress_health_check=list(HealthCheck))
+    @hypothesis.seed(seed)
+    @given(strategy)
+    def collect(example: Asked) -> None:
+        found.append(example)
+
+    collect()
+    return found
+
+
+def cases(strategy: Callable[[], SearchStrategy[Asked]], check: Callable[[object], object], seed: int, count: int, folder: Path
+          ) -> Iterator[Case]:
+    """Calls whose arguments hypothesis draws; `check` judges what is returned."""
+    made = 0
+    while made < count:
+        examples = drawn(strategy(), seed * 100_003 + made, min(CHUNK, count - made))
+        for make, arguments in examples:
+            yield Case(f"{getattr(make, '__name__', make)}({told(arguments)})", partial(called, make, arguments, check))
+        made += CHUNK
+
+
+def called(make: Callable[..., object], arguments: dict[str, object], check: Callable[[object], object]) -> object:
+    """What a call returns, once `check` has passed it."""
+    return check(make(**arguments))
+
+
+def shape_doors() -> list[SearchStrategy[Asked]]:
+    """Shapes, pieces, masses."""
+    size = st.tuples(v.lengths, v.lengths, v.lengths)
+    return [
+        v.asked(Sphere, radius=v.lengths), v.asked(Capsule, radius=v.lengths, length=v.lengths), v.asked(Box, size=size),
+        v.asked(Ellipsoid, radii=size), v.asked(ConvexHull, vertices=v.points),
+        v.asked(Piece, shape=v.shapes, position=v.vectors, orientation=v.quaternions),
+        v.asked(ellipsoid_hull, radii=size, vertices=st.integers(4, 200)), v.asked(solid, pieces=v.piece_tuples, mass=v.lengths),
+        v.asked(Mass, mass=v.lengths, centre=v.vectors, inertia=st.just(np.eye(3))), v.asked(volume, shape=v.shapes),
+    ]
+
+
+def joint_doors() -> list[SearchStrategy[Asked]]:
+    """Materials and joints."""
+    pairs = st.dictionaries(st.tuples(v.materials, v.materials), v.contacts, max_size=3)
+    return [
+        v.asked(Contact, restitution=st.floats(0.0, 1.0), friction=st.floats(0.0, 1.0)), v.asked(PairTable, pairs=pairs),
+        v.asked(Hinge, axis=v.directions, lower=st.floats(-2.0, 0.0), upper=st.floats(0.0, 2.0)),
+        v.asked(Hinges, hinges=st.lists(v.hinges, min_size=1, max_size=3).map(tuple)),
+        v.asked(SwingTwist, axis=v.directions, centre=v.directions, swing=v.lengths, twist=st.just((-1.0, 1.0))),
+        v.asked(Ball, limits=v.swings, cone=st.none() | v.cones),
+        v.asked(ReachCone, vertices=st.integers(3, 8).map(lambda n: v.ring(n, 0.7)), visible_point=st.just((0.0, 0.0, 1.0))),
+        v.asked(Effects, overlap_removal=st.booleans(), kinematics=st.booleans(), limits=st.booleans()),
+    ]
+
+
+def body_doors() -> list[SearchStrategy[Asked]]:
+    """Links, avatars, bodies, samples, scenes."""
+    placed = {"pieces": v.piece_tuples, "position": v.vectors, "orientation": v.quaternions}
+    moving = {"mass": v.masses, "velocity": v.vectors, "angular_velocity": v.vectors}
+    link = {"parent": st.none() | st.just("a"), "joint": v.roots, "pieces": v.piece_tuples, "mass": v.masses}
+    posture = st.builds(lambda avatar: (rest((avatar,)), (avatar,)), v.avatars)
+    return [
+        v.asked(Link, name=v.names, **link, material=v.materials, anchor=v.vectors, orientation=v.quaternions),
+        v.asked(Avatar, name=v.names, links=v.avatars.map(lambda avatar: avatar.links), chains=st.just(()), ignore=st.just(()),
+                coupled_mass=st.none() | v.lengths, size_range=st.just((0.01, 20.0))),
+        v.asked(rigid_avatar, name=v.names, pieces=v.piece_tuples, mass=v.masses),
+        v.asked(Body, name=v.names, role=st.sampled_from(Role), material=v.materials, **placed, **moving),
+        v.asked(fixed, name=v.names, material=v.materials, **placed),
+        v.asked(simulated, name=v.names, material=v.materials, **placed, **moving),
+        v.asked(sample_checked, known=posture, time=v.lengths, positions=st.none(), rotations=st.none(), angles=st.none()),
+        v.asked(Scene, name=v.names, bodies=st.lists(v.bodies, max_size=3).map(tuple), gravity=v.vectors, start=st.none(),
+                avatars=st.lists(v.avatars, max_size=1).map(tuple), materials=v.tables | st.just(v.TABLE_1),
+                exclude=st.just(()), narrow=st.just(()), require=st.just(()), force=st.just(())),
+    ]
+
+
+def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: object) -> object:
+    """A sample with some of its parts replaced, as the engine checks it."""
+    if not (isinstance(known, tuple) and len(known) == 2 and isinstance(known[0], TrackerSample)):
+        return checked(known, ())  # type: ignore[arg-type]
+    base, avatars = known
+    parts = {name: getattr(base, name) if part is None else part for name, part in replaced.items()}
+    return finite(checked(TrackerSample(**parts), avatars))  # type: ignore[arg-type]
+
+
+def mesh_doors() -> list[SearchStrategy[Asked]]:
+    """Meshes as arrays, with all wishes; one hull, since to decompose takes seconds."""
+    from tests.pieces.solids import cube, ell
+
+    meshes = st.sampled_from((cube(), ell()))
+    wishes = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),
+              "repair": st.sampled_from(("auto", "remesh", "refuse"))}
+    return [
+        v.asked(hull_of_mesh, mesh=meshes, scale=v.lengths, y_up=st.booleans(), **wishes),
+        v.asked(Wishes, hull=st.booleans(), **wishes),
+    ]
+
+
+def hull_of_mesh(**arguments: Any) -> object:
+    """One convex piece."""
+    return pieces_of_mesh(**arguments, kept=False, quiet=True, hull=True)
+
+
+COUNTS = ("steps", "corrections", "attempts", "sweeps", "work", "search_work", "leap_search", "rounds", "patience")
+"""Options that say how long an engine may work. They may ask for hours, which settings are trusted with: here up to 50."""
+LENGTHS = (
+    "stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
+    "turn_share", "turn_alone", "spring", "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
+)
+"""Options that are no counts."""
+
+
+def engine_doors() -> list[SearchStrategy[Asked]]:
+    """A hand above a table, with any settings, frame time and sample; and generated scenes."""
+    options = st.one_of(
+        st.dictionaries(st.sampled_from(COUNTS), st.integers(0, 50) | v.numbers.filter(small), max_size=2),
+        st.dictionaries(st.sampled_from(LENGTHS), v.numbers, max_size=2), st.just({}),
+    )
+    presets = st.sampled_from(("default", "paper"))
+    scenes = st.builds(lambda bodies, avatar: Scene("some", tuple({body.name: body for body in bodies}.values()), (avatar,)),
+                       st.lists(v.bodies, max_size=3), v.avatars)
+    return [
+        v.asked(shown, scene=st.just(hand_over_table()), preset=presets, options=options, seed=v.seeds, dt=st.just(1 / 60),
+                record=st.booleans(), moves=st.lists(v.seeds, max_size=3)),
+        v.asked(shown, scene=scenes, preset=presets, options=st.just({}), seed=st.just(0), dt=st.floats(1e-4, 0.1),
+                record=st.booleans(), moves=st.lists(v.seeds, min_size=1, max_size=4)),
+    ]
+
+
+def small(value: object) -> bool:
+    """Whether a number asks for little work."""
+    return not (isinstance(value, int | float | np.number) and abs(float(min(max(value, -1e9), 1e9))) > 50.0)
+
+
+def hand_over_table() -> Scene:
+    """A fist over a table, a ball on it."""
+    fist, ball = (Piece(Sphere(0.04)),), (Piece(Sphere(0.05)),)
+    table = fixed("table", (Piece(Box((1.0, 1.0, 0.05))),), "wood")
+    start = TrackerSample(0.0, np.array([[0.0, 0.0, 0.3]]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
+    loose = simulated("ball", ball, "wood", solid(ball, 0.2), (0.2, 0.0, 0.076))
+    return Scene("reach", (table, loose), (rigid_avatar("hand", fist, solid(fist, 0.5)),), start=start)
+
+
+ENGINE = AvatarsimEngine()
+"""One for all cases: what an input leaves behind in it, the next case meets."""
+
+
+def shown(scene: Scene, preset: str, options: dict[str, object], seed: int, dt: float, record: bool, moves: list[int]) -> object:
+    """What the engine shows of a scene after some moves of the user."""
+    shown_first = ENGINE.load(scene, Settings(preset, options, seed, record), dt)
+    records = [shown_first]
+    for place in moves if isinstance(moves, list) else [moves]:
+        posture = v.sample(scene.avatars, place, 2.0) if isinstance(place, int) and 0 <= place < 1000 else place
+        records.append(ENGINE.advance(posture, dt))  # type: ignore[arg-type]
+    for one in records:
+        for name in ("positions", "orientations", "velocities", "angular_velocities"):
+            if not np.isfinite(getattr(one.shown, name)).all():
+                raise Unsound(f"{name} shown are not finite")
+    return records[-1].shown.positions
+
+
+def doors() -> tuple[Door, ...]:
+    """All of them; each constructor's strategy is drawn as often as its neighbours in a group."""
+    groups: tuple[tuple[str, float, Callable[[], list[SearchStrategy[Asked]]]], ...] = (
+        ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors),
+        ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors),
+    )
+    return tuple(
+        Door(name, weight, partial(cases, partial(one_of, made), as_declared), slow=weight <= 10.0,
+             warm=compiled if name == "engine" else nothing)
+        for name, weight, made in groups
+    )
+
+
+def one_of(made: Callable[[], list[SearchStrategy[Asked]]]) -> SearchStrategy[Asked]:
+    """Any of the strategies of a group."""
+    return st.one_of(made())
+
+
+def compiled() -> None:
+    """Let both methods show what the first scenes of a seed ask, so that no case waits for a kernel to be compiled or read."""
+    for make, arguments in drawn(one_of(engine_doors), 0, 60):
+        with suppress(Exception):
+            make(**arguments)

@@ -1,0 +1,261 @@
+"""Mutational fuzzing: copies of valid files, damaged by bytes and by the structure of their format; equal seeds, equal damage."""
+
+import io
+import json
+import random
+import re
+import struct
+import zipfile
+from collections.abc import Callable
+from xml.etree import ElementTree
+
+Rng = random.Random
+
+TOKENS = (
+    b"", b"nan", b"NaN", b"inf", b"-inf", b"Infinity", b"0", b"-0.0", b"-1", b"1e308", b"1e400", b"-1e-320", b"9" * 400,
+    b"9" * 5000, b"1_0", b"0x10", b"1,5", b"true", b"null", b'"x"', b"{}", b"[]", b"\x00", b"\xff\xfe", "\u0661".encode(),
+    "\U0001f9a4".encode(), b"2147483648", b"-9223372036854775809", b"18446744073709551616", b"..", b"../../x", b"%s%n", b"'",
+    b'"', b"\\", b"a" * 300,
+)
+"""Words that readers of numbers and names trip over."""
+WORDS = re.compile(rb"[-+.\w]+")
+INTEGERS = tuple(struct.pack(kind, value) for kind, value in (
+    ("<I", 0), ("<I", 1), ("<I", 0x7FFFFFFF), ("<I", 0xFFFFFFFF), ("<H", 0xFFFF), ("<q", -1), ("<q", 2**62), (">I", 0x7FFFFFFF),
+    ("<d", float("nan")), ("<d", float("inf")), ("<d", 1e308), ("<f", float("nan")), ("<f", 3e38),
+))
+"""What counts, offsets and coordinates of binary formats become."""
+DEEP = 200_000
+"""Levels of nesting beyond what a parser that calls itself can follow."""
+
+
+def flip(data: bytes, rng: Rng) -> bytes:
+    """Some bytes changed."""
+    found = bytearray(data)
+    for _ in range(rng.choice((1, 1, 2, 8, 64))):
+        if found:
+            found[rng.randrange(len(found))] = rng.randrange(256)
+    return bytes(found)
+
+
+def cut(data: bytes, rng: Rng) -> bytes:
+    """The end cut off."""
+    return data[: rng.randrange(len(data) + 1)]
+
+
+def drop(data: bytes, rng: Rng) -> bytes:
+    """A stretch left out."""
+    begin, end = stretch(data, rng)
+    return data[:begin] + data[end:]
+
+
+def repeat(data: bytes, rng: Rng) -> bytes:
+    """A stretch said again, a few times."""
+    begin, end = stretch(data, rng)
+    return data[:end] + data[begin:end] * rng.choice((1, 2, 30)) + data[end:]
+
+
+def insert(data: bytes, rng: Rng) -> bytes:
+    """Random bytes, or a word, in between."""
+    at = rng.randrange(len(data) + 1)
+    word = rng.choice(TOKENS) if rng.random() < 0.6 else rng.randbytes(rng.randrange(1, 40))
+    return data[:at] + word + data[at:]
+
+
+def word(data: bytes, rng: Rng) -> bytes:
+    """A number or name replaced."""
+    found = list(WORDS.finditer(data[:100_000]))
+    if not found:
+        return insert(data, rng)
+    chosen = rng.choice(found)
+    return data[: chosen.start()] + rng.choice(TOKENS) + data[chosen.end() :]
+
+
+def count(data: bytes, rng: Rng) -> bytes:
+    """Four or eight bytes that may be a count, an offset or a coordinate."""
+    value = rng.choice(INTEGERS)
+    # headers, which hold most of the counts, are short and come first
+    at = rng.randrange(max(1, min(len(data), 128 if rng.random() < 0.5 else len(data))))
+    return data[:at] + value + data[at + len(value) :]
+
+
+def lines(data: bytes, rng: Rng) -> bytes:
+    """Lines in another order, or with other ends."""
+    found = data.split(b"\n")
+    if rng.random() < 0.3:
+        return rng.choice((b"\r", b"\r\n", b"\x0b", b"\x00")).join(found)
+    a, b = rng.randrange(len(found)), rng.randrange(len(found))
+    found[a], found[b] = found[b], found[a]
+    return b"\n".join(found)
+
+
+def extreme(data: bytes, rng: Rng) -> bytes:
+    """What has little to do with the file: nothing, noise, another encoding, brackets without end, one endless line."""
+    return rng.choice((
+        lambda: b"", lambda: rng.randbytes(rng.randrange(1, 4000)), lambda: b"\xef\xbb\xbf" + data, lambda: data + data,
+        lambda: b"\xff\xfe" + data.decode("latin-1").encode("utf-16-le"), lambda: b"\x00" * len(data),
+        lambda: rng.choice((b"[", b'{"a":', b"a.", b"<a>", b"(")) * DEEP, lambda: data.replace(b"\n", b" "), lambda: data[::-1],
+        lambda: b"1" * 300_000, lambda: b'"' + b"x" * 300_000 + b"," + data,
+    ))()
+
+
+BYTES: tuple[Callable[[bytes, Rng], bytes], ...] = (flip, cut, drop, repeat, insert, word, word, word, count, count, lines)
+
+
+def stretch(data: bytes, rng: Rng) -> tuple[int, int]:
+    """Where a random stretch, more often a short one, begins and ends."""
+    begin = rng.randrange(len(data) + 1)
+    return begin, min(len(data), begin + rng.choice((1, 4, 16, 100, 2000)))
+
+
+def damaged(data: bytes, rng: Rng) -> bytes:
+    """A file damaged byte by byte, in one place or a few."""
+    if rng.random() < 0.03:
+        return extreme(data, rng)
+    for _ in range(rng.choice((1, 1, 1, 2, 5))):
+        data = rng.choice(BYTES)(data, rng)
+    return data
+
+
+def hostile_value(rng: Rng, deep: int = 2) -> object:
+    """A value that JSON can hold and that a reader may not expect."""
+    made: object = rng.choice((
+        None, True, False, 0, -1, 1.5, -0.0, 1e308, 10**400, -(10**30), 2**63, float("nan"), float("inf"), "", "NaN",
+        "-Infinity", "x", "a" * 300, "\ud800", "<script>", "../x", "\x00", "1e400", [], {}, [[]], [None], {"": None},
+    ))
+    if deep and rng.random() < 0.2:
+        return [hostile_value(rng, deep - 1) for _ in range(rng.randrange(4))]
+    return made
+
+
+def places(value: object) -> list[tuple[object, object]]:
+    """(container, key) of everything below a value."""
+    found: list[tuple[object, object]] = []
+    open_ = [value]
+    while open_:
+        node = open_.pop()
+        entries = list(node.items()) if isinstance(node, dict) else list(enumerate(node)) if isinstance(node, list) else []
+        found += [(node, key) for key, _ in entries]
+        open_ += [child for _, child in entries]
+    return found
+
+
+def damaged_json(data: bytes, rng: Rng) -> bytes:
+    """A JSON file in which values were replaced, left out or moved; now and then damaged byte by byte."""
+    if rng.random() < 0.3:
+        return damaged(data, rng)
+    value = json.loads(data)
+    for _ in range(rng.choice((1, 1, 2, 4))):
+        found = places(value)
+        if not found:
+            return damaged(data, rng)
+        # those near the top are few, and most of the file's meaning
+        node, key = rng.choice(found[: rng.choice((8, 40, len(found)))])
+        replace_in(node, key, rng)
+    return json.dumps(value).encode()
+
+
+def replace_in(node: object, key: object, rng: Rng) -> None:
+    """Change one entry of a list or mapping."""
+    assert isinstance(node, dict | list)
+    if rng.random() < 0.2:
+        del node[key]  # type: ignore[arg-type]
+    elif rng.random() < 0.1 and isinstance(node, dict):
+        node[rng.choice(("", "x", "\x00", "a" * 300))] = node.pop(key)
+    else:
+        node[key] = hostile_value(rng)  # type: ignore[index,call-overload]
+
+
+def damaged_csv(data: bytes, rng: Rng) -> bytes:
+    """A table in which cells were replaced, columns left out; now and then damaged byte by byte."""
+    if rng.random() < 0.3:
+        return damaged(data, rng)
+    table = [line.split(b",") for line in data.splitlines()]
+    for _ in range(rng.choice((1, 1, 3))):
+        row = rng.choice(table)
+        if rng.random() < 0.15:
+            column = rng.randrange(len(row))
+            for line in table:
+                del line[column : column + 1]
+        elif row:
+            row[rng.randrange(len(row))] = rng.choice(TOKENS)
+    return b"\n".join(b",".join(row) for row in table) + b"\n"
+
+
+def damaged_xml(data: bytes, rng: Rng) -> bytes:
+    """An XML file in which attributes and elements were replaced, left out or nested; now and then damaged byte by byte."""
+    if rng.random() < 0.4:
+        return damaged(data, rng)
+    root = ElementTree.fromstring(data)
+    for _ in range(rng.choice((1, 1, 3))):
+        found = list(root.iter())
+        chosen = rng.choice(found)
+        kind = rng.random()
+        if kind < 0.6 and chosen.attrib:
+            name = rng.choice(list(chosen.attrib))
+            text = rng.choice(TOKENS).decode("utf-8", "replace").replace("\x00", "")
+            words = chosen.attrib[name].split()
+            if words and rng.random() < 0.5:
+                words[rng.randrange(len(words))] = text
+                text = " ".join(words)
+            chosen.set(name, text)
+        elif kind < 0.75 and chosen.attrib:
+            del chosen.attrib[rng.choice(list(chosen.attrib))]
+        elif kind < 0.85 and len(chosen):
+            chosen.remove(rng.choice(list(chosen)))
+        elif chosen is not root and root not in list(chosen):
+            rng.choice(found).append(ElementTree.fromstring(ElementTree.tostring(chosen)))
+    return ElementTree.tostring(root)
+
+
+def damaged_zip(data: bytes, rng: Rng) -> bytes:
+    """An archive whose members were damaged before they were packed, so that its checksums hold; now and then damaged outside."""
+    if rng.random() < 0.25:
+        return damaged(data, rng)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = [(member.filename, archive.read(member)) for member in archive.infolist()]
+    for _ in range(rng.choice((1, 1, 3))):
+        if not members:
+            break
+        place = rng.randrange(len(members))
+        name, content = members[place]
+        kind = rng.random()
+        if kind < 0.15:
+            del members[place]
+        elif kind < 0.25:
+            members[place] = rng.choice((name + "x", "x", "", "../x.npy", name.replace("@", "")))[:60], content
+        elif kind < 0.3:
+            members.append((f"{name}2", content))
+        elif kind < 0.4:
+            members[place] = name, rng.choice(members)[1]
+        elif kind < 0.7:
+            members[place] = name, header_damaged(content, rng)
+        else:
+            members[place] = name, damaged(content, rng)
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, content in members:
+            archive.writestr(name or "x", content)
+    return packed.getvalue()
+
+
+def header_damaged(content: bytes, rng: Rng) -> bytes:
+    """An .npy file whose header says another kind, shape or order of what follows."""
+    header = content[:128]
+    for old, new in rng.sample((
+        (b"<f8", b"<c8"), (b"<f8", b"|O8"), (b"<f8", b"<i8"), (b"<i8", b"<f8"), (b"<U", b"|V"), (b"|u1", b"|b1"), (b"(", b"["),
+        (b"False", b"True "), (b"fortran", b"fortrax"), (b", 3)", b", 9)"), (b"(8,", b"(9,"), (b"),", b"0),"), (b"(", b"(-"),
+        (b"shape", b"shapf"), (b"(", b"(99999999999,"),
+    ), 2):
+        header = header.replace(old, new, 1)
+    return header + content[128:]
+
+
+def damaged_glb(data: bytes, rng: Rng) -> bytes:
+    """A binary glTF file whose JSON was damaged and whose lengths then fit again; now and then damaged byte by byte."""
+    if rng.random() < 0.4 or len(data) < 20:
+        return damaged(data, rng)
+    length = struct.unpack("<I", data[12:16])[0]
+    inner = damaged_json(data[20 : 20 + length], rng)
+    inner += b" " * (-len(inner) % 4)
+    rest = data[20 + length :]
+    return data[:8] + struct.pack("<II", 20 + len(inner) + len(rest), len(inner)) + data[16:20] + inner + rest

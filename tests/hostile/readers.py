@@ -1,0 +1,197 @@
+"""Doors for files: meshes, motion clips, models, settings, what a run leaves behind, what the caches keep."""
+
+import random
+from collections.abc import Callable, Iterable
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.pieces import cache, pieces_of_mesh
+from avatarsim.pieces.mesh_file import read_mesh
+from avatarsim.pieces.repairs import finite as finite_mesh
+from avatarsim.scene.avatar import Avatar
+from reports import baseline, headline, kept, write_report
+from reports.load import load as load_results
+from scenarios import record
+from scenarios.avatars.mjcf import Mjcf, parsed
+from scenarios.avatars.stl import hull_of
+from scenarios.found.store import Store
+from scenarios.mocap import read_clip, retimed
+from scenarios.own_settings import read as read_settings
+from scenarios.resume import earlier_run
+from scenarios.stability.finished import Finished
+from tests.hostile import valid_files as valid
+from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files, sound
+from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
+
+ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
+
+TABLES = {
+    "narrow_phase": ("narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"), "broad_phase": ("broad_phase.csv",),
+    "table_2": ("table_2.csv", "figure_8.csv"), "growth": ("growth.csv",), "closeness": ("nearest_free_scenes.csv", "beside.csv"),
+    "effects": ("ablation.json",), "figure_7": ("figure_7.csv", "figure_7_shares.csv"), "sweep": ("sweep.csv", "sweep.json"),
+    "convergence": ("convergence.csv",), "law_map": ("law_map.csv",), "stability": ("stability.csv",), "judge": ("judge.json",),
+}
+"""Modules of `reports` that read files of a run besides results.json, and which."""
+
+
+def hull(folder: Path, path: Path) -> object:
+    """One hull of a mesh, at a scale at which it is believed."""
+    found = pieces_of_mesh(path, hull=True, kept=False, quiet=True)
+    for piece in found.pieces:
+        finite(piece.shape)
+    return finite(found)
+
+
+def whole_mesh(folder: Path, path: Path) -> object:
+    """A mesh as it was read: finite, each triangle among its vertices."""
+    found = finite_mesh(read_mesh(path))
+    if not (0 <= found.triangles.min() <= found.triangles.max() < len(found.vertices)):
+        raise Unsound("a triangle beyond the vertices")
+    return found
+
+
+def clip(folder: Path, path: Path) -> object:
+    """A clip, at equal steps where it is not years long."""
+    found = read_clip(path)
+    return finite(retimed(found) if found.times[-1] < 1e3 else found)
+
+
+def model(folder: Path, path: Path) -> object:
+    """The avatar of the first body of a model."""
+    root = parsed(path).find("worldbody/body")
+    if root is None:
+        return None
+    tip = {"tip": (folder / "tip.stl", np.full(3, 0.1))}
+    links = Mjcf(path, True, lambda geom: True, lambda body, volume: 1000.0 * volume if volume > 0.0 else 1.0, tip).links(root)
+    return sound(Avatar("some", links))
+
+
+def model_mesh(folder: Path, path: Path) -> object:
+    """A hull for a link."""
+    return finite(hull_of(path, np.full(3, 0.01), 64))
+
+
+def own_settings(folder: Path, path: Path) -> object:
+    """Rows, each for an engine that there is."""
+    rows = read_settings(path, ENGINES)
+    assert rows and all(row.engine in ENGINES for row in rows)
+    return rows
+
+
+def look(folder: Path, path: Path) -> object:
+    """What is drawn of a scene."""
+    return kept.drawn(folder, valid.SCENE)
+
+
+def replays(folder: Path, path: Path) -> object:
+    """What an engine showed in it, and which pairs overlapped."""
+    return kept.shown(folder, valid.SCENE, (valid.RUN,))
+
+
+def results(folder: Path, path: Path) -> object:
+    """The figures of a run."""
+    return load_results(folder)
+
+
+def kept_figures(folder: Path, path: Path) -> object:
+    """The committed figures of the gate, or of the README's table."""
+    return (headline if path.name == "headline.csv" else baseline).load(path)
+
+
+def table(module: str, folder: Path, path: Path) -> object:
+    """What a page says of one table."""
+    return import_module(f"reports.{module}").load(folder)
+
+
+def page(folder: Path, path: Path) -> object:
+    """All pages of a run."""
+    return write_report(folder)
+
+
+def cached(folder: Path, path: Path) -> object:
+    """Kept pieces, or a sentence on why they are computed anew."""
+    with valid.cache_in(folder):
+        answer, said = cache.load(valid.PIECES)
+    assert answer is not None or said
+    return sound(answer)
+
+
+def store(folder: Path, path: Path) -> object:
+    """What a sweep has found before."""
+    return Store(folder).get("kind", "key")
+
+
+def finished(folder: Path, path: Path) -> object:
+    """What a run on stability has finished before."""
+    return Finished(path, "0")
+
+
+def resumed(folder: Path, path: Path) -> object:
+    """The folder of an earlier run."""
+    return earlier_run(folder, "compare")
+
+
+STORED = {"key.kind.json": b'{"key": "key", "kind": "kind", "figures": {"p50": 3.5, "note": ""}}'}
+FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": {"state": "survived", "frames": 36}}\n' * 3}
+EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
+
+
+def some(names: Iterable[str]) -> Callable[[], valid.Files]:
+    """Some files of the whole run."""
+    return lambda: {name: valid.run()[name] for name in names}
+
+
+def doors() -> tuple[Door, ...]:
+    """All of them; weights are cases in a thousand."""
+    found = []
+    for ending, damage in (("obj", damaged), ("stl", damaged), ("stl_ascii", damaged), ("ply", damaged), ("off", damaged),
+                           ("glb", damaged_glb), ("gltf", damaged_json)):
+        files = some_gltf if ending == "gltf" else partial(valid.meshes, ending)
+        also = partial(valid.meshes, "gltf") if ending == "gltf" else dict
+        found.append(of_files(f"mesh {ending}", 30.0, FileDoor(files, damage, whole_mesh, also)))
+        # to measure a hull against its mesh takes a tenth of a second
+        found.append(of_files(f"hull {ending}", 1.0, FileDoor(files, damage, hull, also), slow=True))
+    found += [
+        of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
+        of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
+        of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
+        of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
+        of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
+        of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),
+        of_files("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays), slow=True),
+        of_files("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
+        of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
+        of_files("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store)),
+        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished)),
+        of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
+        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
+        of_files("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures)),
+        of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept), slow=True, reserves=True),
+    ]
+    for module, names in TABLES.items():
+        found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
+    return tuple(found)
+
+
+def damaged_by_name(data: bytes, rng: random.Random) -> bytes:
+    """A table or a JSON file, told apart by its first byte."""
+    return (damaged_json if data[:1] in b"{[" else damaged_csv)(data, rng)
+
+
+def some_gltf() -> valid.Files:
+    """The JSON part of glTF files, which names the others."""
+    return {name: content for name, content in valid.meshes("gltf").items() if name.endswith(".gltf")}
+
+
+def part_of_kept(*folders: str) -> valid.Files:
+    """Files of a scene in some folders of a run."""
+    return {name: content for name, content in valid.kept().items() if name.split("/")[0] in folders}
+
+
+def committed(name: str) -> valid.Files:
+    """The first lines of a committed table."""
+    content = (Path(__file__).parents[2] / "reports" / name).read_bytes()
+    return {name: b"\n".join(content.splitlines()[:20]) + b"\n"}

@@ -1,0 +1,215 @@
+"""Small valid files of every format that is read: what damage begins from."""
+
+import io
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from scenarios import array_file, overlapping, record
+from tests.pieces.solids import cube, ell, torus
+from tests.reports import recorded, test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability, test_sweep
+from tests.reports.conftest import whole_run
+
+Files = Mapping[str, bytes]
+
+
+@cache
+def meshes(ending: str) -> Files:
+    """A cube, an L and a ring in one format."""
+    import trimesh
+
+    found: dict[str, bytes] = {}
+    for name, (vertices, triangles) in (("cube", cube()), ("ell", ell()), ("ring", torus(around=8, across=5))):
+        mesh = trimesh.Trimesh(vertices, triangles, process=False)
+        if ending == "obj":
+            groups = "".join(f"v {x:g} {y:g} {z:g}\n" for x, y, z in vertices) + "o one\n"
+            groups += "".join(f"f {a + 1}//1 {b + 1} {c - len(vertices)}\n" for a, b, c in triangles) + "g two\nf 1 2 3 4\n"
+            found[f"{name}.obj"] = groups.encode()
+        elif ending == "gltf":
+            found |= {f"{name}/{part}": content for part, content in mesh.scene().export(file_type="gltf").items()}
+        else:
+            made = mesh.export(file_type={"stl": "stl", "stl_ascii": "stl_ascii"}.get(ending, ending))
+            found[f"{name}.{ending.partition('_')[0]}"] = made if isinstance(made, bytes) else made.encode()
+    return found
+
+
+@cache
+def clip() -> Files:
+    """A motion clip of four frames."""
+    still = [0.03, 0.0, 0.9, 0.0]
+    for width in (4, 4, 4, 4, 1, 4, 4, 1, 4, 1, 4, 4, 1):
+        still += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.1]
+    frames = [[*still[:1], 0.1 * k, *still[2:]] for k in range(4)]
+    return {"humanoid3d_some.txt": json.dumps({"Loop": "wrap", "Frames": frames}).encode()}
+
+
+MODEL = """<mujoco model="some"><worldbody>
+<body name="torso" pos="0 0 1"><freejoint name="root"/><geom name="t" type="capsule" fromto="0 -.07 0 0 .07 0" size=".07"/>
+ <geom name="h" type="sphere" pos="0 0 .19" size=".09"/>
+ <body name="arm" pos="0 -.17 .06" quat="1 0 0 0"><joint name="a1" type="hinge" axis="2 1 1" pos="0 0 0" range="-85 60"/>
+  <joint name="a2" type="hinge" axis="0 -1 1" pos="0 0 0.01" range="-85 60"/><geom type="box" size=".03 .03 .1" euler="0 30 0"/>
+  <body name="hand" pos=".18 -.18 -.18" axisangle="0 1 0 10"><joint type="hinge" axis="0 -1 1" range="-90 50"/>
+   <geom type="sphere" size=".04"/><geom type="mesh" mesh="tip" pos="0 0 .05"/></body></body>
+ <body name="tail" pos="0 0 -.2"><inertial pos="0 0 0" mass="0.4" diaginertia="1e-4 1e-4 1e-4"/></body></body>
+</worldbody></mujoco>"""
+
+
+def model() -> Files:
+    """An avatar with one of everything that the reader of models knows, and a mesh."""
+    return {"some.xml": MODEL.encode()}
+
+
+def model_mesh() -> Files:
+    """The mesh of its hand."""
+    return {"tip.stl": meshes("stl")["cube.stl"]}
+
+
+SETTINGS = """# rows
+[avatarsim.near]
+preset = "default"
+stand_off = 1e-4
+sweeps = 20
+
+[mujoco.fine]
+preset = "tuned"
+dt = 0.0005
+solimp = [0.9, 0.95, 0.001]
+"""
+
+
+def settings() -> Files:
+    """Rows of two engines."""
+    return {"mine.toml": SETTINGS.encode()}
+
+
+@cache
+def run() -> Files:
+    """results.json of three scenes and four engines, and one of each table that a page reads: path -> content."""
+    with TemporaryDirectory() as made:
+        folder = Path(made)
+        whole = whole_run()
+        rows = whole["rows"]
+        assert isinstance(rows, list)
+        series = {"arm_wall": {"avatarsim/default": {"overlap_m": [0.0, 1e-7, None], "frame_time_us": [31.0, "Infinity", 40.0]}}}
+        (folder / "results.json").write_text(json.dumps(whole | {"rows": rows[:12] + rows[-4:], "series": series}))
+        test_narrow_phase.fill(folder)
+        test_broad_phase.fill(folder, *test_broad_phase.rows(1.5), *test_broad_phase.rows(90.0, kernel="one axis"))
+        test_effects.fill(folder, test_effects.LINES, ("posture",))
+        test_judge.fill(folder, test_judge.kind("all"))
+        test_stability.found(folder)
+        test_sweep.loaded(folder, test_sweep.WON + test_sweep.SHORT)
+        (folder / "sweep.json").write_text(json.dumps({"form": "short", "seconds": 12.5, "scenes": ["wall"]}))
+        (folder / "convergence.csv").write_text(test_sweep.CONVERGENCE)
+        (folder / "law_map.csv").write_text(test_sweep.MAP)
+        (folder / "growth.csv").write_text(
+            "grows,mode,size,links,run,p50,p95,note\n" + "".join(
+                f"chain,held,{size},{size},{engine}/default,{size * 2.5},{size * 4},\n" for size in (8, 64, 199)
+                for engine in ("avatarsim", "mujoco")
+            )
+        )
+        for name, text in figures().items():
+            (folder / name).write_text(text)
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def figures() -> dict[str, str]:
+    """Tables that other commands add to a run: the paper's figures, what is nearest to the user."""
+    from reports.closeness import Near, Pair
+    from reports.table_2 import Line
+
+    times = "".join(f"avatarsim/default,{k},{20 if k > 4 else 10},{int(k > 4)}\n" for k in range(1, 9))
+    near = [name for name in Near.__dataclass_fields__ if name not in ("scenario", "frames", "lost")]
+    pair = [name for name in Pair.__dataclass_fields__ if name not in ("other", "scenario", "frames", "counted")]
+    numbers = {"offset", "their_offset", "angle", "their_angle", "body", "their_body"}
+    line = [name for name in Line.__dataclass_fields__ if name not in ("scene", "run", "frames", "timed")]
+    return {
+        "figure_7.csv": "run,frame,us,contact\n" + times,
+        "figure_7_shares.csv": "run,stage,share\navatarsim/default,posture,60\navatarsim/default,motion,40\n",
+        "figure_8.csv": "run,frame,us,iterations\n" + "".join(f"avatarsim/default,{k},{9 + k},2\n" for k in range(6)),
+        "table_2.csv": f"scene,run,frames,timed,{','.join(line)}\n" + "".join(
+            f"{scene},avatarsim/default,600,600,{','.join('1.5' for _ in line)}\n" for scene in ("two_arms", "self_collision")
+        ),
+        "nearest_free_scenes.csv": f"scenario,frames,lost,{','.join(near)}\nwall,12,0,{','.join('1.1' for _ in near)}\n",
+        "beside.csv": f"other,scenario,frames,counted,{','.join(pair)}\nmujoco.tuned,wall,300,250,"
+                      + ",".join("0.01" if name in numbers else "ours" for name in pair) + "\n",
+    }
+
+
+SCENE, RUN = "arm_wall", "avatarsim/default"
+"""A scene and an engine that the run has."""
+
+
+@cache
+def kept() -> Files:
+    """What a run keeps of a scene: its look, a recording as pages read it, pairs that overlap."""
+    with TemporaryDirectory() as made:
+        folder = Path(made)
+        recorded.scene(folder, SCENE)
+        recorded.recording(folder, SCENE, RUN, sinks=True)
+        return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@cache
+def recording() -> Files:
+    """A recording with everything in it, as later questions read it."""
+    states, bodies, links, inside = 6, 3, 2, 4
+    turns = np.zeros((states, bodies, 4))
+    turns[..., 0] = 1.0
+    numbers = {"times": (states,), "positions": (states, bodies, 3), "velocities": (states, bodies, 3),
+               "angular_velocities": (states, bodies, 3), "angles": (states, 2), "raw_positions": (states, links, 3),
+               "raw_angles": (states, 2), "inside_time": (inside,), "inside_positions": (inside, bodies, 3),
+               "inside_orientations": (inside, bodies, 4), "inside_velocities": (inside, bodies, 3),
+               "inside_angular_velocities": (inside, bodies, 3), "overlap": (states,)}
+    arrays = {name: np.linspace(0.0, 1.0, int(np.prod(shape))).reshape(shape) for name, shape in numbers.items()}
+    meta = {"schema_version": record.SCHEMA_VERSION, "dt": 1 / 60, "scene": SCENE, "engine": "avatarsim"}
+    stream = io.BytesIO()
+    array_file.write(stream, {
+        "meta": np.array(json.dumps(meta)), **arrays, "orientations": turns, "raw_orientations": turns[:, :links],
+        "inside_frame": np.array([1, 1, 2, 5]), "inside_event": np.zeros(inside, dtype=np.int64),
+        "state_hashes": np.array(["0123456789abcdef"] * states), "counts:contacts": np.arange(states),
+        "statuses:led": np.zeros(states, dtype=np.int64), "frame_times_ns": np.full((3, states - 1), 30_000),
+    })
+    return {"recording.npz": stream.getvalue()}
+
+
+def overlaps_folder() -> str:
+    """The folder in which pairs that overlap are kept."""
+    return overlapping.FOLDER
+
+
+PIECES = "0123456789abcdef"
+"""The key under which pieces are kept."""
+
+
+@contextmanager
+def cache_in(folder: Path) -> Iterator[None]:
+    """Let this process keep pieces of meshes below a folder, whatever its environment says."""
+    places = ("XDG_CACHE_HOME", "AVATARSIM_CACHE_DIR")
+    before = {name: os.environ.pop(name, None) for name in places}
+    os.environ["XDG_CACHE_HOME"] = str(folder)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
+
+
+@cache
+def pieces() -> Files:
+    """What the cache of convex pieces keeps of one mesh."""
+    from avatarsim.pieces import cache as kept_pieces
+    from avatarsim.pieces.hausdorff import Deviation
+
+    hulls = tuple(np.asarray(points, dtype=np.float64) for points in (cube()[0], ell()[0]))
+    answer = kept_pieces.Answer(hulls, "decomposed", Deviation(0.1, 0.2, 0.05), ("a repair",))
+    with TemporaryDirectory() as made, cache_in(Path(made)):
+        kept_pieces.store(PIECES, answer)
+        return {str(path.relative_to(made)): path.read_bytes() for path in Path(made).rglob("*") if path.is_file()}

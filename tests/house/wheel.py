@@ -1,0 +1,193 @@
+"""The wheel alone: `python -m tests.house.wheel [--python NAME ...]` builds it and runs README's example with nothing else.
+
+For each interpreter: an environment that holds the wheel and what it asks for, in the versions of requirements.lock; a user that
+is not root, an empty folder to run in, a HOME that may only be read. What is asked: README's example prints what it says, twice;
+an extra that is missing is named with a command that pip understands; nothing of the checkout and no optional package is loaded.
+"""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+NOBODY = 65534
+"""The user and group of nobody, as which everything runs where this is started by root."""
+PYTHONS = ("python3.11", "python3.12", "python3.13")
+LONGEST = 900.0
+"""Longest [s] that one step may take: the engine's kernels are compiled on one core."""
+
+EXTRA = """
+from avatarsim.errors import MissingPackage
+from avatarsim.pieces import pieces_of_mesh
+open("some.stl", "wb").write(bytes(134))
+try:
+    pieces_of_mesh("some.stl")
+except MissingPackage as error:
+    print(error)
+"""
+VERSION = "import platform; print(platform.python_version())"
+BASE = "import sys; print(sys.base_prefix); print('python%d.%d' % sys.version_info[:2])"
+WHERE = """
+import avatarsim, os
+print(avatarsim.__file__, os.getuid(), os.access(os.environ["HOME"], os.W_OK), os.listdir("."))
+"""
+LIGHT = """
+import sys, avatarsim.simulator
+optional = {"pandas", "trimesh", "coacd", "mujoco", "pybullet", "scenarios"}
+print(sorted({name.partition(".")[0] for name in sys.modules} & optional))
+"""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one interpreter answered: its version, seconds of the first and a later start, and what is wrong."""
+
+    version: str
+    first: float
+    later: float
+    faults: tuple[str, ...]
+
+
+class Stopped(Exception):
+    """A step failed; the text says which and why."""
+
+
+def run(command: Iterable[object], **options: Any) -> str:
+    """Standard output of a command. Raises Stopped with its last words if it fails."""
+    words = [str(word) for word in command]
+    try:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=LONGEST, stdin=subprocess.DEVNULL, **options)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Stopped(str(error)) from error
+    if done.returncode != 0:
+        last = (done.stderr.strip() or done.stdout.strip() or "it said nothing").splitlines()[-8:]
+        raise Stopped(f"{' '.join(words)[:120]} ended with {done.returncode}: " + "\n".join(last))
+    return str(done.stdout)
+
+
+def built(folder: Path) -> Path:
+    """The wheel of this checkout, built from a copy of what is committed or changed, so that no build leftovers stay."""
+    source = folder / "source"
+    source.mkdir()
+    listed = run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT).split("\0")
+    for name in listed:
+        if (ROOT / name).is_file() and not (ROOT / name).is_symlink():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, source / name)
+    run([sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet", "-w", folder / "dist", source])
+    [wheel] = (folder / "dist").glob("avatarsim-*.whl")
+    return wheel
+
+
+def locked() -> str:
+    """The locked versions, as constraints."""
+    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    return "".join(f"{name}=={version}\n" for name, version in re.findall(r"(?m)^([\w.-]+)==([^\s;]+)", text))
+
+
+def example() -> tuple[str, str]:
+    """README's example, and what it says that it prints."""
+    [code] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    [said] = re.findall(r"^print\(.*\)  # (\[.*\]): .*$", code, re.MULTILINE)
+    return code, said
+
+
+def as_nobody() -> dict[str, Any]:
+    """Options of a process that is not root's: only root can choose another user, everybody else is one already."""
+    return {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
+
+
+def reachable(python: str, folder: Path) -> str:
+    """The interpreter, or a copy of it where only root may reach it, as in a folder below root's own."""
+    try:
+        run([os.path.realpath(python), "-c", ""], **as_nobody())
+        return python
+    except Stopped:
+        base, name = run([python, "-c", BASE]).split()
+        left = shutil.ignore_patterns("test", "*.a", "__pycache__")
+        shutil.copytree(base, folder / "interpreter", symlinks=True, ignore=left)
+        return str(folder / "interpreter" / "bin" / name)
+
+
+def answer(python: str, wheel: Path, folder: Path) -> Answer:
+    """Install the wheel for one interpreter and ask it. Raises Stopped where that cannot be done."""
+    environment, home, empty, scratch = (folder / name for name in ("environment", "home", "empty", "scratch"))
+    run([reachable(python, folder), "-m", "venv", environment])
+    inside = environment / "bin" / "python"
+    (folder / "constraints.txt").write_text(locked(), encoding="utf-8")
+    run([inside, "-m", "pip", "install", "--quiet", "--only-binary", ":all:", "-c", folder / "constraints.txt", wheel])
+    for place, mode in ((home, 0o555), (empty, 0o777), (scratch, 0o777)):
+        place.mkdir()
+        place.chmod(mode)
+    variables = {"PATH": "/usr/bin:/bin", "HOME": str(home), "TMPDIR": str(scratch), "LANG": "C.UTF-8"}
+    # a copied interpreter looks for its library where it was, and another of the same name may lie in the system's folders
+    variables |= {"LD_LIBRARY_PATH": str(folder / "interpreter" / "lib")} if (folder / "interpreter").exists() else {}
+    alone = {"env": variables, "cwd": empty, **as_nobody()}
+    faults = []
+    version, wanted = run([inside, "-c", VERSION], **alone).strip(), run([python, "-c", VERSION]).strip()
+    if version != wanted:
+        faults.append(f"Python {version} runs, not {wanted}")
+    where, user, writable, held = run([inside, "-c", WHERE], **alone).strip().split(" ", 3)
+    if not where.startswith(str(environment)) or user == "0" or writable != "False" or held != "[]":
+        faults.append(f"it does not stand alone: {where}, user {user}, HOME may be written to: {writable}, folder: {held}")
+    if (loaded := run([inside, "-c", LIGHT], **alone).strip()) != "[]":
+        faults.append(f"the engine loads {loaded}")
+    code, said = example()
+    seconds = []
+    for _ in range(2):
+        begun = time.monotonic()
+        printed = run([inside, "-W", "error::SyntaxWarning", "-c", code], **alone).strip()
+        seconds.append(time.monotonic() - begun)
+        if printed != said:
+            faults.append(f"README's example prints {printed}, not {said}")
+    told = run([inside, "-c", EXTRA], **alone).strip()
+    command = told.partition("pip install ")[2]
+    if not (command and "trimesh" in command and "[" not in command and str(ROOT) not in command):
+        faults.append(f"a missing extra is not named with a command that works: {told}")
+    if "usage" not in run([inside, "-m", "avatarsim.pieces", "--help"], **alone):
+        faults.append("python -m avatarsim.pieces --help prints no usage")
+    return Answer(version, seconds[0], seconds[1], tuple(faults))
+
+
+def main(words: list[str] | None = None) -> int:
+    """0 if the wheel works in every interpreter that was named, or, where none was, in all that there are; 1 otherwise."""
+    options = argparse.ArgumentParser(prog="python -m tests.house.wheel", description="The built wheel, alone.")
+    said = f"an interpreter (default: those of {', '.join(PYTHONS)} that run)"
+    options.add_argument("--python", action="append", metavar="NAME", help=said)
+    asked, code = options.parse_args(words), 0
+    with tempfile.TemporaryDirectory(prefix="wheel-") as made:
+        folder = Path(made)
+        folder.chmod(0o755)
+        wheel = built(folder)
+        print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.2f} MB")
+        for python in asked.python or PYTHONS:
+            path = shutil.which(python)
+            if path is None or subprocess.run([path, "-c", ""], capture_output=True, check=False).returncode != 0:
+                print(f"{python}: not asked, there is none that runs")
+                code |= bool(asked.python)
+                continue
+            try:
+                own = folder / Path(python).name
+                own.mkdir(mode=0o755)
+                got = answer(path, wheel, own)
+            except Stopped as error:
+                print(f"{python}: {error}")
+                code = 1
+                continue
+            state = "; ".join(got.faults) or "works"
+            print(f"{python} ({got.version}): {state}; first start {got.first:.1f} s, later {got.later:.1f} s", flush=True)
+            code |= bool(got.faults)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())
