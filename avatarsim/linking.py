@@ -18,6 +18,7 @@ import functools
 import hashlib
 import importlib
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, cast
 
@@ -64,11 +65,15 @@ class CalledKernel(CPUDispatcher):
         arguments = tuple(sigutils.normalize_signature(sig)[0])
         if arguments in self.overloads:
             return super().compile(sig)
-        with global_compiler_lock, self._cache.turn(), FIRST_COMPILE.nested():
+        with global_compiler_lock, self._turn(), FIRST_COMPILE.nested():
             entry = super().compile(sig)
         CalledKernel.made += 1
         self._seal(self.overloads[arguments], Callee(self.py_func.__module__, self.py_func.__qualname__, arguments))
         return entry
+
+    def _turn(self) -> AbstractContextManager[None]:
+        # a kernel that is kept nowhere is compiled by every process for itself
+        return self._cache.turn() if isinstance(self._cache, KernelFiles) else nullcontext()
 
     def _seal(self, compiled: Any, callee: Callee) -> None:
         name = sealed_name(compiled)

@@ -18,13 +18,13 @@ SHORTEST, LONGEST = 1e-6, 1e7
 """Lengths [m] that a shape may have: from a tenth of a grain of dust's to past the Earth's radius. Outside, volumes and
 inertias, which grow with the third and fifth power, leave the range in which sums of them mean anything."""
 
-FARTHEST = 1e7
-"""Largest coordinate [m] of whatever a scene places. Coordinates there are rounded to 2e-9 m, a thousandth of the smallest gap
+FARTHEST = 1e8
+"""Largest coordinate [m] of whatever a scene places. Coordinates there are rounded to 1.5e-8 m, a hundredth of the smallest gap
 that the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and what is shown may overlap."""
 
 FASTEST = 1e6
 """Largest velocity component [m/s] with which a body begins. In a frame of 1 s, the longest, the instant of an impact is known
-to 1e-16 s: 1e-10 m of way, which nothing shows; and `FARTHEST` is reached after 10 s at the earliest. Faster: either fails."""
+to 1e-16 s: 1e-10 m of way, which nothing shows; and `FARTHEST` is reached after 100 s at the earliest. Faster: either fails."""
 
 FASTEST_SPIN = 1e4
 """Largest component of the angular velocity [rad/s] with which a body begins: 95,000 turns a minute, a fast turbine. The search

@@ -83,7 +83,8 @@ QUICK = "from avatarsim.quick_compiler import quicken; quicken()"
 def compiled(before, cache, asked=False):
     """LLVM's code of kernels that place shapes and look for the distance of their cores, what these answer, what is written of
     operations on numbers, and, if `asked`, how far shapes are apart, which takes twice as many; from a process of its own."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
+    # kernels are looked for in every place: none of the user's own may answer
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache), "XDG_CACHE_HOME": str(cache), "HOME": str(cache)}
     command = [sys.executable, "-c", COMPILE.format(before=before, asked=asked)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -6,11 +6,12 @@ Overlap is promised in metres of the world as it is: in one a thousandth as larg
 import pytest
 
 from scenarios.engines import GATED
-from scenarios.stability.outcome import SURVIVED, Task, outcome
+from scenarios.stability.outcome import SILENT, SURVIVED, Task, outcome
 from scenarios.stability.plan import CASES, Trial, alone, together
 
 DEEPEST = 1e-6
 """[m]"""
+STEP = "solver step"
 DRAWS = 3
 """Draws of all changes at once per case, others for each case."""
 
@@ -28,6 +29,10 @@ def slice_of(number: int) -> list[Trial]:
 def test_nothing_is_lost_nothing_overlaps_and_nothing_gains_energy(case: str) -> None:
     for trial in slice_of(list(CASES).index(case)):
         found = outcome(Task(case, CASES[case], *GATED, trial))
+        if trial.kind == STEP:
+            # ours goes from event to event
+            assert found.state == SILENT
+            continue
         assert found.state == SURVIVED, (trial, found.note)
         assert found.bad == 0
         assert found.overlap * trial.change.scale <= DEEPEST, (trial, found.overlap)

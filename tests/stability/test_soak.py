@@ -1,5 +1,7 @@
 """The soak test: its scene runs, the user's motion closes, and what grows, slows or overlaps is a fault."""
 
+import mmap
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from avatarsim.simulator import AvatarsimEngine
 from tests.stability import soak as soaked
 from tests.stability.soak import Report, motion, scene, soak
 
-GONE: list[np.ndarray] = []
+GONE: list[mmap.mmap] = []
 """What the forgetful engine never gives back."""
 
 
@@ -19,7 +21,9 @@ class Hoards(AvatarsimEngine):
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
         """A frame as usual."""
         if len(GONE) < 400:
-            GONE.append(np.full(2**17, 1.0))
+            # pages of its own: what malloc gives may be memory that the process has had all along
+            GONE.append(mmap.mmap(-1, 2**20))
+            GONE[-1].write(b"x" * 2**20)
         return super().advance(sample, dt)
 
 
