@@ -3,7 +3,6 @@
 from avatarsim.kernel import kernel
 from avatarsim.posture.behind import all_are_led, set_slow
 from avatarsim.posture.body_place import MOST_TURNED
-from avatarsim.posture.crowd import meet_a_crowd
 from avatarsim.posture.goal import tracker_speed
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.workspace import (
@@ -20,7 +19,6 @@ from avatarsim.posture.workspace import (
     TRACKER_SPEED,
     TRAVELS,
     UNDER_WAY,
-    WORN,
     Memory,
 )
 from avatarsim.world.geometry import Geometry
@@ -54,7 +52,6 @@ def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: M
 
     changed: whether anything near has moved."""
     flags, mode = memory_out.flags, memory_out.goal.closeness.mode
-    crowded = meet_a_crowd(geo, skel, memory_out)
     speed, moved = tracker_speed(skel, memory_out.goal)
     flags[TRACKER_SPEED] = min(max(speed, SPEED_MEMORY * flags[TRACKER_SPEED]), FASTEST)
     flags[SPEED], flags[LEAP] = speed, 0.0
@@ -70,9 +67,8 @@ def meet_the_tracker(geo: Geometry, skel: Skeleton, changed: bool, memory_out: M
         set_slow(flags[SLOW] + 1.0, memory_out)
         flags[CLOSE] = 0.0
         return moved
-    mode[WORN] += speed
     # to a posture known to be free, and to one that is far, each joint goes its own way: limbs that stretch get caught
-    lost = crowded or mode[ASTRAY] > 0.0
+    lost = mode[ASTRAY] > 0.0
     close = 1.0 if flags[TRAVELS] == 0.0 and flags[SOUGHT] == 0.0 and not lost else 0.0
     if close != flags[CLOSE]:
         flags[CLOSE] = close

@@ -68,7 +68,8 @@ def unstick(
 @kernel
 def forget(memory_out: Memory) -> None:
     """Drop every memory that only speeds things up."""
-    memory_out.goal.trust[:] = 1.0
+    memory_out.goal.closeness.press[:] = 0.0
+    memory_out.goal.closeness.leverage[:] = 0.0
     memory_out.goal.window[:] = UNLIMITED
     pairs = memory_out.pairs
     pairs.marks[LISTED] = 0

@@ -17,10 +17,8 @@ from avatarsim.posture.workspace import (
     LED,
     LISTED,
     MERIT_WINDOW,
-    PRESSED,
     SLOW,
     STIFF,
-    TRACKER_SPEED,
     Memory,
 )
 from avatarsim.settings import PostureSettings
@@ -38,10 +36,6 @@ UNREACHED = 0.43
 """The same in contact, of a user who is beyond limits: no posture has those angles, but origins may be where the user's are. 1:
 in mocap_dance_a origins are 7.8 mm from the user's and angles 3.8 degrees, in mocap_roll 12.1 and 3.5; here 6.5 and 4.0, 11.3
 and 3.7. Less than 0.41: a leg that kicks is caught."""
-
-PRESSED_TRUST, PRESSED_GAIN = 0.15, 12.0
-"""Trust allowed to limbs that a tracker at rest presses into something, and what each rad or m per frame of its speed adds.
-Without it limbs that find a better place to rest at whip there, 47 degrees in a frame; with less they are slow."""
 
 SETTLED = 0.05
 """[rad or m] a step in contact that moves nothing farther ends the frame of an avatar that came no nearer lately: another one
@@ -94,10 +88,6 @@ def walk(
         if memory_out.flags[LED] > 0.0:
             # some wait, or are led, and the others follow their users
             hold(skel, True, memory_out.goal, memory_out.goal.allowed)
-        if memory_out.flags[PRESSED] > 0.0:
-            most = PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED]
-            for j in range(memory_out.goal.trust.shape[0]):
-                memory_out.goal.trust[j] = min(memory_out.goal.trust[j], most)
         largest, to_turn, to_move = step(geo, skel, posture_out, poses_out, settings, memory_out)
         there = memory_out.rows.size[COUNT] == 0 and to_turn <= settings.turn_cap and to_move <= settings.move_cap
         enough = SETTLED if is_held(memory_out) else ARRIVED

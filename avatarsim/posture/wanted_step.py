@@ -64,18 +64,17 @@ def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
 
 
 @kernel
-def scale_step(share: float, goal_out: Goal) -> None:
-    """Make the wanted step, and the bounds around it, shorter."""
-    if share < 1.0:
-        for j in range(goal_out.step.shape[0]):
-            goal_out.step[j] *= share
-            goal_out.low[j] *= share
-            goal_out.high[j] *= share
+def scale_step(goal_out: Goal) -> None:
+    """Make the wanted step, and the bounds around it, as short as this attempt takes them."""
+    for j in range(goal_out.step.shape[0]):
+        goal_out.step[j] *= goal_out.share[j]
+        goal_out.low[j] *= goal_out.share[j]
+        goal_out.high[j] *= goal_out.share[j]
 
 
 @kernel
 def seek_the_nearest(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
     """Make the wanted step the one to the least merit in link origins and angles, and its second derivatives the metric."""
     goal = memory_out.goal
@@ -100,7 +99,7 @@ def seek_the_nearest(
         goal.window[frame % MERIT_WINDOW] = memory_out.flags[MERIT_NOW]
     couple(skel, memory_out.axes, goal.wanted, c)
     shorten(skel, posture, settings, c.pull, goal)
-    scale_step(shorter, goal)
+    scale_step(goal)
     c.mode[COUPLED] = 1.0
     weigh_anew(memory_out.rows)
 
@@ -116,6 +115,9 @@ def weigh_anew(rows_out: Rows) -> None:
             for j in range(r.x.shape[0]):
                 r.jacobian[kept, j] = r.jacobian[k, j]
             r.bound[kept] = r.bound[k]
+            put_row(r.normal, kept, row(r.normal, k))
+            for i in range(6):
+                r.arms[kept, i] = r.arms[k, i]
             r.pair[kept, 0], r.pair[kept, 1] = r.pair[k, 0], r.pair[k, 1]
         r.multiplier[kept] = 0.0
         kept += 1

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.posture.closeness import WORN_OUT, couple, gain_of, locate, merit_of, solve
+from avatarsim.posture.closeness import couple, gain_of, locate, merit_of, solve
 from avatarsim.posture.goal import aim, clip_to_limits, farthest, want
 from avatarsim.posture.kinematics import forward, take
 from avatarsim.posture.walk import ALONE, UNREACHED, stiffen
-from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, WORN, Closeness
+from avatarsim.posture.workspace import BEST, BEYOND, LISTED, LOCATED, STIFF, Closeness
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.joint import Free, Rigid
 from avatarsim.scene.mass import solid
@@ -142,19 +142,6 @@ def test_solve_and_gain_beside_dense_algebra(seed: int) -> None:
     assert whole @ solved == pytest.approx(vector, abs=1e-10)
     gain, square = gain_of(c, c.pull, vector)
     assert square == pytest.approx(vector @ whole @ vector) and gain == pytest.approx(vector @ whole @ (c.pull - 0.5 * vector))
-
-
-def test_the_slope_is_of_now_and_the_factor_is_kept_until_it_is_worn() -> None:
-    found = towards(1)
-    c, skel = found.memory.goal.closeness, found.world.skeleton
-    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
-    factor, slope = c.factor.copy(), factored(c) @ c.pull
-    c.mode[WORN], c.there[:] = 0.9 * WORN_OUT, c.there + 0.1
-    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
-    assert (c.factor == factor).all() and np.abs(factored(c) @ c.pull - slope).max() > 0.05
-    c.mode[WORN] = 1.1 * WORN_OUT
-    couple(skel, found.memory.axes, found.memory.goal.wanted, c)
-    assert (c.factor != factor).any() and c.mode[WORN] == 0.0
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.posture.certify import certify
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import PAIRS_INCLUDED, SHRINK, WORK_PER_PAIR, budget, go_less_far
-from avatarsim.posture.workspace import ASKED, HELD, MERIT_NOW, NEAR, NEAR_BODIES
+from avatarsim.posture.workspace import ASKED, HELD, MERIT_NOW, NEAR
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed
 from avatarsim.scene.mass import solid
@@ -34,8 +34,6 @@ def test_the_budget_grows_with_the_near_pairs_of_the_last_trial(balls: int) -> N
         forward(geo, skel, posture, found.memory.rows.x, found.memory.trial, found.memory.trial_axes)
         assert certify(geo, skel, poses, SETTINGS, found.memory) == balls
         assert found.memory.pairs.marks[ASKED] == balls
-        # many pieces of one body before one wall are one pair of bodies
-        assert found.memory.pairs.marks[NEAR_BODIES] == 1
     assert found.memory.counts[NEAR] == 2 * balls
     assert budget(SETTINGS, found.memory) == SETTINGS.work + WORK_PER_PAIR * max(0, balls - PAIRS_INCLUDED)
 
