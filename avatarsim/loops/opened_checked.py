@@ -45,7 +45,7 @@ def opened_goal(o: Opening) -> Goal:
     """The next Goal."""
     return Goal(
         line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o),
-        line(o)[0], opened_posture(o), line(o)[0], opened_closeness(o), opened_posture(o), opened_posture(o),
+        opened_posture(o), line(o)[0], opened_closeness(o), opened_posture(o),
         grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], line(o)[0], grid(o)[0],
     )
 

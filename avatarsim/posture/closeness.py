@@ -1,7 +1,7 @@
 """How near a posture is to the tracker's, in the two figures a user sees: link origins [m], and joint angles weighed as metres.
 
-merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints, times
-mode[STIFF] (`follow.py`); of avatars without joints that square is weighed by `turned_aside.py`.
+merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints;
+of avatars without joints that square is weighed by `turned_aside.py`.
 The tracker's posture is taken as it is, limits or not: limits are conditions of the step, as contacts are.
 
 To first order its rates are those of a tree of unit masses at the link origins whose joints have a rotor each, so its second
@@ -14,7 +14,7 @@ from math import sqrt
 from avatarsim.kernel import kernel
 from avatarsim.posture.curvature import bound_curvature
 from avatarsim.posture.turned_aside import bent, cost, rise
-from avatarsim.posture.workspace import RIGID, STIFF, Closeness
+from avatarsim.posture.workspace import RIGID, Closeness
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Index
@@ -112,12 +112,12 @@ def turned_square(full: Array, first: int) -> float:
 def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """How fast the merit falls with each degree of freedom, into pull (nd)."""
     c, kind, first_dof = closeness_out, skel.kind, skel.first_dof
-    b, ways, pull, turn_weight, stiff, rigid = c.moment, c.way, c.pull, c.turn_weight, c.mode[STIFF], c.mode[RIGID] > 0.0
+    b, ways, pull, turn_weight, rigid = c.moment, c.way, c.pull, c.turn_weight, c.mode[RIGID] > 0.0
     for m in range(kind.shape[0]):
         first, way = first_dof[m], row(ways, m)
         moves = first + 3 if kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
-        weight = stiff * rise(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
+        weight = rise(turned_square(full, first)) if rigid and kind[m] == FREE else 1.0
         for j in range(first, first_dof[m + 1]):
             if j < moves:
                 pull[j] = dot(row(axes, j), way)
@@ -150,7 +150,7 @@ def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> N
     """
     c = closeness_out
     t, here, root, firsts, number = c.second, c.here, c.root, c.first, c.number
-    path, depth, factor, motion, turn_weight, stiff = c.path, c.depth, c.factor, c.motion, c.turn_weight, c.mode[STIFF]
+    path, depth, factor, motion, turn_weight = c.path, c.depth, c.factor, c.motion, c.turn_weight
     kind, first_dof, rigid = skel.kind, skel.first_dof, c.mode[RIGID] > 0.0
     note_motions(skel, axes, c)
     bound_curvature(skel, axes, c)
@@ -159,7 +159,7 @@ def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> N
         moves = first + 3 if kind[m] == FREE else first
         trace = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2]
         out = sub(row(here, m), row(here, root[m]))
-        weight = stiff * bent(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
+        weight = bent(turned_square(full, first)) if rigid and kind[m] == FREE else 1.0
         for j in range(first, first_dof[m + 1]):
             axis, extra = row(axes, j), 0.0
             if j < moves:
@@ -252,15 +252,15 @@ def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
 
     See the head of this file; an origin farther than `far` counts by its distance and not by the square."""
     c, total = closeness, 0.0
-    there, turn_weight, far, stiff = c.there, c.turn_weight, c.far[0], c.mode[STIFF]
+    there, turn_weight, far = c.there, c.turn_weight, c.far[0]
     for link in range(here.shape[0]):
         way = sub(row(there, link), row(here, link))
         square = dot(way, way)
         total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
     if c.mode[RIGID] > 0.0:
         for first in range(0, full.shape[0], FREE_DEGREES):
-            total += 0.5 * stiff * turn_weight[first + 3] * cost(turned_square(full, first))
+            total += 0.5 * turn_weight[first + 3] * cost(turned_square(full, first))
         return total
     for j in range(full.shape[0]):
-        total += 0.5 * stiff * turn_weight[j] * full[j] * full[j]
+        total += 0.5 * turn_weight[j] * full[j] * full[j]
     return total

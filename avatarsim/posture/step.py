@@ -10,7 +10,7 @@ from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, list_row
 from avatarsim.posture.creep import creeps, slow_down
 from avatarsim.posture.curvature import note_forces
 from avatarsim.posture.foreseen import foresee
-from avatarsim.posture.goal import aim, merit
+from avatarsim.posture.goal import aim
 from avatarsim.posture.kinematics import forward, place_links, take
 from avatarsim.posture.leap import steps_of_leap
 from avatarsim.posture.limit_row import beyond_limits
@@ -29,7 +29,6 @@ from avatarsim.posture.workspace import (
     FORWARDS,
     HELD,
     ITERATIONS,
-    MERIT_NOW,
     NOW,
     PRESSED,
     QUERIES,
@@ -220,7 +219,7 @@ def back_off(
 def go_less_far(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
-    """Shorten a step that was certified but loses merit, where the budget has no second attempt; stay if that helps nothing."""
+    """Shorten a step that was certified but loses merit, in the last attempt; stay if that helps nothing."""
     memory_out.flags[ADDING] = 0.0
     for j in range(memory_out.rows.x.shape[0]):
         memory_out.rows.x[j] *= SHRINK
@@ -272,13 +271,12 @@ def step(
     goal, r = memory_out.goal, memory_out.rows
     first = geo.first_shape[skel.first]
     memory_out.counts[STEPS] += 1
-    failed, to_turn, to_move, accepted, lost = 0, 0.0, 0.0, False, 0
+    failed, to_turn, to_move, accepted = 0, 0.0, 0.0, False
     goal.trust[0], goal.share[:] = 1.0, 1.0
     if memory_out.flags[PRESSED] > 0.0:
         goal.trust[0] = min(1.0, PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED])
     for round_ in range(settings.attempts):
         to_turn, to_move = aim(skel, posture, settings, goal)
-        memory_out.flags[MERIT_NOW] = merit(goal)
         scale_step(goal)
         memory_out.flags[SOFT] = 1.0 if round_ > 0 else 0.0
         failed, spent = attempt(geo, skel, posture, poses, settings, memory_out)
@@ -288,7 +286,6 @@ def step(
             break
         if failed == 0:
             goal.share[:] = SHRINK
-            lost += 1
         else:
             list_failing(first, memory_out)
             shrink_failing(skel, SHRINK, goal.closeness.root, goal.share, memory_out)
@@ -296,9 +293,7 @@ def step(
             break
     list_rows(first, memory_out)
     if not accepted:
-        if failed == 0 and lost > 1:
-            stay(geo, skel, posture, memory_out)
-        elif failed == 0:
+        if failed == 0:
             go_less_far(geo, skel, posture, poses, settings, memory_out)
         else:
             back_off(geo, skel, posture, poses, settings, memory_out)

@@ -4,21 +4,14 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.again import leave_the_rest
 from avatarsim.posture.behind import hold
 from avatarsim.posture.creep import creeps
-from avatarsim.posture.goal import measure_way, merit
 from avatarsim.posture.leap import hold_who_has_leapt
 from avatarsim.posture.step import budget, step, work_done
 from avatarsim.posture.workspace import (
-    BEYOND,
-    CLOSE,
     COUNT,
     COUPLED,
-    FRAME,
     LEAP,
     LED,
-    LISTED,
-    MERIT_WINDOW,
     SLOW,
-    STIFF,
     Memory,
 )
 from avatarsim.settings import PostureSettings
@@ -28,48 +21,16 @@ from avatarsim.world.skeleton import Posture, Skeleton
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
-ALONE, CHANGE = 1.4, 0.25
-"""What angles weigh where nothing but limits is in the way, in units of what they weigh in contact, and the share of the way
-there that a frame goes, so that a touch turns no limb at once. 1: joints that are within their limits turn a twentieth more."""
-
-UNREACHED = 0.43
-"""The same in contact, of a user who is beyond limits: no posture has those angles, but origins may be where the user's are. 1:
-in mocap_dance_a origins are 7.8 mm from the user's and angles 3.8 degrees, in mocap_roll 12.1 and 3.5; here 6.5 and 4.0, 11.3
-and 3.7. Less than 0.41: a leg that kicks is caught."""
-
-SETTLED = 0.05
+SETTLED = 0.02
 """[rad or m] a step in contact that moves nothing farther ends the frame of an avatar that came no nearer lately: another one
-takes as long and brings a hundredth of the way, which the next frame brings as well. 0.1: limbs rest more than a millimetre short
-of a wall that turns them. Where something has just come in the way all steps are taken, or a foot that the floor caught stays
-caught."""
-
-
-@kernel
-def stiffen(memory_out: Memory) -> None:
-    """Bring the weight of angles nearer to that of a posture in contact, of one beyond limits, or of both: listed pairs press."""
-    mode, touches = memory_out.goal.closeness.mode, memory_out.pairs.marks[LISTED] > 0
-    if touches or mode[BEYOND] > 0.0:
-        wanted = ALONE if not touches else UNREACHED if mode[BEYOND] > 0.0 else 1.0
-        mode[STIFF] += CHANGE * (wanted - mode[STIFF])
+takes as long and brings little that the next frame does not bring as well. 0.05: limbs go to and fro twice as often; 0.005: a
+fifth more time. Where something has just come in the way all steps are taken, or a foot that the floor caught stays caught."""
 
 
 @kernel
 def is_held(memory: Memory) -> bool:
     """Whether the last step was one in contact, towards a posture that the avatar has not come a fifth nearer to of late."""
     return bool(memory.goal.closeness.mode[COUPLED] > 0.0 and memory.flags[SLOW] > 0.0)
-
-
-@kernel
-def begin_frame(skel: Skeleton, posture: Posture, memory_out: Memory) -> None:
-    """One more frame of steps begins, with the merit that its steps are judged by."""
-    stiffen(memory_out)
-    frame, now = int(memory_out.flags[FRAME]), 0.0
-    if memory_out.flags[CLOSE] == 0.0:
-        # where the nearest posture is sought its merit is known once there is a contact
-        measure_way(skel, posture, memory_out.goal)
-        now = merit(memory_out.goal)
-    memory_out.goal.window[frame % MERIT_WINDOW] = now
-    memory_out.flags[FRAME] = frame + 1
 
 
 @kernel

@@ -20,10 +20,7 @@ from avatarsim.posture.workspace import (
     BUILT,
     COUNT,
     COUPLED,
-    FRAME,
     LOCATED,
-    MERIT_NOW,
-    MERIT_WINDOW,
     TRACKER_SPEED,
     Goal,
     Memory,
@@ -41,7 +38,8 @@ the end of the step the nearest place of a cone is another one, and what keeps t
 
 @kernel
 def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
-    """Whether the step moves more than the tracker does and yet does not bring the posture nearer to it.
+    """Whether the step moves more than the tracker does and yet, by the model, does not bring the posture nearer to it: what was
+    cut from a step may lead away.
 
     Without this test limbs circle for ever around an obstacle before a resting tracker.
     """
@@ -57,10 +55,7 @@ def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
         for j in range(x.shape[0]):
             gain += (goal.full[j] - 0.5 * x[j]) * x[j] / goal.inverse_weight[j]
             square += x[j] * x[j] / goal.inverse_weight[j]
-    worst = 0.0
-    for value in goal.window:
-        worst = max(worst, value)
-    return bool(memory.flags[MERIT_NOW] - gain + settings.merit * square > worst)
+    return not (gain >= settings.merit * square)
 
 
 @kernel
@@ -92,11 +87,7 @@ def seek_the_nearest(
         else:
             locate(skel, goal.tracker, c)
         round_edges(geo, skel, poses, memory_out)
-    memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
-    if c.mode[LOCATED] == 0.0:
-        c.mode[LOCATED] = 1.0
-        frame = int(memory_out.flags[FRAME]) - 1
-        goal.window[frame % MERIT_WINDOW] = memory_out.flags[MERIT_NOW]
+    c.mode[LOCATED] = 1.0
     couple(skel, memory_out.axes, goal.wanted, c)
     shorten(skel, posture, settings, c.pull, goal)
     scale_step(goal)

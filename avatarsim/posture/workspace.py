@@ -12,7 +12,7 @@ from avatarsim.posture.metric import metric
 from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
+from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -28,9 +28,6 @@ LISTED_CAP = 64
 
 FAILED_CAP = 64
 """Most failed pairs that are remembered by name; further ones are only counted."""
-
-MERIT_WINDOW = 8
-"""Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
 
 # counts of one frame, by place in Memory.counts
 QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
@@ -80,9 +77,8 @@ class Closeness(NamedTuple):
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
 # links over the limits of their joints; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits,
-# -1 if nobody has asked in this frame; what angles weigh now, in units of turn_weight; 1 while that excess is so large that each
-# joint goes its own way (`body_place.py`); the frame in which `around` was last in use; 1 if no avatar has joints
-COUPLED, BEYOND, LOCATED, BEST, STIFF, ASTRAY, SEEN, RIGID = range(8)
+# -1 if nobody has asked in this frame; the frame in which `around` was last in use; 1 if no avatar has joints
+COUPLED, BEYOND, LOCATED, BEST, SEEN, RIGID = range(6)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -92,13 +88,13 @@ class Goal(NamedTuple):
 
     full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust in (0, 1]: share of the caps that steps have
     in this frame, in one number (1); share (nd) of the wanted step that this attempt takes, one for all of an avatar;
-    inverse_weight (nd); tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker,
-    limits or not; wanted (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's
-    (`body_place.py`); begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
-    one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
-    (`leap.py`, `again.py`); slow (nl) frames in which each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led
-    (nl) 1 for roots for which a way is sought (`behind.py`); gone (nl, 2) how far each root [m] and each joint [rad] has gone
-    along its path in this frame (`motion_budget.py`)
+    inverse_weight (nd); tracker Posture inside the limits; previous tracker posture; own posture of the tracker,
+    limits or not; wanted (nd) the way there; closeness the measure of nearness; begun the posture in which the frame began;
+    leapt (nl, 2) how far each user went in this frame [m], and the most that one of their joints turned [rad], in the row of the
+    root; allowed (nd) share of a step, 0 for what has gone as far as it may (`leap.py`, `again.py`); slow (nl) frames in which
+    each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led (nl) 1 for roots for which a way is sought
+    (`behind.py`); gone (nl, 2) how far each root [m] and each joint [rad] has gone along its path in this frame
+    (`motion_budget.py`)
     """
 
     full: Array
@@ -110,11 +106,9 @@ class Goal(NamedTuple):
     inverse_weight: Array
     tracker: Posture
     before: Posture
-    window: Array
     own: Posture
     wanted: Array
     closeness: Closeness
-    aside: Posture
     begun: Posture
     leapt: Array
     allowed: Array
@@ -207,9 +201,9 @@ COUNT, BUILT = range(2)
 
 # places in Memory.flags
 (
-    MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, LEAP,
-) = range(20)
+    TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
+    PRESSED, CALM, RESTED, CLOSE, LEAP,
+) = range(17)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
@@ -241,7 +235,7 @@ def _closeness(skel: Skeleton) -> Closeness:
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, 1.0, 0.0, -1.0, rigid]), np.zeros((nl, 3)),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, -1.0, rigid]), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nd),
     )
 
@@ -252,9 +246,8 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses, kept: int = 0) -> M
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
         np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(1), np.ones(nd), np.ones(nd), _posture(nl, nd),
-        _posture(nl, nd), np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0),
-        _posture(nl, nd), np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl),
-        np.zeros((nl, 2)),
+        _posture(nl, nd), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, nd),
+        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl), np.zeros((nl, 2)),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),

@@ -5,6 +5,7 @@ import pytest
 
 from avatarsim.posture.closeness import gather, note_motions
 from avatarsim.posture.curvature import bound_curvature, note_forces
+from avatarsim.posture.kinematics import forward
 from avatarsim.posture.workspace import COUNT, COUPLED
 from tests.posture.test_closeness import Little, stand, towards
 
@@ -15,8 +16,6 @@ H = 1e-4
 def potential(found: Little, step: np.ndarray, points: np.ndarray, forces: np.ndarray) -> float:
     """- sum F . p after a step, of forces (nl, 3) that stay as they are at points (nl, 3) fixed in the links."""
     geo, skel, posture, poses = found.parts
-    from avatarsim.posture.kinematics import forward
-
     trial = found.memory.trial
     forward(geo, skel, posture, step, trial, found.memory.trial_axes)
     places, turns = trial.position[skel.first :], trial.rotation[skel.first :]

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.posture.certify import certify
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import PAIRS_INCLUDED, SHRINK, WORK_PER_PAIR, budget, go_less_far
-from avatarsim.posture.workspace import ASKED, HELD, MERIT_NOW, NEAR
+from avatarsim.posture.workspace import ASKED, HELD, NEAR
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed
 from avatarsim.scene.mass import solid
@@ -55,8 +55,6 @@ def test_a_step_that_goes_too_far_is_shortened_and_one_that_leads_away_is_not_ta
     geo, skel, posture, poses = found.parts
     memory, way = found.memory, np.array([-1e-3, 0.0, 0.0, 0.0, 0.0, 0.0])
     memory.goal.full[:], memory.rows.x[:] = way, overshot * way
-    memory.flags[MERIT_NOW] = 0.5 * (way**2 / memory.goal.inverse_weight).sum()
-    memory.goal.window[:] = memory.flags[MERIT_NOW]
     go_less_far(geo, skel, posture, poses, SETTINGS, memory)
     assert memory.rows.x == pytest.approx(kept * way, abs=1e-15) and memory.counts[HELD] == (kept == 0.0)
     assert memory.trial.position[skel.first] == pytest.approx(poses.position[skel.first] + kept * way[:3], abs=1e-15)
@@ -68,6 +66,5 @@ def test_a_shortened_step_into_a_wall_is_not_taken() -> None:
     geo, skel, posture, poses = found.parts
     memory, way = found.memory, np.array([0.02, 0.0, 0.0, 0.0, 0.0, 0.0])
     memory.goal.full[:], memory.rows.x[:] = way, way
-    memory.goal.window[:] = 1.0
     go_less_far(geo, skel, posture, poses, SETTINGS, memory)
     assert not memory.rows.x.any() and memory.counts[HELD] == 1

@@ -91,7 +91,8 @@ def test_forgetting_leaves_no_memory_of_pairs() -> None:
     pairs = found.memory.pairs
     pairs.marks[LISTED], pairs.active[0, 1], pairs.axis[0, 1], found.memory.goal.closeness.press[0] = 1, True, 1.0, 0.1
     forget(found.memory)
-    assert pairs.marks[LISTED] == 0 and not pairs.active.any() and not pairs.axis.any() and not found.memory.goal.closeness.press.any()
+    assert pairs.marks[LISTED] == 0 and not pairs.active.any() and not pairs.axis.any()
+    assert not found.memory.goal.closeness.press.any()
 
 
 def test_in_the_frame_of_the_jump_nobody_is_called_trapped() -> None:
