@@ -21,10 +21,11 @@ from avatarsim.world.skeleton import Posture, Skeleton
 ARRIVED = 5e-3
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
-SETTLED = 0.02
+SETTLED = 0.05
 """[rad or m] a step in contact that moves nothing farther ends the frame of an avatar that came no nearer lately: another one
-takes as long and brings little that the next frame does not bring as well. 0.05: limbs go to and fro twice as often; 0.005: a
-fifth more time. Where something has just come in the way all steps are taken, or a foot that the floor caught stays caught."""
+takes as long and brings little that the next frame does not bring as well. 0.02: limbs go to and fro a tenth less often, and
+frames in contact take a sixth longer; 0.1: limbs rest more than a millimetre short of a wall that turns them. Where something has
+just come in the way all steps are taken, or a foot that the floor caught stays caught."""
 
 
 @kernel
