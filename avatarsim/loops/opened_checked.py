@@ -36,7 +36,7 @@ def opened_closeness(o: Opening) -> Closeness:
     return Closeness(
         index_grid(o)[0], index_line(o)[0], index_line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0],
         line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
-        line(o)[0], line(o)[0], vectors(o)[0],
+        line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], matrices(o)[0], line(o)[0],
     )
 
 
@@ -44,9 +44,9 @@ def opened_closeness(o: Opening) -> Closeness:
 def opened_goal(o: Opening) -> Goal:
     """The next Goal."""
     return Goal(
-        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o), line(o)[0],
-        opened_posture(o), line(o)[0], opened_closeness(o), opened_posture(o), opened_posture(o),
-        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], line(o)[0], vectors(o)[0], line(o)[0], grid(o)[0],
+        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], opened_posture(o), opened_posture(o),
+        opened_posture(o), line(o)[0], opened_closeness(o), opened_posture(o),
+        grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], line(o)[0], grid(o)[0],
     )
 
 
@@ -55,7 +55,7 @@ def opened_rows(o: Opening) -> Rows:
     """The next Rows."""
     return Rows(
         grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0], grid(o)[0], index_grid(o)[0], line(o)[0], line(o)[0],
-        index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], line(o)[0],
+        index_line(o)[0], index_line(o)[0], grid(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0],
     )
 
 

@@ -5,7 +5,7 @@ What stands in the way of one hand is no reason to hold another, nor to leave on
 
 from avatarsim.kernel import kernel
 from avatarsim.posture.goal import farthest
-from avatarsim.posture.workspace import FRAME, LED, PAST_FRAMES, SLOW, SPEED, TRAVELS, UNDER_WAY, Goal, Memory
+from avatarsim.posture.workspace import FRAME, LED, PAST_FRAMES, SLOW, SPEED, UNDER_WAY, Goal, Memory
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import norm, put_row, row
 from avatarsim.world.geometry import Array
@@ -94,20 +94,17 @@ def judge_progress(skel: Skeleton, memory_out: Memory) -> None:
     After `unstick`, which has measured the way from where the frame ends. Who is led comes no nearer meanwhile.
     """
     flags, goal = memory_out.flags, memory_out.goal
-    place, anybody, travels = int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH, False
+    place, anybody = int(flags[FRAME]) % PAST_FRAMES, farthest(goal) > NEAR_ENOUGH
     for root in range(skel.kind.shape[0]):
         if skel.parent[root] >= 0:
             continue
         far = anybody and largest_of_tree(skel, root, goal) > NEAR_ENOUGH
-        travels = travels or far
         if flags[LED] == UNDER_WAY and goal.led[root] > 0.0:
             goal.slow[root] += 1.0
             continue
         now = merit_of_tree(skel, root, goal)
         goal.slow[root] = goal.slow[root] + 1.0 if far and now > NEARER * goal.past[root, place] else 0.0
         goal.past[root, place] = now
-    if not travels:
-        flags[TRAVELS] = 0.0
     count_slow(memory_out)
 
 

@@ -13,7 +13,7 @@ from avatarsim.posture.certificate import (
     remember_axis,
 )
 from avatarsim.posture.contact_row import support_row, witness_row
-from avatarsim.posture.workspace import ADDING, ASKED, FAILED, NEAR, NEAR_BODIES, NEARBY, SOFT, Memory
+from avatarsim.posture.workspace import ADDING, ASKED, FAILED, NEAR, NEARBY, SOFT, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.spatial.vec3 import dot
@@ -126,7 +126,7 @@ def certify(
     list_near_bodies(skel, memory_out)
     swept, hulls, pairs = memory_out.swept, memory_out.swept_hulls, memory_out.pairs
     nb, failed = geo.first_shape.shape[0] - 1, 0
-    pairs.marks[FAILED], pairs.marks[ASKED], pairs.marks[NEAR_BODIES] = 0, 0, 0
+    pairs.marks[FAILED], pairs.marks[ASKED] = 0, 0
     if is_no_pose(skel, memory_out):
         memory_out.touched[:] = True
         return 1
@@ -135,7 +135,6 @@ def certify(
             k = pairs.near[other] if other < pairs.marks[NEARBY] else link + 1 + other - pairs.marks[NEARBY]
             if not boxes_meet(hulls, link, k) or not may_meet(geo.wanted, link, k):
                 continue
-            before = pairs.marks[ASKED]
             for a in range(geo.first_shape[link], geo.first_shape[link + 1]):
                 for b in range(geo.first_shape[k], geo.first_shape[k + 1]):
                     if boxes_meet(swept, a, b):
@@ -147,6 +146,4 @@ def certify(
                                 pairs.failed[pairs.marks[FAILED], 0] = a
                                 pairs.failed[pairs.marks[FAILED], 1] = b
                                 pairs.marks[FAILED] += 1
-            if pairs.marks[ASKED] > before:
-                pairs.marks[NEAR_BODIES] += 1
     return failed

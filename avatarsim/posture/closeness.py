@@ -1,26 +1,24 @@
 """How near a posture is to the tracker's, in the two figures a user sees: link origins [m], and joint angles weighed as metres.
 
-merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints, times
-mode[STIFF] (`follow.py`); of avatars without joints that square is weighed by `turned_aside.py`.
+merit = sum of |origin - tracker's origin|^2 / 2 over the links + sum of turn_weight (angle to go)^2 / 2 over the joints;
+of avatars without joints that square is weighed by `turned_aside.py`.
 The tracker's posture is taken as it is, limits or not: limits are conditions of the step, as contacts are.
 
 To first order its rates are those of a tree of unit masses at the link origins whose joints have a rotor each, so its second
-derivatives are that tree's mass matrix: composite masses (Walker and Orin), and a factor without fill-in (Featherstone).
+derivatives are that tree's mass matrix: composite masses (Walker and Orin), and a factor without fill-in (Featherstone). What
+bends it beyond that, contact forces included, joins the diagonal (`curvature.py`).
 """
 
 from math import sqrt
 
 from avatarsim.kernel import kernel
+from avatarsim.posture.curvature import bound_curvature
 from avatarsim.posture.turned_aside import bent, cost, rise
-from avatarsim.posture.workspace import RIGID, STIFF, WORN, Closeness
+from avatarsim.posture.workspace import RIGID, Closeness
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Index
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
-
-WORN_OUT = 0.1
-"""[rad or m] way of avatar and tracker after which the second derivatives are taken anew. 0: every step, 10 us more per frame
-of a human in contact; 1: limbs overshoot."""
 
 FREE_DEGREES = 6
 """Degrees of freedom of a free root: three of its place, then three of its turn."""
@@ -56,9 +54,9 @@ def locate(skel: Skeleton, posture: Posture, closeness_out: Closeness) -> None:
 
 
 @kernel
-def gather(skel: Skeleton, masses: bool, closeness_out: Closeness) -> None:
+def gather(skel: Skeleton, closeness_out: Closeness) -> None:
     """Of each link with all it carries, about its own origin: number of origins, their first and second moments, the sum of
-    their ways to the tracker's, and the moments of these ways. masses: whether the second moments are asked for."""
+    their ways to the tracker's, and the moments of these ways."""
     c, parents = closeness_out, skel.parent
     here, there, number, firsts, ways = c.here, c.there, c.number, c.first, c.way
     second, moment, far = c.second, c.moment, c.far[0]
@@ -85,27 +83,21 @@ def gather(skel: Skeleton, masses: bool, closeness_out: Closeness) -> None:
             ways[parent, i] += way[i]
             for k in range(3):
                 moment[parent, i, k] += moment[link, i, k] + arm[i] * way[k]
-        if masses:
-            for i in range(3):
-                for k in range(3):
-                    second[parent, i, k] += second[link, i, k] + arm[i] * first[k] + first[i] * arm[k] + n * arm[i] * arm[k]
+                second[parent, i, k] += second[link, i, k] + arm[i] * first[k] + first[i] * arm[k] + n * arm[i] * arm[k]
 
 
 @kernel
 def couple(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """The step `pull` that would bring the merit to its least if nothing were in the way: M pull = slope.
 
-    full (nd) is the way to the tracker's posture. M is factored anew only when it is worn: the slope alone decides where the
-    merit is least, and M only how the way there is shared out.
+    full (nd) is the way to the tracker's posture. The slope alone decides where the merit is least, and M only how the way there
+    is shared out, and that it does not overshoot.
     """
     c = closeness_out
-    worn = c.mode[WORN] > WORN_OUT
-    gather(skel, worn, c)
+    gather(skel, c)
     slope(skel, axes, full, c)
-    if worn:
-        bend(skel, axes, full, c)
-        decompose(c.path, c.depth, c.factor)
-        c.mode[WORN] = 0.0
+    bend(skel, axes, full, c)
+    decompose(c.path, c.depth, c.factor)
     solve(c, c.pull)
 
 
@@ -120,12 +112,12 @@ def turned_square(full: Array, first: int) -> float:
 def slope(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """How fast the merit falls with each degree of freedom, into pull (nd)."""
     c, kind, first_dof = closeness_out, skel.kind, skel.first_dof
-    b, ways, pull, turn_weight, stiff, rigid = c.moment, c.way, c.pull, c.turn_weight, c.mode[STIFF], c.mode[RIGID] > 0.0
+    b, ways, pull, turn_weight, rigid = c.moment, c.way, c.pull, c.turn_weight, c.mode[RIGID] > 0.0
     for m in range(kind.shape[0]):
         first, way = first_dof[m], row(ways, m)
         moves = first + 3 if kind[m] == FREE else first
         twist = (b[m, 1, 2] - b[m, 2, 1], b[m, 2, 0] - b[m, 0, 2], b[m, 0, 1] - b[m, 1, 0])
-        weight = stiff * rise(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
+        weight = rise(turned_square(full, first)) if rigid and kind[m] == FREE else 1.0
         for j in range(first, first_dof[m + 1]):
             if j < moves:
                 pull[j] = dot(row(axes, j), way)
@@ -153,20 +145,21 @@ def note_motions(skel: Skeleton, axes: Rows, closeness_out: Closeness) -> None:
 def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> None:
     """Second derivatives of the merit, a row per degree of freedom, from what its motion asks of the masses that it carries.
 
-    What bends the merit further up than to first order joins the diagonal: without it a limb that is pressed together
-    overshoots, step by step.
+    What bends the merit beyond first order joins the diagonal: without it a limb that is pressed together overshoots, step by
+    step.
     """
     c = closeness_out
-    t, b, here, root, firsts, number = c.second, c.moment, c.here, c.root, c.first, c.number
-    path, depth, factor, motion, turn_weight, stiff = c.path, c.depth, c.factor, c.motion, c.turn_weight, c.mode[STIFF]
+    t, here, root, firsts, number = c.second, c.here, c.root, c.first, c.number
+    path, depth, factor, motion, turn_weight = c.path, c.depth, c.factor, c.motion, c.turn_weight
     kind, first_dof, rigid = skel.kind, skel.first_dof, c.mode[RIGID] > 0.0
     note_motions(skel, axes, c)
+    bound_curvature(skel, axes, c)
     for m in range(kind.shape[0]):
         first, moved, n = first_dof[m], row(firsts, m), number[m]
         moves = first + 3 if kind[m] == FREE else first
-        trace, spread = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2], b[m, 0, 0] + b[m, 1, 1] + b[m, 2, 2]
+        trace = t[m, 0, 0] + t[m, 1, 1] + t[m, 2, 2]
         out = sub(row(here, m), row(here, root[m]))
-        weight = stiff * bent(turned_square(full, first)) if rigid and kind[m] == FREE else stiff
+        weight = bent(turned_square(full, first)) if rigid and kind[m] == FREE else 1.0
         for j in range(first, first_dof[m + 1]):
             axis, extra = row(axes, j), 0.0
             if j < moves:
@@ -178,10 +171,7 @@ def bend(skel: Skeleton, axes: Rows, full: Array, closeness_out: Closeness) -> N
                     trace * axis[1] - t[m, 1, 0] * axis[0] - t[m, 1, 1] * axis[1] - t[m, 1, 2] * axis[2],
                     trace * axis[2] - t[m, 2, 0] * axis[0] - t[m, 2, 1] * axis[1] - t[m, 2, 2] * axis[2],
                 )
-                along_axis = 0.0
-                for i in range(3):
-                    along_axis += axis[i] * (b[m, i, 0] * axis[0] + b[m, i, 1] * axis[1] + b[m, i, 2] * axis[2])
-                extra = weight * turn_weight[j] + max(0.0, spread - along_axis)
+                extra = weight * turn_weight[j] + c.curvature[j]
             torque = add(torque, cross(out, force))
             for d in range(depth[j] + 1):
                 i = path[j, d]
@@ -262,15 +252,15 @@ def merit_of(closeness: Closeness, here: Rows, full: Array) -> float:
 
     See the head of this file; an origin farther than `far` counts by its distance and not by the square."""
     c, total = closeness, 0.0
-    there, turn_weight, far, stiff = c.there, c.turn_weight, c.far[0], c.mode[STIFF]
+    there, turn_weight, far = c.there, c.turn_weight, c.far[0]
     for link in range(here.shape[0]):
         way = sub(row(there, link), row(here, link))
         square = dot(way, way)
         total += 0.5 * square if square <= far * far else far * (sqrt(square) - 0.5 * far)
     if c.mode[RIGID] > 0.0:
         for first in range(0, full.shape[0], FREE_DEGREES):
-            total += 0.5 * stiff * turn_weight[first + 3] * cost(turned_square(full, first))
+            total += 0.5 * turn_weight[first + 3] * cost(turned_square(full, first))
         return total
     for j in range(full.shape[0]):
-        total += 0.5 * stiff * turn_weight[j] * full[j] * full[j]
+        total += 0.5 * turn_weight[j] * full[j] * full[j]
     return total

@@ -7,7 +7,7 @@ from avatarsim.posture.certificate import axis_of, nearest_direction, remember_n
 from avatarsim.posture.workspace import COUNT, DROPPED, LISTED, ROWS, SOFT, Memory
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows as Points
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, neg, row, sub
+from avatarsim.spatial.vec3 import Vec3, along, cross, dot, neg, put_row, row, sub
 from avatarsim.world.geometry import Array as Step
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Skeleton
@@ -52,6 +52,10 @@ def add_row(
         r.jacobian[count, j] = 0.0
     add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, r.jacobian, count)
     add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, r.jacobian, count)
+    arm, other = sub(on_a, row(poses.position, geo.body[a])), sub(on_b, row(poses.position, geo.body[b]))
+    put_row(r.normal, count, n)
+    for i in range(3):
+        r.arms[count, i], r.arms[count, 3 + i] = arm[i], other[i]
     bound = missing
     for j in range(nd):
         bound += r.jacobian[count, j] * x[j]

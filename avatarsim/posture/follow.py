@@ -3,16 +3,16 @@
 from avatarsim.kernel import kernel
 from avatarsim.posture.again import leave_the_rest
 from avatarsim.posture.behind import all_are_led, judge_anew, judge_progress
-from avatarsim.posture.body_place import place_bodies, stay_aside
 from avatarsim.posture.goal import clip_to_limits, measure_way
 from avatarsim.posture.jointed import has_joints
 from avatarsim.posture.leap import leap_of, steps_of_leap
 from avatarsim.posture.meet_tracker import meet_the_tracker
 from avatarsim.posture.notice import notice_movers, notice_others
 from avatarsim.posture.untie import unstick
-from avatarsim.posture.walk import begin_frame, walk
+from avatarsim.posture.walk import walk
 from avatarsim.posture.way_memory import copy_posture
 from avatarsim.posture.workspace import (
+    FRAME,
     LEAP,
     LEAPS,
     LED,
@@ -52,10 +52,8 @@ def follow(
     clip_to_limits(skel, tracker, memory_out.goal)
     steps, moved = settings.steps, 0.0
     if again:
-        stay_aside(skel, memory_out.goal)
         flags[RESTED] = 0.0 if changed else flags[RESTED]
     else:
-        place_bodies(skel, memory_out.goal)
         memory_out.goal.gone[:] = 0.0
         copy_posture(posture_out, memory_out.goal.begun)
         moved = meet_the_tracker(geo, skel, changed, memory_out)
@@ -71,7 +69,7 @@ def follow(
             steps += steps_of_leap(settings, memory_out)
             if moved > HURRIED * settings.move_cap and not has_joints(skel):
                 steps = max(steps, settings.steps + 1)
-            begin_frame(skel, posture_out, memory_out)
+            flags[FRAME] += 1.0
         flags[STEPPED] = walk(geo, skel, settings, steps, posture_out, poses_out, memory_out)
     if again:
         return

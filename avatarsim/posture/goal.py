@@ -110,19 +110,19 @@ def want(skel: Skeleton, posture: Posture, goal_out: Goal) -> None:
 
 @kernel
 def shorten(skel: Skeleton, posture: Posture, settings: PostureSettings, way: Array, goal_out: Goal) -> None:
-    """Fill step, low and high for a way (nd): it is capped per joint by its trust, and a contact does not throw a joint further
+    """Fill step, low and high for a way (nd): it is capped per joint, and a contact does not throw a joint further
     than `stray_turn` off it."""
     g = goal_out
     for link in range(skel.kind.shape[0]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
-            cap(way, g.trust[d] * g.allowed[d], d, d + 3, settings.move_cap, settings.stray_move, g.step, g.low, g.high)
+            cap(way, g.trust[0] * g.allowed[d], d, d + 3, settings.move_cap, settings.stray_move, g.step, g.low, g.high)
             d += 3
         if kind == FREE or kind == BALL:
-            cap(way, g.trust[d] * g.allowed[d], d, d + 3, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
+            cap(way, g.trust[0] * g.allowed[d], d, d + 3, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
-                trust = g.trust[j] * g.allowed[j]
+                trust = g.trust[0] * g.allowed[j]
                 cap(way, trust, j, j + 1, settings.turn_cap, settings.stray_turn, g.step, g.low, g.high)
                 g.low[j] = max(g.low[j], skel.limits[j, 0] - posture.angle[j])
                 g.high[j] = min(g.high[j], skel.limits[j, 1] - posture.angle[j])

@@ -8,9 +8,9 @@ from avatarsim.kernel import kernel
 from avatarsim.posture.certify import certify
 from avatarsim.posture.contact_row import forget_idle_pairs, list_pair, list_rows, rows_of_listed
 from avatarsim.posture.creep import creeps, slow_down
-from avatarsim.posture.crowd import slide
+from avatarsim.posture.curvature import note_forces
 from avatarsim.posture.foreseen import foresee
-from avatarsim.posture.goal import aim, merit
+from avatarsim.posture.goal import aim
 from avatarsim.posture.kinematics import forward, place_links, take
 from avatarsim.posture.leap import steps_of_leap
 from avatarsim.posture.limit_row import beyond_limits
@@ -29,29 +29,29 @@ from avatarsim.posture.workspace import (
     FORWARDS,
     HELD,
     ITERATIONS,
-    MERIT_NOW,
     NOW,
+    PRESSED,
     QUERIES,
     ROWS,
     SOFT,
     STEPS,
     SUPPORTS,
     SWEEPS,
-    WORN,
+    TRACKER_SPEED,
     Memory,
 )
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.geometry import Array, Geometry, Index, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 SHRINK = 0.25
-"""Factor by which a failing joint's step and trust shrink. Nearer 1 costs more trials, nearer 0 makes limbs hesitate."""
+"""Share of the wanted step that the attempt after one that was refused, or lost merit, takes. Nearer 1: refused once more; nearer
+0: avatars hesitate."""
 
-LEAST_TRUST = 1.0 / 32.0
-"""Smallest trust of a joint: below it, limbs that were once stuck took seconds to move again."""
-
-BACK_OFFS = 8
-"""Trials with ever shorter steps before the last checked state is kept."""
+BACK_OFF, BACK_OFFS = 0.5, 6
+"""Factor by which a trial that is still refused shrinks, and how often. One share for all of an avatar keeps the step on the line
+to where the model's least is; a limb cut alone leaves it, and the rest of the body makes up for it frame by frame, to and fro.
+After that the failing joints alone stay: one blocked hand must not freeze the other."""
 
 PAIRS_INCLUDED = 8
 """Near pairs that the budget of settings is made for. A human at a wall has six."""
@@ -59,6 +59,10 @@ PAIRS_INCLUDED = 8
 WORK_PER_PAIR = 10
 """Budget that each further near pair brings: it is asked in every trial, and in a corner it needs a query, a row and a correction
 of its own now and then. With a fixed budget a hand of 24 hinges and 80 near pairs was spent after its first trial, and jumped."""
+
+PRESSED_TRUST, PRESSED_GAIN = 0.15, 12.0
+"""Trust allowed to limbs that a tracker at rest presses into something, and what each rad or m per frame of its speed adds.
+Without it limbs that find a better place to rest at whip there, 47 degrees in a frame; with less they are slow."""
 
 IDLE_STEPS = 3
 """Steps for which a pair stays listed after its last active row; 0 makes contacts flicker."""
@@ -114,28 +118,35 @@ def moves_failing(skel: Skeleton, memory: Memory, m: int) -> bool:
 
 
 @kernel
-def shrink_failing(skel: Skeleton, factor: float, memory_out: Memory) -> None:
-    """Scale the step of every joint that moves a failing link; one blocked hand must not freeze the other."""
+def shrink_failing(skel: Skeleton, factor: float, roots: Index, values_out: Array, memory: Memory) -> None:
+    """Scale values (nd), a step or a share of it, of every avatar of which a link failed; `roots` (nl) of the links' trees."""
     for m in range(skel.kind.shape[0]):
-        if moves_failing(skel, memory_out, m):
-            for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
-                memory_out.rows.x[j] *= factor
+        for link in range(skel.kind.shape[0]):
+            if memory.touched[link] and roots[link] == roots[m]:
+                for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
+                    values_out[j] *= factor
+                break
 
 
 @kernel
-def distrust_failing(skel: Skeleton, first: int, memory_out: Memory) -> None:
-    """Shrink the trust of joints that move failing links and list the failing pairs."""
+def stop_failing(skel: Skeleton, memory_out: Memory) -> None:
+    """No step of the joints that move a failing link."""
     for m in range(skel.kind.shape[0]):
         if moves_failing(skel, memory_out, m):
             for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
-                memory_out.goal.trust[j] = max(memory_out.goal.trust[j] * SHRINK, LEAST_TRUST)
+                memory_out.rows.x[j] = 0.0
+
+
+@kernel
+def list_failing(first: int, memory_out: Memory) -> None:
+    """List the failing pairs, so that they have a row in the next attempt before anything fails."""
     for k in range(memory_out.pairs.marks[FAILED]):
         list_pair(memory_out.pairs.failed[k, 0], memory_out.pairs.failed[k, 1], first, memory_out)
 
 
 @kernel
 def attempt(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> tuple[int, bool]:
     """Solve and certify with growing rows; return failures and whether the budget is spent."""
     r = memory_out.rows
@@ -148,7 +159,7 @@ def attempt(
         # limits are in the way as contacts are: each joint clipped by itself is not the nearest posture
         if mode[COUPLED] == 0.0 and memory_out.flags[CLOSE] > 0.0 and (mode[BEYOND] > 0.0 or hindered(goal.step, r)):
             # where nothing is in the way the straight way is taken: it ends at the tracker's posture, and no metric is needed
-            seek_the_nearest(geo, skel, posture, poses, settings, shorter, memory_out)
+            seek_the_nearest(geo, skel, posture, poses, settings, memory_out)
             if mode[BEYOND] > 0.0:
                 keep_limits(skel, posture, memory_out)
         memory_out.counts[SWEEPS] += nearest_step(memory_out.goal, r, settings.sweeps, tolerance)
@@ -166,8 +177,6 @@ def attempt(
         place_links(geo, skel, memory_out.trial)
         if creeps(memory_out):
             slow_down(geo, skel, posture, poses, memory_out)
-            within = False
-        if slide(geo, skel, posture, poses, memory_out):
             within = False
         spent = work_done(memory_out) > budget(settings, memory_out)
         last = spent or round_ == settings.corrections
@@ -193,11 +202,14 @@ def certifies(
 def back_off(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
-    """Shorten the step of failing joints until the trial certifies; at last stay where everything is known to be free."""
+    """Shorten the step of avatars that fail until the trial certifies; at last stay where everything is known to be free."""
     memory_out.counts[BACKED] += 1
     memory_out.flags[ADDING] = 0.0
-    for k in range(BACK_OFFS):
-        shrink_failing(skel, SHRINK if k < BACK_OFFS - 2 else 0.0, memory_out)
+    for k in range(BACK_OFFS + 2):
+        if k < BACK_OFFS:
+            shrink_failing(skel, BACK_OFF, memory_out.goal.closeness.root, memory_out.rows.x, memory_out)
+        else:
+            stop_failing(skel, memory_out)
         if certifies(geo, skel, posture, poses, settings, memory_out):
             return
     stay(geo, skel, posture, memory_out)
@@ -207,7 +219,7 @@ def back_off(
 def go_less_far(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
-    """Shorten a step that was certified but loses merit, where the budget has no second attempt; stay if that helps nothing."""
+    """Shorten a step that was certified but loses merit, in the last attempt; stay if that helps nothing."""
     memory_out.flags[ADDING] = 0.0
     for j in range(memory_out.rows.x.shape[0]):
         memory_out.rows.x[j] *= SHRINK
@@ -259,38 +271,36 @@ def step(
     goal, r = memory_out.goal, memory_out.rows
     first = geo.first_shape[skel.first]
     memory_out.counts[STEPS] += 1
-    failed, to_turn, to_move, shorter, accepted, lost = 0, 0.0, 0.0, 1.0, False, 0
+    failed, to_turn, to_move, accepted = 0, 0.0, 0.0, False
+    goal.trust[0], goal.share[:] = 1.0, 1.0
+    if memory_out.flags[PRESSED] > 0.0:
+        goal.trust[0] = min(1.0, PRESSED_TRUST + PRESSED_GAIN * memory_out.flags[TRACKER_SPEED])
     for round_ in range(settings.attempts):
         to_turn, to_move = aim(skel, posture, settings, goal)
-        memory_out.flags[MERIT_NOW] = merit(goal)
-        scale_step(shorter, goal)
+        scale_step(goal)
         memory_out.flags[SOFT] = 1.0 if round_ > 0 else 0.0
-        failed, spent = attempt(geo, skel, posture, poses, settings, shorter, memory_out)
+        failed, spent = attempt(geo, skel, posture, poses, settings, memory_out)
         weighed = settings.merit > 0.0 and (r.size[COUNT] > 0 or goal.closeness.mode[COUPLED] > 0.0)
         if failed == 0 and not (weighed and loses_merit(settings, memory_out)):
             accepted = True
-            for j in range(r.x.shape[0]):
-                goal.trust[j] = min(1.0, 2.0 * goal.trust[j])
             break
         if failed == 0:
-            shorter = SHRINK
-            lost += 1
+            goal.share[:] = SHRINK
         else:
-            distrust_failing(skel, first, memory_out)
+            list_failing(first, memory_out)
+            shrink_failing(skel, SHRINK, goal.closeness.root, goal.share, memory_out)
         if spent:
             break
     list_rows(first, memory_out)
     if not accepted:
-        if failed == 0 and lost > 1:
-            stay(geo, skel, posture, memory_out)
-        elif failed == 0:
+        if failed == 0:
             go_less_far(geo, skel, posture, poses, settings, memory_out)
         else:
             back_off(geo, skel, posture, poses, settings, memory_out)
     largest = 0.0
     for j in range(r.x.shape[0]):
         largest = max(largest, abs(r.x[j]))
-    goal.closeness.mode[WORN] += largest
+    note_forces(geo, skel, r, goal.closeness)
     forget_idle_pairs(first, IDLE_STEPS, memory_out)
     adopt(geo, skel, posture, poses, memory_out)
     return largest, to_turn, to_move

@@ -42,11 +42,9 @@ from avatarsim.posture.workspace import (
     LED_STEPS,
     PRESSED,
     SLOW,
-    SOUGHT,
     STEPPED,
     TRAPPED,
     TRAPPED_FRAMES,
-    TRAVELS,
     UNDER_WAY,
     WALLED,
     WALLED_FRAMES,
@@ -94,7 +92,7 @@ def set_free(memory_out: Memory, way_out: Way) -> None:
     """Nobody is trapped, and nothing is searched."""
     let_go(IDLE, memory_out, way_out)
     way_out.state[REST] = FIRST_REST
-    memory_out.flags[TRAPPED], memory_out.flags[WALLED], memory_out.flags[SOUGHT] = 0.0, 0.0, 0.0
+    memory_out.flags[TRAPPED], memory_out.flags[WALLED] = 0.0, 0.0
     memory_out.goal.led[:] = 0.0
     count_slow(memory_out)
 
@@ -197,15 +195,9 @@ def seek_once(
     if due or (mode != LEADING and is_time_to_look(skel, settings, memory_out)):
         if not look(geo, skel, settings, posture, poses, memory_out, s):
             set_free(memory_out, s)
-            flags[PRESSED], flags[TRAVELS] = 1.0, 0.0
+            flags[PRESSED] = 1.0
             return
-        if s.state[OPEN] == 0:
-            flags[PRESSED], flags[SOUGHT], flags[TRAVELS] = 1.0, 0.0, 0.0
-        else:
-            flags[PRESSED], flags[SOUGHT] = 0.0, 1.0
-        if only_waits(skel, settings, memory_out.goal):
-            # it waits where it is nearest, and has no limbs that could get caught there
-            flags[SOUGHT] = 0.0
+        flags[PRESSED] = 1.0 if s.state[OPEN] == 0 else 0.0
         if s.state[MODE] == IDLE:
             begin_search(skel, settings, posture, poses, memory_out, s)
     if s.state[MODE] == IDLE:

@@ -21,7 +21,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import row, sub
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
-from avatarsim.world.skeleton import UNLIMITED, Posture, Skeleton
+from avatarsim.world.skeleton import Posture, Skeleton
 
 ERROR = 0.1
 """[rad or m] an avatar nearer than this to the tracker's posture in every joint is not stuck."""
@@ -68,8 +68,8 @@ def unstick(
 @kernel
 def forget(memory_out: Memory) -> None:
     """Drop every memory that only speeds things up."""
-    memory_out.goal.trust[:] = 1.0
-    memory_out.goal.window[:] = UNLIMITED
+    memory_out.goal.closeness.press[:] = 0.0
+    memory_out.goal.closeness.leverage[:] = 0.0
     pairs = memory_out.pairs
     pairs.marks[LISTED] = 0
     for i in range(pairs.active.shape[0]):

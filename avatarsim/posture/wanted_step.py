@@ -20,10 +20,7 @@ from avatarsim.posture.workspace import (
     BUILT,
     COUNT,
     COUPLED,
-    FRAME,
     LOCATED,
-    MERIT_NOW,
-    MERIT_WINDOW,
     TRACKER_SPEED,
     Goal,
     Memory,
@@ -41,7 +38,8 @@ the end of the step the nearest place of a cone is another one, and what keeps t
 
 @kernel
 def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
-    """Whether the step moves more than the tracker does and yet does not bring the posture nearer to it.
+    """Whether the step moves more than the tracker does and yet, by the model, does not bring the posture nearer to it: what was
+    cut from a step may lead away.
 
     Without this test limbs circle for ever around an obstacle before a resting tracker.
     """
@@ -57,25 +55,21 @@ def loses_merit(settings: PostureSettings, memory: Memory) -> bool:
         for j in range(x.shape[0]):
             gain += (goal.full[j] - 0.5 * x[j]) * x[j] / goal.inverse_weight[j]
             square += x[j] * x[j] / goal.inverse_weight[j]
-    worst = 0.0
-    for value in goal.window:
-        worst = max(worst, value)
-    return bool(memory.flags[MERIT_NOW] - gain + settings.merit * square > worst)
+    return not (gain >= settings.merit * square)
 
 
 @kernel
-def scale_step(share: float, goal_out: Goal) -> None:
-    """Make the wanted step, and the bounds around it, shorter."""
-    if share < 1.0:
-        for j in range(goal_out.step.shape[0]):
-            goal_out.step[j] *= share
-            goal_out.low[j] *= share
-            goal_out.high[j] *= share
+def scale_step(goal_out: Goal) -> None:
+    """Make the wanted step, and the bounds around it, as short as this attempt takes them."""
+    for j in range(goal_out.step.shape[0]):
+        goal_out.step[j] *= goal_out.share[j]
+        goal_out.low[j] *= goal_out.share[j]
+        goal_out.high[j] *= goal_out.share[j]
 
 
 @kernel
 def seek_the_nearest(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, shorter: float, memory_out: Memory
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, settings: PostureSettings, memory_out: Memory
 ) -> None:
     """Make the wanted step the one to the least merit in link origins and angles, and its second derivatives the metric."""
     goal = memory_out.goal
@@ -93,14 +87,10 @@ def seek_the_nearest(
         else:
             locate(skel, goal.tracker, c)
         round_edges(geo, skel, poses, memory_out)
-    memory_out.flags[MERIT_NOW] = merit_of(c, c.here, goal.wanted)
-    if c.mode[LOCATED] == 0.0:
-        c.mode[LOCATED] = 1.0
-        frame = int(memory_out.flags[FRAME]) - 1
-        goal.window[frame % MERIT_WINDOW] = memory_out.flags[MERIT_NOW]
+    c.mode[LOCATED] = 1.0
     couple(skel, memory_out.axes, goal.wanted, c)
     shorten(skel, posture, settings, c.pull, goal)
-    scale_step(shorter, goal)
+    scale_step(goal)
     c.mode[COUPLED] = 1.0
     weigh_anew(memory_out.rows)
 
@@ -116,6 +106,9 @@ def weigh_anew(rows_out: Rows) -> None:
             for j in range(r.x.shape[0]):
                 r.jacobian[kept, j] = r.jacobian[k, j]
             r.bound[kept] = r.bound[k]
+            put_row(r.normal, kept, row(r.normal, k))
+            for i in range(6):
+                r.arms[kept, i] = r.arms[k, i]
             r.pair[kept, 0], r.pair[kept, 1] = r.pair[k, 0], r.pair[k, 1]
         r.multiplier[kept] = 0.0
         kept += 1

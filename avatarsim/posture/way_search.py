@@ -18,7 +18,7 @@ from avatarsim.posture.kinematics import forward
 from avatarsim.posture.notice import notice_others
 from avatarsim.posture.step import work_done
 from avatarsim.posture.untie import forget
-from avatarsim.posture.walk import begin_frame, walk
+from avatarsim.posture.walk import walk
 from avatarsim.posture.way_memory import (
     CUT_FROM,
     CUT_TO,
@@ -40,7 +40,7 @@ from avatarsim.posture.way_memory import (
     get_node,
 )
 from avatarsim.posture.way_path import choose_cut, splice, trace
-from avatarsim.posture.workspace import TRACKER_SPEED
+from avatarsim.posture.workspace import FRAME, TRACKER_SPEED
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, stepped
 from avatarsim.world.geometry import Geometry, Poses
@@ -215,7 +215,7 @@ def search(geo: Geometry, skel: Skeleton, settings: PostureSettings, way_out: Wa
                 return RESTING
             begin_walk(geo, skel, s)
         s.memory.counts[:] = 0
-        begin_frame(skel, s.posture, s.memory)
+        s.memory.flags[FRAME] += 1.0
         hold(skel, False, s.memory.goal, s.memory.goal.allowed)
         largest = walk(geo, skel, settings, min(1, settings.steps), s.posture, s.poses, s.memory)
         s.state[WALKED] += 1

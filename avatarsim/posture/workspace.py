@@ -12,7 +12,7 @@ from avatarsim.posture.metric import metric
 from avatarsim.posture.turn_weight import FAR, mean_reach, turn_weight
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import FREE, UNLIMITED, Posture, Skeleton
+from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -28,9 +28,6 @@ LISTED_CAP = 64
 
 FAILED_CAP = 64
 """Most failed pairs that are remembered by name; further ones are only counted."""
-
-MERIT_WINDOW = 8
-"""Frames over whose largest merit a posture must descend: one bad frame may be paid back within the next eight."""
 
 # counts of one frame, by place in Memory.counts
 QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, NEAR, DROPPED, ITERATIONS, RESYNCS, BAD_QUERIES = range(13)
@@ -48,7 +45,9 @@ class Closeness(NamedTuple):
     (nd) [m^2] of a squared angle, 0 for translations; here, there (nl, 3) [m] link origins of the checked and the tracker's
     posture; frame (nl, 3, 3) of the latter; number (nl), first, way (nl, 3), second, moment (nl, 3, 3) see `gather`; motion
     (nd, 6) see `note_motions`; factor (nd, w); pull (nd) the step to the least merit; far (1) [m] distance beyond which an
-    origin pulls no harder; mode, see the places below; around (nl, 3) [m] how far `there` is put aside (`round_edges.py`)
+    origin pulls no harder; mode, see the places below; around (nl, 3) [m] how far `there` is put aside (`round_edges.py`); press
+    (nl, 3) contact forces on the links in the last step, leverage (nl, 3, 3) their moments about the links' origins; load (nl, 3)
+    and bending (nl, 3, 3) the same of all that a link carries, pulls included in the latter; curvature (nd): see `curvature.py`
     """
 
     path: Index
@@ -69,14 +68,17 @@ class Closeness(NamedTuple):
     far: Array
     mode: Array
     around: Array
+    press: Array
+    leverage: Array
+    load: Array
+    bending: Array
+    curvature: Array
 
 
 # places in Closeness.mode: 1 if the rows of this step are weighed by the factor; mean squared excess [rad^2] of the tracker's
 # links over the limits of their joints; 1 if `there` is that of this frame; the merit of the tracker's posture inside its limits,
-# -1 if nobody has asked in this frame; way [rad or m] of avatar and tracker since the factor was made; what angles weigh now, in
-# units of turn_weight; 1 while that excess is so large that each joint goes its own way (`body_place.py`); the frame in which
-# `around` was last in use; 1 if no avatar has joints
-COUPLED, BEYOND, LOCATED, BEST, WORN, STIFF, ASTRAY, SEEN, RIGID = range(9)
+# -1 if nobody has asked in this frame; the frame in which `around` was last in use; 1 if no avatar has joints
+COUPLED, BEYOND, LOCATED, BEST, SEEN, RIGID = range(6)
 
 BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 
@@ -84,15 +86,15 @@ BOUND = -1  # Rows.pair[k, 0] of a row that is a bound of one degree of freedom
 class Goal(NamedTuple):
     """The way to the tracker's posture in the tangent space.
 
-    full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust (nd) in (0, 1]; inverse_weight (nd);
-    tracker Posture inside the limits; previous tracker posture; merit window; own posture of the tracker, limits or not; wanted
-    (nd) the way there; closeness the measure of nearness; aside how far roots are to be from the tracker's (`body_place.py`);
-    begun the posture in which the frame began; leapt (nl, 2) how far each user went in this frame [m], and the most that
-    one of their joints turned [rad], in the row of the root; allowed (nd) share of a step, 0 for what has gone as far as it may
-    (`leap.py`, `again.py`); slow (nl) frames in which each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led
-    (nl) 1 for roots for which a way is sought (`behind.py`); stood (nl, 3) link origins [m] where the frame began, stride (nl)
-    how far each root's links may go from there [m], both kept in a crowd alone (`crowd.py`); gone (nl, 2) how far each
-    root [m] and each joint [rad] has gone along its path in this frame (`motion_budget.py`)
+    full (nd) all of it; step (nd) capped; low, high (nd) bounds of this step; trust in (0, 1]: share of the caps that steps have
+    in this frame, in one number (1); share (nd) of the wanted step that this attempt takes, one for all of an avatar;
+    inverse_weight (nd); tracker Posture inside the limits; previous tracker posture; own posture of the tracker,
+    limits or not; wanted (nd) the way there; closeness the measure of nearness; begun the posture in which the frame began;
+    leapt (nl, 2) how far each user went in this frame [m], and the most that one of their joints turned [rad], in the row of the
+    root; allowed (nd) share of a step, 0 for what has gone as far as it may (`leap.py`, `again.py`); slow (nl) frames in which
+    each root's avatar came no nearer, past (nl, PAST_FRAMES) its merits, led (nl) 1 for roots for which a way is sought
+    (`behind.py`); gone (nl, 2) how far each root [m] and each joint [rad] has gone along its path in this frame
+    (`motion_budget.py`)
     """
 
     full: Array
@@ -100,22 +102,19 @@ class Goal(NamedTuple):
     low: Array
     high: Array
     trust: Array
+    share: Array
     inverse_weight: Array
     tracker: Posture
     before: Posture
-    window: Array
     own: Posture
     wanted: Array
     closeness: Closeness
-    aside: Posture
     begun: Posture
     leapt: Array
     allowed: Array
     slow: Array
     past: Array
     led: Array
-    stood: Array
-    stride: Array
     gone: Array
 
 
@@ -123,6 +122,7 @@ class Rows(NamedTuple):
     """Linear conditions J x >= c of one step and the dual solver's memory.
 
     jacobian, weighted (M, nd); bound, multiplier, residual (M); gram (M, M); pair (M, 2) shapes, or (-1, dof) for a bound;
+    normal (M, 3) of a contact, out of its second piece into its first; arms (M, 6) [m] from the origins of the two bodies to it;
     x (nd) the solution; here (nd) zero: the checked state; size (2) rows, and rows whose gram entries are up to date; pressing
     (A) rows whose multiplier is above zero, factor (A, A) of their gram matrix, change (A) of their multipliers, before (M) what
     all multipliers were (`active_set.py`)
@@ -142,6 +142,8 @@ class Rows(NamedTuple):
     factor: Array
     change: Array
     before: Array
+    normal: Array
+    arms: Array
 
 
 class PairMemory(NamedTuple):
@@ -150,7 +152,7 @@ class PairMemory(NamedTuple):
     axis (D, S, 3) last direction that held; axis_gap (D, S) its gap at the checked state, valid when axis_stamp == now;
     nearest (D, S, 3), nearest_gap (D, S) exact at the checked state, valid when nearest_stamp == now;
     active (D, S) whether listed; listed (64, 2), age (64); failed (64, 2); marks: now, listed, failed, near bodies,
-    near pairs of the last trial, and of bodies among them
+    near pairs of the last trial
     """
 
     axis: Array
@@ -167,7 +169,7 @@ class PairMemory(NamedTuple):
     marks: Index
 
 
-NOW, LISTED, FAILED, NEARBY, ASKED, NEAR_BODIES = range(6)
+NOW, LISTED, FAILED, NEARBY, ASKED = range(5)
 
 
 class Memory(NamedTuple):
@@ -199,9 +201,9 @@ COUNT, BUILT = range(2)
 
 # places in Memory.flags
 (
-    MERIT_NOW, TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
-    PRESSED, CALM, RESTED, CLOSE, TRAVELS, SOUGHT, CROWDED, LEAP,
-) = range(21)
+    TRACKER_SPEED, STUCK, STUCK_ERROR, FRAME, ADDING, SOFT, SLOW, LED, TRAPPED, WALLED, SPEED, STEPPED,
+    PRESSED, CALM, RESTED, CLOSE, LEAP,
+) = range(17)
 
 # values of LED: the shown avatar waits where it is while a way is searched; it goes along a way that was found
 HELD_STILL, UNDER_WAY = 1.0, 2.0
@@ -236,7 +238,8 @@ def _closeness(skel: Skeleton) -> Closeness:
     return Closeness(
         path, depth, root, turning, np.zeros((nl, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nl), np.zeros((nl, 3)),
         np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3, 3)), np.zeros((nd, 6)), np.zeros(path.shape), np.zeros(nd),
-        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, UNLIMITED, 1.0, 0.0, -1.0, rigid]), np.zeros((nl, 3)),
+        np.ones(1), np.array([0.0, 0.0, 0.0, -1.0, -1.0, rigid]), np.zeros((nl, 3)),
+        np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(nd),
     )
 
 
@@ -245,23 +248,22 @@ def make_memory(geo: Geometry, skel: Skeleton, poses: Poses, kept: int = 0) -> M
     nl, nd, ns, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.body), len(geo.first_shape) - 1
     driven = ns - int(geo.first_shape[skel.first])
     goal = Goal(
-        np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(nd), np.ones(nd), _posture(nl, nd), _posture(nl, nd),
-        np.full(MERIT_WINDOW, UNLIMITED), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, 0), _posture(nl, nd),
-        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl), np.zeros((nl, 3)), np.zeros(nl),
-        np.zeros((nl, 2)),
+        np.zeros(nd), np.zeros(nd), np.zeros(nd), np.zeros(nd), np.ones(1), np.ones(nd), np.ones(nd), _posture(nl, nd),
+        _posture(nl, nd), _posture(nl, nd), np.zeros(nd), _closeness(skel), _posture(nl, nd),
+        np.zeros((nl, 2)), np.ones(nd), np.zeros(nl), np.zeros((nl, PAST_FRAMES)), np.zeros(nl), np.zeros((nl, 2)),
     )
     rows = Rows(
         np.zeros((ROW_CAP, nd)), np.zeros((ROW_CAP, nd)), np.zeros(ROW_CAP), np.zeros(ROW_CAP), np.zeros(ROW_CAP),
         np.zeros((ROW_CAP, ROW_CAP)), np.zeros((ROW_CAP, 2), dtype=np.int64), np.zeros(nd), np.zeros(nd),
         np.zeros(2, dtype=np.int64), np.zeros(PRESSING_CAP, dtype=np.int64), np.zeros((PRESSING_CAP, PRESSING_CAP)),
-        np.zeros(PRESSING_CAP), np.zeros(ROW_CAP),
+        np.zeros(PRESSING_CAP), np.zeros(ROW_CAP), np.zeros((ROW_CAP, 3)), np.zeros((ROW_CAP, 6)),
     )
     none = np.full((driven, ns), -1, dtype=np.int64)
     pairs = PairMemory(
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns, 3)), np.zeros((driven, ns)), none.copy(),
         np.zeros((driven, ns), dtype=np.bool_), np.zeros((LISTED_CAP, 2), dtype=np.int64), np.zeros(LISTED_CAP, dtype=np.int64),
-        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(6, dtype=np.int64),
+        np.zeros((FAILED_CAP, 2), dtype=np.int64), np.zeros(nb, dtype=np.int64), np.zeros(5, dtype=np.int64),
     )
     trial = Poses(*(array.copy() for array in poses))
     return Memory(

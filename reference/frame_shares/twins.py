@@ -7,7 +7,7 @@ from avatarsim.loops import checked, paper, paper_rounds, paper_walk
 from avatarsim.posture import follow, foreseen, step, walk
 from avatarsim.posture.contact_row import add_row, rows_of_listed
 from avatarsim.posture.free_link import free_link, link_contacts
-from avatarsim.posture.goal import aim, measure_way
+from avatarsim.posture.goal import aim
 from avatarsim.posture.kinematics import carry, forward, place_links
 from avatarsim.posture.nearest_step import nearest_step
 from avatarsim.separate.overlaps import find_overlaps
@@ -53,8 +53,7 @@ def checked_twin() -> Any:
         "attempt": attempt, "back_off": back_off, "go_less_far": less_far, "aim": clocked(aim, IK),
         "adopt": clocked(step.adopt, POSING),
     })
-    begin = twin(walk.begin_frame, {"measure_way": clocked(measure_way, IK)})
-    frame = twin(follow.follow, {"walk": twin(walk.walk, {"step": one}), "begin_frame": begin})
+    frame = twin(follow.follow, {"walk": twin(walk.walk, {"step": one})})
     return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
 
 

@@ -60,7 +60,8 @@ def test_a_hand_that_a_wall_holds_is_no_conveyor(speed: float) -> None:
     """By its user's velocity the plank went 0.7 and 2 m beneath a hand that moved 2 cm; it may follow what the hand moves."""
     places = pressed_and_led(speed, walled=True)[:, 0]
     assert np.abs(places[:, 1]).max() < 0.025
-    assert np.abs(places[:, 0]).max() < 0.05
+    # on ice it keeps the speed of the hand's last centimetre
+    assert np.abs(places[:, 0]).max() < 0.07
 
 
 @pytest.mark.parametrize("speed", [0.2, 0.5])

@@ -20,7 +20,7 @@ from avatarsim.posture.behind import (
     way_of_led,
 )
 from avatarsim.posture.goal import largest_part, measure_way, merit, root_way
-from avatarsim.posture.workspace import FRAME, LED, PAST_FRAMES, SLOW, SPEED, TRAVELS, UNDER_WAY
+from avatarsim.posture.workspace import FRAME, LED, PAST_FRAMES, SLOW, SPEED, UNDER_WAY
 from avatarsim.scene.scene import Scene
 from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import posture_of
@@ -74,13 +74,12 @@ def test_who_is_near_is_never_slow_and_all_near_end_a_journey() -> None:
     goal.full[:] = 0.9 * NEAR_ENOUGH
     goal.full[int(skel.first_dof[THIRD])] = 2.0 * NEAR_ENOUGH
     judge_anew(skel, memory)
-    memory.flags[TRAVELS] = 1.0
     for _ in range(9):
         judge_progress(skel, memory)
-    assert goal.slow.tolist() == [0.0] * THIRD + [9.0] and memory.flags[TRAVELS] == 1.0
+    assert goal.slow.tolist() == [0.0] * THIRD + [9.0]
     goal.full[:] = 0.0
     judge_progress(skel, memory)
-    assert goal.slow.max() == memory.flags[SLOW] == memory.flags[TRAVELS] == 0.0
+    assert goal.slow.max() == memory.flags[SLOW] == 0.0
 
 
 def test_whoever_is_led_counts_for_all_and_comes_no_nearer_meanwhile() -> None:

@@ -142,7 +142,7 @@ def test_a_limb_that_was_held_does_not_whip_when_its_user_leaps(turned: float, s
         sample = TrackerSample(0.0, sample.positions, sample.rotations, np.array([angle]))
         go.frame(sample)
     held = float(go.record.angles[0])
-    assert 2.4 - held > 1.8
+    assert 2.4 - held > 1.1
     there = at(TrackerSample(0.0, sample.positions, sample.rotations, np.array([2.4 + turned])), (-3.0, 0.0, 0.0))
     go.frame(there)
     assert go.record.shown.positions[len(go.scene.bodies)] == pytest.approx((-3.0, 0.0, 0.0))

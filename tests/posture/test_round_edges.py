@@ -24,8 +24,9 @@ MIXED = mixed_avatar()
 FAR, DEEP = 1.0, 0.3
 """[m] how far an origin pulls ever harder in these worlds; how far the user's link is beyond the face of a wall."""
 
-STUCK, PAST = 189, 197
-"""Frames of the clip between which a foot that hung on the door frame was 0.3 m from the user's, link origins 0.08 m."""
+STUCK, PAST = 198, 200
+"""Frames of the clip between which a foot that hangs on the door frame and is not drawn round it is 0.3 m from the user's, link
+origins 0.08 m."""
 
 
 def slow_edge(link: np.ndarray, box: np.ndarray, here: np.ndarray, there: np.ndarray) -> tuple[int, float]:

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.posture.certify import certify
 from avatarsim.posture.kinematics import forward
 from avatarsim.posture.step import PAIRS_INCLUDED, SHRINK, WORK_PER_PAIR, budget, go_less_far
-from avatarsim.posture.workspace import ASKED, HELD, MERIT_NOW, NEAR, NEAR_BODIES
+from avatarsim.posture.workspace import ASKED, HELD, NEAR
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed
 from avatarsim.scene.mass import solid
@@ -34,8 +34,6 @@ def test_the_budget_grows_with_the_near_pairs_of_the_last_trial(balls: int) -> N
         forward(geo, skel, posture, found.memory.rows.x, found.memory.trial, found.memory.trial_axes)
         assert certify(geo, skel, poses, SETTINGS, found.memory) == balls
         assert found.memory.pairs.marks[ASKED] == balls
-        # many pieces of one body before one wall are one pair of bodies
-        assert found.memory.pairs.marks[NEAR_BODIES] == 1
     assert found.memory.counts[NEAR] == 2 * balls
     assert budget(SETTINGS, found.memory) == SETTINGS.work + WORK_PER_PAIR * max(0, balls - PAIRS_INCLUDED)
 
@@ -57,8 +55,6 @@ def test_a_step_that_goes_too_far_is_shortened_and_one_that_leads_away_is_not_ta
     geo, skel, posture, poses = found.parts
     memory, way = found.memory, np.array([-1e-3, 0.0, 0.0, 0.0, 0.0, 0.0])
     memory.goal.full[:], memory.rows.x[:] = way, overshot * way
-    memory.flags[MERIT_NOW] = 0.5 * (way**2 / memory.goal.inverse_weight).sum()
-    memory.goal.window[:] = memory.flags[MERIT_NOW]
     go_less_far(geo, skel, posture, poses, SETTINGS, memory)
     assert memory.rows.x == pytest.approx(kept * way, abs=1e-15) and memory.counts[HELD] == (kept == 0.0)
     assert memory.trial.position[skel.first] == pytest.approx(poses.position[skel.first] + kept * way[:3], abs=1e-15)
@@ -70,6 +66,5 @@ def test_a_shortened_step_into_a_wall_is_not_taken() -> None:
     geo, skel, posture, poses = found.parts
     memory, way = found.memory, np.array([0.02, 0.0, 0.0, 0.0, 0.0, 0.0])
     memory.goal.full[:], memory.rows.x[:] = way, way
-    memory.goal.window[:] = 1.0
     go_less_far(geo, skel, posture, poses, SETTINGS, memory)
     assert not memory.rows.x.any() and memory.counts[HELD] == 1

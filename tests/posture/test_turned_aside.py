@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.posture.closeness import couple, merit_of
 from avatarsim.posture.turned_aside import ASIDE, SLIGHT, STRAIGHT, bent, cost, rise
-from avatarsim.posture.workspace import RIGID, STIFF
+from avatarsim.posture.workspace import RIGID
 from avatarsim.scene.scene import Scene
 from tests.posture.little_worlds import hand, little, mixed_avatar
 
@@ -56,7 +56,7 @@ def test_a_hand_is_weighed_by_the_cost_of_the_square_and_wants_home(by: float) -
     c = little(Scene("s", (), (hand(),))).memory.goal.closeness
     merit, pull = turned(by)
     assert c.mode[RIGID] == 1.0
-    assert merit == pytest.approx(0.5 * c.mode[STIFF] * c.turn_weight[3] * cost(by * by))
+    assert merit == pytest.approx(0.5 * c.turn_weight[3] * cost(by * by))
     assert pull[:3] == pytest.approx(0.0, abs=1e-15)
     # a way home that goes no farther than home
     assert 0.0 < np.linalg.norm(pull[3:]) <= by * (1.0 + 1e-9)
@@ -69,4 +69,4 @@ def test_joints_of_an_avatar_are_weighed_by_the_square_alone() -> None:
     full = np.full(len(c.pull), 0.3)
     c.there[:] = c.here
     assert c.mode[RIGID] == 0.0
-    assert merit_of(c, c.here, full) == pytest.approx(0.5 * c.mode[STIFF] * 0.09 * c.turn_weight.sum())
+    assert merit_of(c, c.here, full) == pytest.approx(0.5 * 0.09 * c.turn_weight.sum())

@@ -89,9 +89,10 @@ def test_an_avatar_at_rest_or_on_its_way_is_not_stuck() -> None:
 def test_forgetting_leaves_no_memory_of_pairs() -> None:
     found = little(Scene("s", (panel(),), PAIR, start=APART))
     pairs = found.memory.pairs
-    pairs.marks[LISTED], pairs.active[0, 1], pairs.axis[0, 1], found.memory.goal.trust[3] = 1, True, 1.0, 0.1
+    pairs.marks[LISTED], pairs.active[0, 1], pairs.axis[0, 1], found.memory.goal.closeness.press[0] = 1, True, 1.0, 0.1
     forget(found.memory)
-    assert pairs.marks[LISTED] == 0 and not pairs.active.any() and not pairs.axis.any() and (found.memory.goal.trust == 1.0).all()
+    assert pairs.marks[LISTED] == 0 and not pairs.active.any() and not pairs.axis.any()
+    assert not found.memory.goal.closeness.press.any()
 
 
 def test_in_the_frame_of_the_jump_nobody_is_called_trapped() -> None:

@@ -32,7 +32,7 @@ def test_the_longest_walk_fits_into_what_is_left_of_the_tree(left: int, monkeypa
         return far[0]
 
     for name, does in {
-        "walk": lambda *rest: 0.1, "begin_frame": lambda *rest: None, "work_done": lambda *rest: 1,
+        "walk": lambda *rest: 0.1, "work_done": lambda *rest: 1,
         "aim": lambda *rest: (1.0, 1.0), "farthest": lambda goal: 1.0, "merit": nearer,
     }.items():
         monkeypatch.setattr(way_search, name, does)
