@@ -1,7 +1,7 @@
 """index.html: one self-contained page, built from results alone. The template lays out; here the words are gathered."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -49,6 +49,7 @@ from reports.conclusions import (
 from reports.convergence import Converging
 from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
+from reports.extra_sections import made
 from reports.figure_7 import Trace
 from reports.gallery import Picture
 from reports.growth import Growth
@@ -158,11 +159,21 @@ def layout(results: Results, verdict: Verdict) -> Layout:
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
-         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: Sequence[str] = ()) -> str:
+         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: list[str] | None = None) -> str:
     """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
-    scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene; `damage`: what could not be used."""
+    scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene; `damage`: what could not be used, to
+    which comes what is noticed here."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
-    narrow, broad = extras.narrow, extras.broad
+    damage = [] if damage is None else damage
+    sections = (
+        made("narrow", extras.narrow, _narrow, damage) | made("broad", extras.broad, broad_phase_chart.section, damage)
+        | made("two", extras.two, table_2_chart.section, damage) | made("growth", extras.growth, growth.section, damage)
+        | made("effects", extras.ablation, effects.section, damage) | made("sweep", extras.sweep, sweep_chart.section, damage)
+        | made("converging", extras.converging, convergence.section, damage)
+        | made("law_map", extras.law_map, law_map_chart.section, damage)
+        | made("stability", extras.steady, stability.section, damage) | made("judge", extras.judge, judge.section, damage)
+        | made("has_close", extras.close, closeness.section, damage)
+    )
     shown, colours, order = (laid_out or layout(results, verdict))[:3]
     percentiles = time_percentiles(results)
     scripts = [source("gallery.js"), *([source("courses.js")] if courses else [])]
@@ -204,17 +215,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
         quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
-        narrow=narrow, **(_narrow(narrow) if narrow else {}),
-        broad=broad, **(broad_phase_chart.section(broad) if broad else {}),
-        two=extras.two, **(table_2_chart.section(extras.two) if extras.two else {}),
-        growth=extras.growth, **(growth.section(extras.growth) if extras.growth else {}),
-        effects=extras.ablation, **(effects.section(extras.ablation) if extras.ablation else {}),
-        sweep=extras.sweep, **(sweep_chart.section(extras.sweep) if extras.sweep else {}),
-        converging=extras.converging, **(convergence.section(extras.converging) if extras.converging else {}),
-        law_map=extras.law_map, **(law_map_chart.section(extras.law_map) if extras.law_map else {}),
-        stability=extras.steady, **(stability.section(extras.steady) if extras.steady else {}),
-        judge=extras.judge, **(judge.section(extras.judge) if extras.judge else {}),
-        has_close=extras.close, **(closeness.section(extras.close) if extras.close else {}),
+        **sections,
     )))
 
 

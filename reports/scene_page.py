@@ -15,6 +15,7 @@ from reports.charts import Panel
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT
 from reports.courses import Course, charts, courses
+from reports.extra_sections import UNDRAWABLE
 from reports.gallery import Picture
 from reports.kept import Drawn, Shown, drawn, fitting, shown
 from reports.load import Results, Series
@@ -68,10 +69,6 @@ class Kept:
     picture: Picture
     settings: Sequence[AsRun]
     damage: tuple[str, ...] = ()
-
-
-UNDRAWABLE = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
-"""What is raised over a file that is whole and holds what no run writes: a shape of an unknown kind, poses without numbers."""
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:

@@ -14,8 +14,8 @@ LONGEST = 80
 """Characters of a row's name. File systems take 255 in the name of a recording, which holds the scene and the engine too."""
 NAME = re.compile(rf"[A-Za-z0-9_.=-]{{1,{LONGEST}}}")
 """What a row may be called: its name becomes part of file names, addresses and tables."""
-MOST_BYTES = 2**20
-"""Bytes of a file of settings."""
+MOST_BYTES = 2**16
+"""Bytes of a file of settings, a thousand rows; the time to read a name of many parts grows with its square."""
 
 
 @dataclass(frozen=True)

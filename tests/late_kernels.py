@@ -64,7 +64,7 @@ DROPPED = loose("crate", CRATE, 0.0, 0.3)
 HIT = ("impact", "approach", "segments", "contacts")
 
 CASES = {
-    "every kind of joint and shape": Case(THINGS, Settings(record_inside=True), downwards(THINGS, 90), (*HIT, "held", "queries")),
+    "every kind of joint and shape": Case(THINGS, Settings(record_inside=True), downwards(THINGS, 90), (*HIT, "queries")),
     "as printed": Case(THINGS, Settings("paper", record_inside=True), downwards(THINGS, 60), (*HIT, "rounds")),
     "timed": Case(SLAB, Settings(time_stages=True), downwards(SLAB, 60), ("impacts", "iterations")),
     "no overlap is removed": Case(

@@ -109,6 +109,8 @@ def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
 def _given(mesh: str | Path | tuple[ArrayLike, ArrayLike]) -> Mesh:
     if isinstance(mesh, str | Path):
         return read_mesh(mesh)
+    if not isinstance(mesh, tuple | list) or len(mesh) != 2:
+        raise InvalidShape("mesh", mesh, "the path of a file, or a pair of vertices (n, 3) and triangles (m, 3)")
     vertices, triangles = np.asarray(mesh[0]), np.asarray(mesh[1])
     if vertices.ndim != 2 or vertices.shape[1:] != (3,):
         raise InvalidShape("shape of the vertices of a mesh", vertices.shape, "(n, 3)")

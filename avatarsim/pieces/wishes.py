@@ -26,6 +26,8 @@ class Wishes:
         whole("most vertices of a piece", self.most_vertices, 8, 4096)
         if self.most_pieces is not None:
             whole("most pieces of a mesh", self.most_pieces, 1, 4096)
+        if not isinstance(self.hull, bool):
+            raise InvalidInput("whether a mesh becomes its hull", self.hull, "True or False")
         if self.repair not in REPAIRS:
             raise UnknownName("repair", self.repair, REPAIRS)
 

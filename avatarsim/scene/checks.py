@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidInput, InvalidScene
 
+DEEPEST = 3
+"""Lists within lists that an array may be given as: no quantity of a scene has more axes than a matrix per part."""
+
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -114,10 +117,22 @@ def real_array(value: ArrayLike) -> Array:
     and truth values, and masked arrays, whose masks it would drop."""
     if isinstance(value, np.ma.MaskedArray):
         raise TypeError("a masked array")
+    if not _is_plain(value, DEEPEST):
+        raise TypeError("no numbers, nor lists of numbers")
     found = np.asarray(value)
     if found.dtype.kind not in "iuf":
         raise TypeError(f"an array of {found.dtype}")
     return np.array(found, dtype=np.float64)
+
+
+def _is_plain(value: object, depth: int) -> bool:
+    """Whether numpy need not be asked what `value` is: of an object that has a length and parts without end it makes an array of
+    as many dimensions as it can, and of a truth value among numbers a number."""
+    if isinstance(value, (list, tuple)):
+        return depth > 0 and all(_is_plain(part, depth - 1) for part in value)
+    if isinstance(value, (bool, np.bool_)):
+        return False
+    return isinstance(value, (int, float, np.integer, np.floating)) or hasattr(value, "__array__")
 
 
 def bounded(thing: str, value: Iterable[float], most: float, error: type[InvalidInput] = InvalidScene) -> Vector:

@@ -32,7 +32,7 @@ class TrackerSample:
 
 
 def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
-    """`sample` if it is finite, fits the avatars and its rotations have length 1; a typed error otherwise."""
+    """`sample`, in arrays of float64, if it is finite, fits the avatars and its rotations have length 1; else a typed error."""
     if not isinstance(sample, TrackerSample):
         raise InvalidSample("tracker sample", sample, "a TrackerSample")
     links = sum([len(avatar.links) for avatar in avatars])
@@ -41,14 +41,17 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
         return sample
     if not isfinite(as_number(sample.time)):
         raise InvalidSample("tracker time [s]", sample.time, "a finite number")
-    finite_array("tracker positions", sample.positions, (links, 3), InvalidSample)
+    positions = finite_array("tracker positions", sample.positions, (links, 3), InvalidSample)
     rotations = finite_array("tracker rotations", sample.rotations, (links, 4), InvalidSample)
-    finite_array("tracker angles", sample.angles, (hinges,), InvalidSample)
+    angles = finite_array("tracker angles", sample.angles, (hinges,), InvalidSample)
     lengths = np.linalg.norm(rotations, axis=1)
     if links and not (np.abs(lengths - 1.0) <= 1e-6).all():
         worst = int(np.argmax(np.abs(lengths - 1.0)))
         raise InvalidSample(f"tracker rotation of link {worst}", rotations[worst].tolist(), "a quaternion of length 1")
-    return sample
+    given = (sample.positions, sample.rotations, sample.angles)
+    if isinstance(sample.time, float) and all(type(one) is np.ndarray and one.dtype == np.float64 for one in given):
+        return sample
+    return TrackerSample(float(sample.time), positions, rotations, angles)
 
 
 def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:

@@ -21,7 +21,7 @@ def test_arm_and_leg_are_pushed_back_and_the_rest_goes_on() -> None:
         behind = user[pressed, names.index(name), 0] - FACE
         assert behind.min() > 0.1 and (at[name][pressed] > behind).all()
     # the trunk stays with its user: it is limbs that give way
-    assert at["root"][pressed].max() < 0.1 * at["left_ankle"][pressed].max()
+    assert at["root"][pressed].max() < 0.15 * at["left_ankle"][pressed].max()
     # before and after the wall is in the way, everything is where the user is
     assert off[:18].max() < 1e-3 and off[-6:].max() < 1e-3
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidShape, UnknownName
 from avatarsim.pieces import from_mesh, pieces_of_mesh
 from avatarsim.pieces.found import Pieces
+from avatarsim.pieces.wishes import Wishes
 from avatarsim.scene.mass import volume
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
 from tests.pieces.solids import Soup, cube, ell, obj_text, surface_points, together, torus
@@ -198,3 +199,14 @@ def test_wishes_out_of_range_are_refused() -> None:
         pieces_of_mesh(cube(), repair="pray")
     with pytest.raises(InvalidFile, match=r"nowhere\.obj"):
         pieces_of_mesh("nowhere.obj")
+
+
+@pytest.mark.parametrize("mesh", [4.79, None, (np.zeros((4, 3)),), np.zeros((4, 3))])
+def test_what_is_no_mesh_is_named(mesh: object) -> None:
+    with pytest.raises(InvalidShape, match="mesh"):
+        pieces_of_mesh(mesh)  # type: ignore[arg-type]
+
+
+def test_whether_a_mesh_becomes_its_hull_is_true_or_false() -> None:
+    with pytest.raises(InvalidInput, match="True or False"):
+        Wishes(hull=(971, 1.6))  # type: ignore[arg-type]

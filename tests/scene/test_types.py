@@ -16,8 +16,8 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.material import TABLE_1, Contact, PairTable
 from avatarsim.scene.scene import HEAVIEST, Scene
-from avatarsim.scene.shape import ConvexHull, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import rest
+from avatarsim.scene.shape import MOST_VERTICES, Box, ConvexHull, Piece, Sphere, ellipsoid_hull
+from avatarsim.scene.tracker import TrackerSample, checked, rest
 
 BALL = (Piece(Sphere(0.1)),)
 MASS = solid(BALL, 1.0)
@@ -123,3 +123,39 @@ def test_other_places_and_gravity_have_one_too() -> None:
     start.positions[0, 0] = 2.0 * FARTHEST
     with pytest.raises(InvalidScene, match=r"roots of the start \[m\]"):
         Scene("s", (), (HAND,), start=start)
+
+
+class Endless:
+    """An object whose parts are itself, of which numpy makes an array of as many dimensions as it can."""
+
+    def __len__(self) -> int:
+        return 3
+
+    def __getitem__(self, key: object) -> object:
+        return self
+
+
+@pytest.mark.parametrize("size", [
+    (np.True_, np.True_, 1e6), (True, 1.0, 1.0), (Endless(), 1.0, 1.0), Endless(), ([[[[1.0]]]], 1.0, 1.0)
+])
+def test_truth_values_and_endless_parts_are_no_numbers_of_a_size(size: object) -> None:
+    with pytest.raises(InvalidShape, match="box size"):
+        Box(size)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("vertices", [3, 2.5, True, math.inf, math.nan, -(10**40), 10**9, MOST_VERTICES + 1, "52"])
+def test_a_hull_of_an_ellipsoid_has_a_number_of_vertices_that_can_be_made(vertices: object) -> None:
+    with pytest.raises(InvalidShape, match="number of vertices"):
+        ellipsoid_hull((0.1, 0.1, 0.1), vertices)  # type: ignore[arg-type]
+
+
+def test_pieces_of_a_solid_may_come_in_an_array_and_are_still_pieces() -> None:
+    with pytest.raises(InvalidScene, match="number of pieces of a solid"):
+        solid(np.zeros(0), 1.0)  # type: ignore[arg-type]
+
+
+def test_a_sample_of_lists_becomes_one_of_arrays() -> None:
+    plain = rest((HAND,))
+    made = checked(TrackerSample(0, plain.positions.tolist(), plain.rotations.tolist(), ()), (HAND,))  # type: ignore[arg-type]
+    assert made.angles.dtype == made.positions.dtype == np.float64 and made.angles.shape == (0,)
+    assert np.array_equal(made.rotations, plain.rotations) and isinstance(made.time, float)
