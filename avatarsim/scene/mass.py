@@ -90,9 +90,9 @@ def volume(shape: Shape) -> float:
 def solid(pieces: Sequence[Piece], mass: float) -> Mass:
     """Mass properties of a body of total `mass` [kg], spread evenly over its pieces (overlaps count twice)."""
     positive("mass", mass)
-    pieces = tuple(listed(pieces))
-    each("pieces of a solid", pieces, Piece, "a Piece(shape)")
-    if not pieces:
+    given = tuple(listed(pieces))
+    each("pieces of a solid", given, Piece, "a Piece(shape)")
+    if not given:
         raise InvalidScene("number of pieces of a solid", 0, "at least 1")
     volumes, centres, covariances = [], [], []
     for piece in pieces:
