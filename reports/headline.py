@@ -24,7 +24,7 @@ MEASURES = {
     "chatter": "frames in contact that shake", "p50": "frame time", "python": "as called from Python",
 }
 """Columns of the verdict table that the README shows, and what they are called there."""
-ROOMS = "motion nobody tuned for, worst of {} rooms"
+ROOMS = "motion not tuned for, worst of {} rooms"
 """What the last rows of the table are called: clips recombined by a seed drawn from the commit."""
 IN_ROOMS = ("overlap", "offset", "chatter")
 """Columns of the verdict table in those rows: times would be the worst of scenes that differ."""
