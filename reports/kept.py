@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -78,7 +79,8 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list
     for run in runs:
         stem = f"{scene}.{run.replace('/', '.', 1)}.{seed}"
         path = run_dir / "recordings" / f"{stem}.npz"
-        if path.exists():
+        # unlike Path.exists this has an answer for names that no file system takes
+        if os.path.exists(path):
             found.append(_shown(path, run, run_dir / "overlaps" / f"{stem}.npz"))
     return found
 

@@ -43,7 +43,12 @@ class Box:
     size: Vector
 
     def __post_init__(self) -> None:
-        for axis, edge in zip("xyz", vector("box size", self.size, InvalidShape), strict=True):
+        given: object = self.size
+        size = vector("box size", self.size, InvalidShape)
+        if not isinstance(given, tuple):
+            # what is read once would be empty from here on, and a list could be changed
+            object.__setattr__(self, "size", size)
+        for axis, edge in zip("xyz", size, strict=True):
             length(f"box size along {axis}", edge, InvalidShape)
 
 
@@ -54,7 +59,11 @@ class Ellipsoid:
     radii: Vector
 
     def __post_init__(self) -> None:
-        for axis, radius in zip("xyz", vector("ellipsoid radii", self.radii, InvalidShape), strict=True):
+        given: object = self.radii
+        radii = vector("ellipsoid radii", self.radii, InvalidShape)
+        if not isinstance(given, tuple):
+            object.__setattr__(self, "radii", radii)
+        for axis, radius in zip("xyz", radii, strict=True):
             length(f"ellipsoid radius along {axis}", radius, InvalidShape)
 
 

@@ -16,7 +16,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.material import TABLE_1, Contact, PairTable
 from avatarsim.scene.scene import HEAVIEST, Scene
-from avatarsim.scene.shape import MOST_VERTICES, Box, ConvexHull, Piece, Sphere, ellipsoid_hull
+from avatarsim.scene.shape import MOST_VERTICES, Box, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
 BALL = (Piece(Sphere(0.1)),)
@@ -159,3 +159,9 @@ def test_a_sample_of_lists_becomes_one_of_arrays() -> None:
     made = checked(TrackerSample(0, plain.positions.tolist(), plain.rotations.tolist(), ()), (HAND,))  # type: ignore[arg-type]
     assert made.angles.dtype == made.positions.dtype == np.float64 and made.angles.shape == (0,)
     assert np.array_equal(made.rotations, plain.rotations) and isinstance(made.time, float)
+
+
+@pytest.mark.parametrize("kind", [list, iter, np.array])
+def test_sizes_and_radii_are_kept_as_tuples_whatever_they_come_in(kind: Callable[[list[float]], object]) -> None:
+    assert Box(kind([1.0, 2.0, 3.0])).size == (1.0, 2.0, 3.0)  # type: ignore[arg-type]
+    assert Ellipsoid(kind([0.1, 0.2, 0.3])).radii == (0.1, 0.2, 0.3)  # type: ignore[arg-type]
