@@ -10,6 +10,7 @@ import numpy as np
 
 from avatarsim.engine import Snapshot
 from avatarsim.loops.checked import CheckedLoop
+from avatarsim.loops.ik_loop import IkLoop
 from avatarsim.loops.paper import PaperLoop
 from avatarsim.loops.simulated import SimulatedLoop
 from avatarsim.loops.tracked import TrackedLoop
@@ -22,12 +23,14 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 
-def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: bool) -> CheckedLoop | PaperLoop | TrackedLoop:
+def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: bool) -> CheckedLoop | IkLoop | PaperLoop | TrackedLoop:
     """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
+    if method == "ik":
+        return IkLoop(world, chosen.ik, chosen.coupling, record=record)
     return CheckedLoop(world, chosen.posture, chosen.coupling, seed, record=record)
 
 
@@ -53,7 +56,7 @@ class Frames:
             self.target = Target(world)
             self.lower = lower_loop(world, method, chosen, seed, record)
         if self.effects.dynamics:
-            kept = (chosen.paper if method == "paper" else chosen.posture).stand_off
+            kept = {"default": chosen.posture, "ik": chosen.ik, "paper": chosen.paper}[method].stand_off
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
             moving = self.upper.memory.moving
         if self.driven:

@@ -75,6 +75,38 @@ class PostureSettings(NamedTuple):
     walled_jump: int = 0
 
 
+class IkSettings(NamedTuple):
+    """How a posture follows the tracker (method `ik`, docs/posture.md).
+
+    stand_off       [m] gap aimed at. 2e-5: more corrections and a longer slowest frame; 1e-3: air one can see.
+    least_gap       [m] gap accepted. Room for curvature and solver error between this and `stand_off`.
+    wedged_gap      [m] gap accepted when squeezed from two sides; 0 would let a wedged link never move again.
+    catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller: limbs
+                    that come free are late.
+    catch_up_move   [m/s] the same of a root, and of the origin of a link.
+    settle_time     [s] for which the catch-up speeds hold at a target that rests; each such time later they have halved. Larger:
+                    limbs that are pressed on things wander for longer; smaller: what is far away when its target rests comes late.
+    stall_time      [s] without progress after which the frame record says that an avatar waits.
+    near            [m] an avatar whose link origins are all nearer than this to the target does not wait.
+    steps           steps per frame at most. 1: fast targets lag in contact; 3 only costs time.
+    corrections     rounds of new contact rows per step; 8 makes the slowest frames 2.5 times slower.
+    work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat. When
+                    it is spent the last certified state is shown, and the record says so.
+    """
+
+    stand_off: float = 2e-4
+    least_gap: float = 5e-5
+    wedged_gap: float = 2e-6
+    catch_up_turn: float = 12.0
+    catch_up_move: float = 5.0
+    settle_time: float = 0.5
+    stall_time: float = 0.1
+    near: float = 0.05
+    steps: int = 2
+    corrections: int = 4
+    work: int = 1000
+
+
 class CouplingSettings(NamedTuple):
     """Eq. 6, the virtual coupling between tracker and driven body, with the paper's constants.
 
@@ -132,6 +164,7 @@ class Chosen(NamedTuple):
     paper: PaperSettings = PaperSettings()
     coupling: CouplingSettings = CouplingSettings()
     attraction: AttractionSettings = AttractionSettings()
+    ik: IkSettings = IkSettings()
 
 
 def meanings(group: type) -> Mapping[str, str]:

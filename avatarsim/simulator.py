@@ -24,11 +24,12 @@ from avatarsim.snapshot import Identity, identity, kept_by, read, written
 from avatarsim.start_check import require_free, require_within_limits
 from avatarsim.world.world import Array, build, shown_again, shown_poses
 
-PRESETS = ("default", "paper")
-"""`default`: every state certified; `paper`: the paper's equations as printed."""
+PRESETS = ("default", "ik", "paper")
+"""`default`: every state certified; `ik`: the same by the new posture solver; `paper`: the paper's equations as printed."""
 
 METHODS_SAID = {
     "default": "every state is checked before it is shown; what holds an avatar back is found by quadratic programs",
+    "ik": "every state is certified; the nearest posture by sequential quadratic programming within a motion budget",
     "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
 }
 """What each preset is, in words that stand beside its settings."""
@@ -49,7 +50,9 @@ LEAST = {
 }
 """Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
 
-METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
+METHOD_SETTINGS = {
+    "default": ("posture", "coupling"), "ik": ("ik", "coupling"), "paper": ("paper", "coupling", "attraction"),
+}
 """The groups of settings that each method reads."""
 
 
@@ -102,8 +105,10 @@ def require_order(chosen: Chosen, method: str) -> None:
     if method == "paper":
         if chosen.paper.tolerance >= chosen.paper.stand_off:
             raise InvalidInput("option tolerance", chosen.paper.tolerance, f"below stand_off, {chosen.paper.stand_off:g} m")
-    elif not chosen.posture.wedged_gap <= chosen.posture.least_gap < chosen.posture.stand_off:
-        gaps = chosen.posture.wedged_gap, chosen.posture.least_gap, chosen.posture.stand_off
+        return
+    group = chosen.ik if method == "ik" else chosen.posture
+    gaps = group.wedged_gap, group.least_gap, group.stand_off
+    if not gaps[0] <= gaps[1] < gaps[2]:
         raise InvalidInput("options wedged_gap, least_gap, stand_off", gaps, "wedged_gap up to least_gap, below stand_off [m]")
 
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
+from avatarsim.ik.state import make_contacts
 from avatarsim.kernel import kernel
+from avatarsim.loops.active_rows import list_active
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
-from avatarsim.loops.opened_checked import opened_memory, opened_settings, opened_springs, opened_way
+from avatarsim.loops.opened_checked import opened_contacts, opened_memory, opened_settings, opened_springs, opened_way
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.posture.chain import MODULUS
 from avatarsim.posture.follow import follow
@@ -80,7 +82,7 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     skeleton, posture = opened_skeleton(o), opened_posture(o)
     tracker = opened_posture(opening(target))
     o = opening(kept)
-    coupled, springs = yes(o), opened_springs(o)
+    coupled, springs, contacts = yes(o), opened_springs(o), opened_contacts(o)
     if answering:
         if coupled:
             give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
@@ -89,7 +91,10 @@ def follow_opened(world: Index, target: Index, kept: Index, dt: float, answering
     settings, memory = opened_settings(o), opened_memory(o)
     if not answering:
         if coupled:
-            pull(geometry, skeleton, dynamics, poses, memory, dt, tracker, velocities, springs)
+            list_active(geometry, skeleton, memory, contacts)
+            pull(
+                geometry, skeleton, dynamics, poses, contacts, memory.goal.inverse_weight, dt, tracker, velocities, springs
+            )
         elif springs.mass.shape[0] > 0:
             strike(skeleton, tracker, dt, velocities, springs)
         memory.counts[:] = 0
@@ -109,6 +114,7 @@ def seek_opened(world: Index, kept: Index, way: Index) -> None:
     o = opening(kept)
     yes(o)
     opened_springs(o)
+    opened_contacts(o)
     settings, memory = opened_settings(o), opened_memory(o)
     seek(geometry, skeleton, settings, posture, poses, memory, opened_way(opening(way)))
 
@@ -118,10 +124,10 @@ class CheckedLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_noticed", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_way")
-    KEPT: ClassVar[tuple[str, ...]] = ("springs", "memory", "way")
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "contacts", "memory", "way")
     WORKING: ClassVar[tuple[str, ...]] = (
         *(f"{whose}.{name}" for whose in ("memory", "way.memory") for name in WORKING),
-        "springs.mass", "springs.still", "way.spare",
+        "springs.mass", "springs.still", "way.spare", "contacts",
     )
 
     def __init__(
@@ -136,8 +142,8 @@ class CheckedLoop:
             make_springs(world.skeleton, world.dynamics, world.poses, coupling) if world.scene.effects.dynamics
             else no_springs(world.poses, coupling)
         )
-        kept = (coupled, springs, settings, memory)
-        self._kept, (_, self.springs, _, self.memory) = packed(kept)
+        kept = (coupled, springs, make_contacts(ROW_CAP), settings, memory)
+        self._kept, (_, self.springs, self.contacts, _, self.memory) = packed(kept)
         way = make_way(world.geometry, world.skeleton, world.posture, world.poses, memory, seed)
         self._way, self.way = packed(way)
         self._search_after, self._told = settings.search_after, 0

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.ik.state import Contacts
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
 from avatarsim.loops.holding import hold
 from avatarsim.loops.pressing import press
 from avatarsim.loops.recoil import recoil
 from avatarsim.posture.kinematics import carry, displace
-from avatarsim.posture.workspace import Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
@@ -171,27 +171,27 @@ def strike(skel: Skeleton, target: Posture, dt: float, velocities_out: Velocitie
 
 @kernel
 def pull(
-    geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, memory: Memory, dt: float, target_out: Posture,
-    velocities_out: Velocities, springs_out: Springs,
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, shown: Poses, contacts: Contacts, inverse_weight: Array, dt: float,
+    target_out: Posture, velocities_out: Velocities, springs_out: Springs,
 ) -> None:
     """Let the springs act for dt, displace the target by their offsets and set the velocities of driven bodies.
 
-    shown: poses at the end of the last frame; memory: of the posture solver, which knows what held them there.
+    shown: poses at the end of the last frame; contacts: what held them there; inverse_weight (nd): how easily degrees yield.
     """
     s = springs_out
     before, now = turned_over(s)
     carry(skel, target_out, s.still, now, s.axes)
     # with the offsets of the last frame, which the shown poses belong to
-    press(geo, skel, dynamics, memory, shown, s.offset, s.mass, s.settings, dt, before, s.pressed)
+    press(geo, skel, dynamics, contacts, shown, s.offset, s.mass, s.settings, dt, before, s.pressed)
     relax(skel, s.mass, s.settings, dt, s.offset, s.rate, target_out.root)
     for link in range(skel.kind.shape[0]):
         put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
     place_displaced(geo, skel, s.offset, now)
-    if recoil(skel, target_out, now, s.axes, s.offset, memory.goal.inverse_weight, s.way):
+    if recoil(skel, target_out, now, s.axes, s.offset, inverse_weight, s.way):
         # a user beyond limits is taken as he is
         displace(skel, target_out, s.way)
     tracked_velocities(skel, before, now, s.rate, dt, velocities_out)
-    hold(geo, skel, dynamics, memory, velocities_out)
+    hold(geo, dynamics, contacts, velocities_out)
 
 
 def make_springs(skel: Skeleton, dynamics: Dynamics, poses: Poses, settings: CouplingSettings) -> Springs:

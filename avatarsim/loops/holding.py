@@ -1,13 +1,11 @@
 """Who is held by something fixed hits nobody with a velocity that it does not have."""
 
+from avatarsim.ik.state import Contacts
 from avatarsim.kernel import kernel
 from avatarsim.loops.touching import FIXED
-from avatarsim.posture.certificate import axis_of
-from avatarsim.posture.workspace import COUNT, Memory
 from avatarsim.spatial.vec3 import along, dot, put_row, row
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry
-from avatarsim.world.skeleton import Skeleton
 
 ROUNDS = 10
 """Times that all that holds a link is gone through: what one wall leaves may go into another. In a corner of 60 degrees each time
@@ -15,21 +13,19 @@ leaves a quarter of that; fewer would leave a hand in a corner a velocity."""
 
 
 @kernel
-def hold(geo: Geometry, skel: Skeleton, dynamics: Dynamics, memory: Memory, velocities_out: Velocities) -> None:
+def hold(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
     """Take from the velocity of each link what goes into the fixed bodies that held it last; what goes along them stays.
 
     A hand at a wall stands still while its user goes on; a ball that comes its way would be struck by what nobody sees. Who is
     held by simulated bodies keeps all of it: that is how they are pushed.
     """
-    rows, first, v = memory.rows, geo.first_shape[skel.first], velocities_out.linear
+    v = velocities_out.linear
     for _ in range(ROUNDS):
         done = True
-        for k in range(rows.size[COUNT]):
-            if rows.pair[k, 0] < 0 or not (rows.multiplier[k] > 0.0):
-                continue
-            a, other = rows.pair[k, 0], rows.pair[k, 1]
+        for k in range(contacts.count[0]):
+            a, other = contacts.pair[k, 0], contacts.pair[k, 1]
             if dynamics.role[geo.body[other]] == FIXED:
-                n, b = axis_of(memory, a - first, other), geo.body[a]
+                n, b = row(contacts.normal, k), geo.body[a]
                 into = dot(row(v, b), n)
                 if into < 0.0:
                     put_row(v, b, along(row(v, b), -into, n))

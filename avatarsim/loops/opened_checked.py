@@ -1,6 +1,7 @@
 """What the checked lower loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
 from avatarsim.collide.scratch import Scratch, scratch_at
+from avatarsim.ik.state import Contacts
 from avatarsim.loops.coupling import Springs
 from avatarsim.posture.way_memory import Way
 from avatarsim.posture.workspace import Closeness, Goal, Memory, PairMemory, Rows
@@ -95,6 +96,12 @@ def opened_springs(o: Opening) -> Springs:
         settings, vectors(o)[0], vectors(o)[0], vectors(o)[0], line(o)[0], line(o)[0], vectors(o)[0], line(o)[0], opened_poses(o),
         opened_poses(o), index_line(o)[0],
     )
+
+
+@opened
+def opened_contacts(o: Opening) -> Contacts:
+    """The next Contacts."""
+    return Contacts(index_line(o)[0], index_grid(o)[0], vectors(o)[0], line(o)[0])
 
 
 @opened

@@ -5,12 +5,11 @@ a frame the spring turns this lag into velocity; the impact of the upper loop tu
 something fixed causes presses on nobody, and nothing is remembered of any lag: the way free, the link is back at once.
 """
 
+from avatarsim.ik.state import Contacts
 from avatarsim.impact.coupling import coupled
 from avatarsim.kernel import kernel
 from avatarsim.loops.recoil import middle
 from avatarsim.loops.touching import SIMULATED
-from avatarsim.posture.certificate import axis_of
-from avatarsim.posture.workspace import COUNT, Memory
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Array, Dynamics
@@ -32,7 +31,7 @@ def lag(skel: Skeleton, shown: Poses, tracked: Poses, offset: Rows, link: int) -
 
 @kernel
 def press(
-    geo: Geometry, skel: Skeleton, dynamics: Dynamics, memory: Memory, shown: Poses, offset: Rows, mass: Array,
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, contacts: Contacts, shown: Poses, offset: Rows, mass: Array,
     settings: CouplingSettings, dt: float, tracked_out: Poses, pressed_out: Rows,
 ) -> None:
     """Velocities pressed (nl, 3) [m/s] that links gain in dt against the simulated bodies that held them last.
@@ -40,14 +39,11 @@ def press(
     A link that several bodies hold presses on the one that holds it back most. Of tracked, boxes of these links are made here.
     """
     pressed_out[:, :] = 0.0
-    rows, first = memory.rows, geo.first_shape[skel.first]
-    for k in range(rows.size[COUNT]):
-        if rows.pair[k, 0] < 0 or not (rows.multiplier[k] > 0.0):
-            continue
-        a, b = rows.pair[k, 0], rows.pair[k, 1]
+    for k in range(contacts.count[0]):
+        a, b = contacts.pair[k, 0], contacts.pair[k, 1]
         if dynamics.role[geo.body[b]] != SIMULATED:
             continue
-        link, n = geo.body[a] - skel.first, axis_of(memory, a - first, b)
+        link, n = geo.body[a] - skel.first, row(contacts.normal, k)
         place(geo, tracked_out, skel.first + link)
         held = dot(lag(skel, shown, tracked_out, offset, link), n)
         if held > 0.0:

@@ -1,0 +1,156 @@
+"""Certificate of a step: proof that a pair of pieces is apart at both ends and passed through nothing in between.
+
+For a pair there is a direction n, fixed in the world or carried by one of the two, along which it is apart at the shown state and
+at the trial: a separating axis. Support functions are convex, so the pair stays apart along n while vertices move straight from one
+end to the other. The gap along a direction proves separation whatever proposed it: GJK (Gilbert, Johnson and Keerthi 1988)
+proposes, two supports decide. Every test is written so that a NaN fails it.
+"""
+
+from math import inf
+
+from avatarsim.collide.gjk import gjk
+from avatarsim.collide.signed_distance import signed_distance
+from avatarsim.collide.status import CONVERGED
+from avatarsim.collide.support import gap_along
+from avatarsim.ik.pair_cache import axis_at, keep_axis, slot_of
+from avatarsim.ik.state import BAD_QUERIES, QUERIES, SUPPORTS, IkScratch, IkState
+from avatarsim.kernel import kernel
+from avatarsim.settings import IkSettings
+from avatarsim.spatial.tangent import columns, turned, turned_back
+from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
+from avatarsim.world.geometry import Geometry, Poses
+
+EXACT = 0.02
+"""[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
+
+ROUNDING = 1e-12
+"""[m] by which a gap may shrink without a body having moved."""
+
+TOUCHING = 1e-9
+"""[m] a start that overlaps by no more than this is accepted, and must not be a trap: from there every way apart is free."""
+
+
+@kernel
+def cached_axis_holds(
+    geo: Geometry, poses: Poses, at: int, a: int, b: int, least: float, state_out: IkState, scratch_out: IkScratch
+) -> bool:
+    """Whether the direction in a slot certifies the pair: gap > 0 at the shown state, at least `least` [m] at the trial."""
+    pairs = state_out.pairs
+    n = axis_at(pairs, at)
+    if not (dot(n, n) > 0.5):
+        return False
+    if pairs.axis_step[at] != pairs.step[0]:
+        scratch_out.counts[SUPPORTS] += 1
+        pairs.axis_gap[at] = gap_along(poses.vertices, geo.shapes, a, b, n)
+        pairs.axis_step[at] = pairs.step[0]
+    if not (pairs.axis_gap[at] > -TOUCHING):
+        return False
+    scratch_out.counts[SUPPORTS] += 1
+    return gap_along(scratch_out.trial.vertices, geo.shapes, a, b, n) >= least
+
+
+@kernel
+def nearest_direction(
+    geo: Geometry, poses: Poses, seed: Vec3, a: int, b: int, reach: float, scratch_out: IkScratch
+) -> tuple[float, Vec3, int]:
+    """Gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap."""
+    scratch_out.counts[QUERIES] += 1
+    rounding = geo.shapes.radius[a] + geo.shapes.radius[b]
+    status, n, distance, count = gjk(poses.vertices, geo.shapes, a, b, seed, rounding + reach, scratch_out.narrow)
+    if status != CONVERGED:
+        scratch_out.counts[BAD_QUERIES] += 1
+    if not (dot(n, n) > 0.5):
+        return -inf, n, count
+    return distance - rounding, n, count
+
+
+@kernel
+def shown_direction(
+    geo: Geometry, poses: Poses, at: int, a: int, b: int, state_out: IkState, scratch_out: IkScratch
+) -> tuple[float, Vec3]:
+    """Gap [m] and nearest direction at the shown state, asked of GJK once per step and pair."""
+    pairs = state_out.pairs
+    if pairs.gap_step[at] != pairs.step[0]:
+        gap, n, _ = nearest_direction(geo, poses, axis_at(pairs, at), a, b, EXACT, scratch_out)
+        if not (dot(n, n) > 0.5):
+            # cores that touch exactly have no nearest direction, but the one of least depth
+            _, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, axis_at(pairs, at), scratch_out.narrow)
+        keep_nearest(at, gap, n, state_out)
+    return pairs.gap[at], row(pairs.normal, at)
+
+
+@kernel
+def keep_nearest(at: int, gap: float, n: Vec3, state_out: IkState) -> None:
+    """Keep the nearest direction of the shown state; it is also the best direction to try first."""
+    pairs = state_out.pairs
+    if dot(n, n) > 0.5:
+        keep_axis(pairs, at, n)
+        put_row(pairs.normal, at, n)
+    pairs.gap[at] = gap
+    pairs.gap_step[at] = pairs.step[0]
+
+
+@kernel
+def is_apart(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, scratch_out: IkScratch) -> bool:
+    """Whether the pair is apart along n, or touches to rounding."""
+    scratch_out.counts[SUPPORTS] += 1
+    return gap_along(poses.vertices, geo.shapes, a, b, n) > -TOUCHING
+
+
+@kernel
+def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: Vec3, scratch_out: IkScratch) -> bool:
+    """Whether one direction separates both ends of the step: n1, the mean of n0 and n1, or either carried by a body.
+
+    n0 is the nearest direction at the shown state, n1 at the trial; at its own end each is known to separate.
+    """
+    trial = scratch_out.trial
+    if is_apart(geo, poses, a, b, n1, scratch_out):
+        return True
+    middle = add(n0, n1)
+    length = norm(middle)
+    if length > 1e-6:
+        n = scale(middle, 1.0 / length)
+        if is_apart(geo, poses, a, b, n, scratch_out) and is_apart(geo, trial, a, b, n, scratch_out):
+            return True
+    for side in range(2):
+        body = geo.body[a] if side == 0 else geo.body[b]
+        carried = turned(columns(trial.rotation, body), turned_back(columns(poses.rotation, body), n0))
+        if is_apart(geo, trial, a, b, carried, scratch_out):
+            return True
+    body = geo.body[a]
+    carried = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n1))
+    return is_apart(geo, poses, a, b, carried, scratch_out)
+
+
+@kernel
+def accepted_gap(settings: IkSettings, gap_now: float) -> float:
+    """Smallest gap [m] accepted at the trial: `least_gap`, less for a pair that is squeezed already.
+
+    A squeezed pair may lose half its gap but not below `wedged_gap`, and a pair below that may not come nearer:
+    standing still must always be acceptable.
+    """
+    if gap_now < 2.0 * settings.least_gap:
+        return max(0.0, max(0.5 * gap_now, min(settings.wedged_gap, gap_now - ROUNDING)))
+    return settings.least_gap
+
+
+@kernel
+def certify_pair(
+    geo: Geometry, poses: Poses, settings: IkSettings, a: int, b: int, state_out: IkState, scratch_out: IkScratch
+) -> tuple[bool, float, Vec3, int]:
+    """Whether pieces a and b hold their certificate. If not: the gap [m] and direction at the trial and the simplex size of the
+    query, where a direction separates both ends; else -inf and the direction that separated at the shown state."""
+    at = slot_of(state_out.pairs, a, b)
+    if cached_axis_holds(geo, poses, at, a, b, settings.least_gap, state_out, scratch_out):
+        return True, 0.0, (0.0, 0.0, 0.0), 0
+    gap0, n0 = shown_direction(geo, poses, at, a, b, state_out, scratch_out)
+    least = accepted_gap(settings, gap0)
+    if cached_axis_holds(geo, poses, at, a, b, least, state_out, scratch_out):
+        return True, 0.0, n0, 0
+    gap1, n1, simplex = nearest_direction(geo, scratch_out.trial, axis_at(state_out.pairs, at), a, b, EXACT, scratch_out)
+    if gap1 > 0.0 and nothing_crossed(geo, poses, a, b, n0, n1, scratch_out):
+        if gap1 >= least:
+            keep_axis(state_out.pairs, at, n1)
+            return True, gap1, n1, simplex
+        return False, gap1, n1, simplex
+    return False, -inf, n0, simplex

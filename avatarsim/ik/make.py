@@ -1,0 +1,146 @@
+"""The arrays of the posture solver, made once per scene."""
+
+import numpy as np
+
+from avatarsim.collide.scratch import make_scratch
+from avatarsim.ik.broad_phase import forget_near
+from avatarsim.ik.kinematics import carry_avatar
+from avatarsim.ik.objective import locate
+from avatarsim.ik.pair_cache import make_pair_cache
+from avatarsim.ik.state import (
+    ACTIVE_CAP,
+    COUNT_NAMES,
+    ROWS_PER_AVATAR,
+    TOUCHING_PER_AVATAR,
+    TRACKING,
+    Array,
+    Avatars,
+    Budget,
+    ConstraintRows,
+    Failed,
+    IkScratch,
+    IkState,
+    Index,
+    Objective,
+    Touching,
+    Tracking,
+    make_contacts,
+)
+from avatarsim.posture.metric import metric
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import FREE, Posture, Skeleton
+
+
+def zeros(*shape: int) -> Array:
+    """An array of zeros."""
+    return np.zeros(shape)
+
+
+def indices(*shape: int) -> Index:
+    """An array of integers."""
+    return np.zeros(shape, dtype=np.int64)
+
+
+def empty_posture(nl: int, nd: int) -> Posture:
+    """A posture of zeros."""
+    return Posture(np.zeros((nl, 3)), np.tile(np.eye(3), (nl, 1, 1)), np.zeros(nd))
+
+
+def reaches(geo: Geometry, skel: Skeleton, poses: Poses) -> Array:
+    """How far (nl) [m] each link reaches from its joint; NaN where it has no shape."""
+    found = np.full(len(skel.kind), np.nan)
+    for link in range(len(skel.kind)):
+        b = skel.first + link
+        for s in range(geo.first_shape[b], geo.first_shape[b + 1]):
+            points = poses.vertices[geo.shapes.start[s] : geo.shapes.start[s + 1]] - poses.position[b]
+            found[link] = np.fmax(found[link], np.linalg.norm(points, axis=1).max() + geo.shapes.radius[s])
+    return found
+
+
+def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> tuple[Avatars, Array]:
+    """What never changes of the avatars, and the mean reach (na) [m] of their links; 1 where no link has a shape."""
+    nl, nd = len(skel.kind), int(skel.first_dof[-1])
+    roots = np.flatnonzero(skel.parent < 0)
+    first_link = np.append(roots, nl).astype(np.int64)
+    avatar = np.repeat(np.arange(len(roots)), np.diff(first_link)).astype(np.int64)
+    joint_of = np.repeat(np.arange(nl), np.diff(skel.first_dof)).astype(np.int64)
+    paths = [[i for i in range(j + 1) if skel.related[joint_of[j], joint_of[i]]] for j in range(nd)]
+    path = indices(nd, max((len(one) for one in paths), default=1))
+    for j, degrees in enumerate(paths):
+        path[j, : len(degrees)] = degrees
+    reach, far = np.ones(len(roots)), reaches(geo, skel, poses)
+    weight = zeros(nd)
+    for a in range(len(roots)):
+        links = np.arange(first_link[a], first_link[a + 1])
+        if np.isfinite(far[links]).any():
+            reach[a] = np.nanmean(far[links])
+        joints = max(int((np.diff(skel.first_dof)[links] > 0).sum()), 1)
+        weight[skel.first_dof[links[0]] : skel.first_dof[links[-1] + 1]] = reach[a] ** 2 * len(links) / joints
+    for link in np.flatnonzero(skel.kind == FREE):
+        weight[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
+    depth = np.array([len(one) - 1 for one in paths], dtype=np.int64)
+    inverse = 1.0 / metric(geo, skel, poses, axes, PostureSettings())
+    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, inverse), reach
+
+
+def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
+    """The state of avatars that have stood still at `posture` so far, with axes (nd, 3) there."""
+    nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(reach)
+    driven = len(geo.body) - int(geo.first_shape[skel.first])
+    tracking = np.zeros(na, TRACKING).view(Tracking)
+    tracking["reach"], tracking["island"] = reach, np.arange(na)
+    pairs = TOUCHING_PER_AVATAR * na
+    objective = make_objective(avatars, nl, nd)
+    for avatar in range(na):
+        # a target that begins where the avatar does has not leapt there
+        locate(skel, avatars, avatar, posture, objective)
+    state = IkState(
+        tracking, Posture(*(array.copy() for array in posture)), objective.origin, zeros(nl, 3), zeros(nl, 3, 3),
+        make_contacts(ROWS_PER_AVATAR * na),
+        Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
+        indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(*(zeros(nl) for _ in Budget._fields)),
+    )
+    forget_near(state)
+    return state
+
+
+def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
+    """Room for the model of a step."""
+    return Objective(
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nd), zeros(nl), zeros(nl, 3), zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3, 3),
+        zeros(nd, 6), zeros(nl, 3), zeros(nl, 3, 3), zeros(nd), zeros(*avatars.path.shape), zeros(nd),
+    )
+
+
+def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
+    """Room for the rows of a step."""
+    m = ROWS_PER_AVATAR * (len(avatars.first_link) - 1)
+    return ConstraintRows(
+        indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m), zeros(m),
+        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(ACTIVE_CAP, ACTIVE_CAP), indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
+    )
+
+
+def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, kept: int) -> IkScratch:
+    """Working memory, with room for the poses of `kept` steps of a frame."""
+    nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
+    return IkScratch(
+        empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
+        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), make_objective(avatars, nl, nd),
+        make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
+        indices(len(COUNT_NAMES)), zeros(kept, nl, 12),
+    )
+
+
+def make_solver(
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0
+) -> tuple[Avatars, IkState, IkScratch]:
+    """Everything the solver needs for a world at its first posture."""
+    nd = int(skel.first_dof[-1])
+    axes, first_link = zeros(nd, 3), np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
+    for a in range(len(first_link) - 1):
+        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1), zeros(1))
+        carry_avatar(skel, spans, a, posture, zeros(nd), poses, axes)
+    avatars, reach = make_avatars(geo, skel, poses, axes)
+    return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

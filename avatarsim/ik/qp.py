@@ -1,0 +1,167 @@
+"""Strictly convex QP of a step: min 1/2 |x - p|_M^2 such that J x >= bound, low <= x <= high.
+
+With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson 1974,
+chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the corners of a
+foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it. Bounds join as unit
+rows only when they are violated, since most of them never are.
+"""
+
+from avatarsim.ik.active_set import finish
+from avatarsim.ik.constraints import along_row, clear_row
+from avatarsim.ik.objective import multiply, solve_down, solve_up
+from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, RowKind
+from avatarsim.kernel import kernel
+
+BOUND = int(RowKind.BOUND)
+
+FIRST_SWEEPS, SWEEPS_MOST = 4, 15
+"""Sweeps after which the active set is solved for, and after which the answer is taken where that does not succeed."""
+
+SOFTNESS = 1e-6
+"""Added to the diagonal of the dual: parallel rows then share the load instead of dividing by zero."""
+
+MULTIPLIER_CAP = 1e4
+"""Infeasible rows (squeezed between two walls) would drive multipliers to infinity; the certificate refuses such steps anyway."""
+
+BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
+"""Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
+
+OUTSIDE = 1e-9
+"""[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
+
+
+@kernel
+def solve_qp(avatars: Avatars, first: int, last: int, tolerance: float, scratch_out: IkScratch) -> None:
+    """The step of members first .. last from the model of each, the rows, and the bounds; `tolerance` [m] ends the sweeps."""
+    s = scratch_out
+    r, factor = s.rows, s.objective.factor
+    set_step(avatars, first, last, s)
+    add_broken_bounds(avatars, first, last, s)
+    for _ in range(BOUND_ROUNDS):
+        transform(avatars, s)
+        reset_point(avatars, first, last, s)
+        s.counts[SWEEPS] += sweep(avatars, r, s, FIRST_SWEEPS, SWEEPS_MOST, tolerance)
+        for m in range(first, last):
+            low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
+            for j in range(low, high):
+                s.step[j] = s.point[j]
+            solve_down(avatars, low, high, factor, s.step)
+        if add_broken_bounds(avatars, first, last, s) == 0:
+            break
+    for m in range(first, last):
+        for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
+            s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
+
+
+@kernel
+def set_step(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
+    """Begin with the step to the least of the model."""
+    s = scratch_out
+    for m in range(first, last):
+        for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
+            s.step[j] = s.objective.newton[j]
+
+
+@kernel
+def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
+    """Transform the rows that came since this was last done: weighted = L^-T J^T, in the coordinates y."""
+    s, r = scratch_out, scratch_out.rows
+    for k in range(r.ready[0], r.count[0]):
+        stiffness = 0.0
+        for side in range(2):
+            avatar = r.owner[k, side]
+            if avatar < 0:
+                continue
+            low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+            for j in range(low, high):
+                r.weighted[k, j] = r.jacobian[k, j]
+            solve_up(avatars, low, high, s.objective.factor, r.weighted[k])
+            for j in range(low, high):
+                stiffness += r.weighted[k, j] * r.weighted[k, j]
+        r.stiffness[k] = stiffness
+    r.ready[0] = r.count[0]
+
+
+@kernel
+def reset_point(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
+    """y = L p + sum of weighted rows times their multipliers."""
+    s, r = scratch_out, scratch_out.rows
+    for m in range(first, last):
+        low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
+        multiply(avatars, low, high, s.objective.factor, s.objective.newton, s.point)
+    for k in range(r.count[0]):
+        if r.multiplier[k] > 0.0:
+            press(avatars, k, r.multiplier[k], r, s)
+
+
+@kernel
+def press(avatars: Avatars, k: int, by: float, rows: ConstraintRows, scratch_out: IkScratch) -> None:
+    """Move the point by a change of a row's multiplier."""
+    point = scratch_out.point
+    for side in range(2):
+        avatar = rows.owner[k, side]
+        if avatar >= 0:
+            for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+                point[j] += by * rows.weighted[k, j]
+
+
+@kernel
+def sweep(
+    avatars: Avatars, rows_out: ConstraintRows, scratch_out: IkScratch, first: int, most: int, tolerance: float
+) -> int:
+    """Projected Gauss-Seidel on the multipliers until a sweep changes no row by `tolerance` [m]; the number of sweeps."""
+    r, point = rows_out, scratch_out.point
+    for done in range(most):
+        change = 0.0
+        for k in range(r.count[0]):
+            residual = along_row(avatars, k, point, r.weighted, r) - r.bound[k]
+            before = r.multiplier[k]
+            if before == 0.0 and residual >= 0.0:
+                continue
+            after = min(max(0.0, before - residual / (r.stiffness[k] + SOFTNESS)), MULTIPLIER_CAP)
+            if after != before:
+                r.multiplier[k] = after
+                press(avatars, k, after - before, r, scratch_out)
+                change = max(change, abs(after - before) * r.stiffness[k])
+        if change < tolerance:
+            return done + 1
+        if done + 1 == first and finish(avatars, tolerance, r, scratch_out):
+            return done + 1
+    return most
+
+
+@kernel
+def add_broken_bounds(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> int:
+    """Rows for bounds that the step breaks and that have none yet; their number."""
+    s, r, added = scratch_out, scratch_out.rows, 0
+    for m in range(first, last):
+        avatar, more = s.members[m], 0
+        for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+            if r.count[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
+                break
+            is_below, is_above = s.step[j] < s.low[j] - OUTSIDE, s.step[j] > s.high[j] + OUTSIDE
+            if (is_below or is_above) and not has_bound(r, j):
+                add_bound(avatars, avatar, j, 1.0 if is_below else -1.0, s.low[j] if is_below else -s.high[j], r)
+                more += 1
+        added += more
+    return added
+
+
+@kernel
+def has_bound(rows: ConstraintRows, j: int) -> bool:
+    """Whether one of the rows is the bound of degree j."""
+    for k in range(rows.count[0]):
+        if rows.kind[k] == BOUND and rows.pair[k, 0] == j:
+            return True
+    return False
+
+
+@kernel
+def add_bound(avatars: Avatars, avatar: int, j: int, sign: float, bound: float, rows_out: ConstraintRows) -> None:
+    """Append the condition sign x_j >= bound."""
+    r, k = rows_out, rows_out.count[0]
+    r.owner[k, 0], r.owner[k, 1] = avatar, -1
+    clear_row(avatars, k, r)
+    r.jacobian[k, j] = sign
+    r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BOUND, j, -1, bound, 0.0
+    r.count[0] = k + 1

@@ -1,0 +1,53 @@
+"""One frame of the posture solver, on one screen: target, budgets, islands, steps, progress. See docs/posture.md."""
+
+from avatarsim.ik.broad_phase import forget_near, form_islands
+from avatarsim.ik.notice import notice_bodies
+from avatarsim.ik.progress import supervise
+from avatarsim.ik.sqp_step import sqp_step, work_done
+from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.ik.target import clip_to_limits, meet_target
+from avatarsim.kernel import kernel
+from avatarsim.settings import IkSettings
+from avatarsim.world.arena import Index
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+ARRIVED = 5e-3
+"""[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
+
+
+@kernel
+def solve(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, moving: Index,
+    posture_out: Posture, poses_out: Poses, state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """Bring the posture towards the tracker's by certified steps within the budget of a frame of dt [s].
+
+    dt = 0: once more in the same frame, after loose bodies have moved on; what is left of its budget is used.
+    moving (nb): 1 for bodies that may have moved since the last call; empty if that is not known.
+    """
+    s, state = scratch_out, state_out
+    has_changed = notice_bodies(geo, skel, poses_out, moving, s)
+    if has_changed:
+        forget_near(state)
+    clip_to_limits(skel, tracker, s.target)
+    if dt > 0.0:
+        s.counts[:] = 0
+        meet_target(skel, avatars, settings, dt, has_changed, state, s)
+    form_islands(skel, avatars, settings, poses_out, state, s)
+    first, count = 0, avatars.first_link.shape[0] - 1
+    while first < count:
+        last = first + 1
+        while last < count and state.tracking.island[s.members[last]] == state.tracking.island[s.members[first]]:
+            last += 1
+        # an island that spends less leaves the rest to those after it
+        most_work = work_done(s) + (settings.work - work_done(s)) * (last - first) // (count - first)
+        for _ in range(settings.steps):
+            moved = sqp_step(
+                geo, skel, avatars, settings, posture_out, poses_out, first, last, most_work, state, s
+            )
+            if moved < ARRIVED or work_done(s) >= most_work:
+                break
+        first = last
+    if dt > 0.0:
+        supervise(skel, avatars, settings, dt, posture_out, poses_out, state, s)

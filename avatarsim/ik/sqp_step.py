@@ -1,0 +1,294 @@
+"""One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
+
+A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. What is
+still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is cut alone
+leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
+"""
+
+from avatarsim.ik.certify import certify
+from avatarsim.ik.constraints import add_touching, along_row, keep_touching, owner_of, touch
+from avatarsim.ik.curvature import forget_forces, note_forces
+from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error, try_step
+from avatarsim.ik.motion_budget import bound_step, share_within, spend
+from avatarsim.ik.objective import model
+from avatarsim.ik.qp import solve_qp
+from avatarsim.ik.state import (
+    ADOPTED,
+    BACKED,
+    FORWARDS,
+    HELD,
+    OUT_OF_WORK,
+    QPS,
+    QUERIES,
+    ROWS,
+    STEPS,
+    SUPPORTS,
+    SWEEPS,
+    Avatars,
+    IkScratch,
+    IkState,
+    RowKind,
+)
+from avatarsim.ik.target import largest
+from avatarsim.kernel import kernel
+from avatarsim.settings import IkSettings
+from avatarsim.spatial.vec3 import put_row, row
+from avatarsim.world.geometry import Array, Geometry, Poses
+from avatarsim.world.skeleton import FREE, Posture, Skeleton
+
+CONTACT = int(RowKind.CONTACT)
+
+SHRINK = 0.25
+"""Share of the step that the second attempt takes of avatars that failed in the first. Nearer 1: refused once more; nearer 0: avatars
+hesitate."""
+
+BACK_OFF, BACK_OFFS = 0.5, 6
+"""Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
+
+
+@kernel
+def work_done(scratch: IkScratch) -> int:
+    """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
+    c = scratch.counts
+    return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2)
+
+
+@kernel
+def sqp_step(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture_out: Posture, poses_out: Poses, first: int,
+    last: int, most_work: int, state_out: IkState, scratch_out: IkScratch,
+) -> float:
+    """One certified step of members first .. last; its largest part [rad or m]."""
+    s, state = scratch_out, state_out
+    s.counts[STEPS] += last - first
+    state.pairs.step[0] += 1
+    failed = 1
+    for m in range(first, last):
+        avatar = s.members[m]
+        state.tracking.share[avatar], state.tracking.has_model[avatar] = 1.0, 0
+        tangent_error(skel, avatars, avatar, posture_out, s.target, s.objective.error)
+        bound_step(skel, avatars, avatar, posture_out, state.budget, s)
+    for attempt in range(2):
+        failed = try_qp(
+            geo, skel, avatars, settings, posture_out, poses_out, first, last, attempt > 0, most_work, state, s
+        )
+        if failed == 0:
+            break
+        for k in range(s.failed.count[0]):
+            touch(s.failed.pair[k, 0], s.failed.pair[k, 1], state.touching)
+        if work_done(s) > most_work:
+            s.counts[OUT_OF_WORK] += 1
+            break
+        for m in range(first, last):
+            if state.tracking.has_failed[s.members[m]] > 0:
+                state.tracking.share[s.members[m]] *= SHRINK
+    island = state.tracking.island[s.members[first]]
+    keep_touching(geo, skel, avatars, island, s.rows, state)
+    if failed > 0:
+        back_off(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
+    note_contacts(geo, skel, avatars, first, last, state, s)
+    return adopt(geo, skel, avatars, first, last, posture_out, poses_out, state, s)
+
+
+@kernel
+def try_qp(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
+    is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
+) -> int:
+    """Solve and certify with growing rows; the number of failures that are left."""
+    s, failed, tolerance = scratch_out, 0, 0.1 * settings.least_gap
+    add_touching(geo, skel, avatars, settings, state_out.tracking.island[s.members[first]], is_soft, poses, state_out, s)
+    for round_ in range(settings.corrections + 1):
+        choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
+        s.counts[QPS] += 1
+        is_last = round_ == settings.corrections or work_done(s) > most_work
+        place_trial(geo, skel, avatars, posture, poses, first, last, state_out, s)
+        failed = certify(
+            geo, skel, avatars, settings, posture, poses, first, last, not is_last, is_soft, state_out, s
+        )
+        if failed == 0 or is_last:
+            break
+    return failed
+
+
+@kernel
+def choose_step(
+    skel: Skeleton, avatars: Avatars, poses: Poses, first: int, last: int, tolerance: float, state_out: IkState,
+    scratch_out: IkScratch,
+) -> None:
+    """The straight way to the target where no row is in its way: there it is the least of the objective, and no metric is needed.
+    Else the QP's step."""
+    s, state = scratch_out, state_out
+    if state.tracking.has_model[s.members[first]] == 0:
+        for m in range(first, last):
+            straight_step(skel, avatars, s.members[m], s)
+        if not breaks_rows(avatars, s):
+            return
+        for m in range(first, last):
+            model(skel, avatars, s.members[m], state, poses, s.objective)
+            state.tracking.has_model[s.members[m]] = 1
+    solve_qp(avatars, first, last, tolerance, s)
+
+
+@kernel
+def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, scratch_out: IkScratch) -> None:
+    """The tangent error, each joint and root as far along its own as the budget lets it go."""
+    s = scratch_out
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        d, end = skel.first_dof[link], skel.first_dof[link + 1]
+        if skel.kind[link] == FREE:
+            shorten(d, d + 3, s)
+            d += 3
+        shorten(d, end, s)
+
+
+@kernel
+def shorten(first: int, last: int, scratch_out: IkScratch) -> None:
+    """Degrees first .. last of the tangent error, by one factor within their bounds."""
+    s, share = scratch_out, 1.0
+    for j in range(first, last):
+        error = s.objective.error[j]
+        bound = s.high[j] if error > 0.0 else -s.low[j]
+        if abs(error) > bound:
+            share = min(share, bound / abs(error))
+    for j in range(first, last):
+        s.step[j] = share * s.objective.error[j]
+
+
+@kernel
+def breaks_rows(avatars: Avatars, scratch: IkScratch) -> bool:
+    """Whether the step breaks a row."""
+    r = scratch.rows
+    for k in range(r.count[0]):
+        if not (along_row(avatars, k, scratch.step, r.jacobian, r) >= r.bound[k]):
+            return True
+    return False
+
+
+@kernel
+def place_trial(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, posture: Posture, poses: Poses, first: int, last: int, state: IkState,
+    scratch_out: IkScratch,
+) -> None:
+    """The trial of the step, shortened by one factor for each avatar to what its budget and this attempt let it go."""
+    s = scratch_out
+    for m in range(first, last):
+        avatar = s.members[m]
+        carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
+        s.counts[FORWARDS] += 1
+        share = share_within(skel, avatars, avatar, state.budget, s.step, poses, s.trial)
+        share = min(share, state.tracking.share[avatar])
+        if share < 1.0:
+            scale_step(avatars, avatar, share, s.step)
+            carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
+        place_avatar(geo, skel, avatars, avatar, s.trial)
+
+
+@kernel
+def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) -> None:
+    """Scale the degrees of an avatar in a step (nd)."""
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        step_out[j] *= factor
+
+
+@kernel
+def back_off(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
+    state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """Halve the step of avatars that fail until the trial certifies; at last they stay, where everything is known to be free."""
+    s = scratch_out
+    s.counts[BACKED] += 1
+    for k in range(BACK_OFFS + last - first):
+        for m in range(first, last):
+            if state_out.tracking.has_failed[s.members[m]] > 0:
+                if k >= BACK_OFFS:
+                    s.counts[HELD] += 1
+                scale_step(avatars, s.members[m], BACK_OFF if k < BACK_OFFS else 0.0, s.step)
+        try_step(geo, skel, avatars, posture, first, last, s)
+        if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
+            return
+    for m in range(first, last):
+        scale_step(avatars, s.members[m], 0.0, s.step)
+    try_step(geo, skel, avatars, posture, first, last, s)
+
+
+@kernel
+def note_contacts(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, state_out: IkState, scratch: IkScratch
+) -> None:
+    """Keep the active contacts of an island, and what they press on its links with: for the next step, and for the coupling."""
+    c, r, kept = state_out.contacts, scratch.rows, 0
+    island = state_out.tracking.island
+    for k in range(c.count[0]):
+        if island[owner_of(geo, skel, avatars, c.pair[k, 0])] != island[scratch.members[first]]:
+            c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = c.pair[k, 0], c.pair[k, 1], c.multiplier[k]
+            put_row(c.normal, kept, row(c.normal, k))
+            kept += 1
+    for m in range(first, last):
+        forget_forces(avatars, scratch.members[m], state_out)
+    for k in range(r.count[0]):
+        if r.kind[k] == CONTACT and r.multiplier[k] > 0.0 and kept < c.multiplier.shape[0]:
+            c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = r.pair[k, 0], r.pair[k, 1], r.multiplier[k]
+            put_row(c.normal, kept, row(r.normal, k))
+            kept += 1
+    c.count[0] = kept
+    note_forces(geo, skel, r, state_out)
+
+
+@kernel
+def adopt(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, posture_out: Posture, poses_out: Poses,
+    state_out: IkState, scratch_out: IkScratch,
+) -> float:
+    """Make the trial of members first .. last the shown state; the largest part of their step [rad or m]."""
+    s, most = scratch_out, 0.0
+    for m in range(first, last):
+        avatar = s.members[m]
+        low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+        moved = largest(s.step, low, high)
+        most = max(most, moved)
+        if moved == 0.0:
+            continue
+        spend(skel, avatars, avatar, s.step, poses_out, s.trial, state_out.budget)
+        take_step(skel, avatars, avatar, s.step, posture_out)
+        copy_poses(geo, skel, avatars, avatar, s.trial, poses_out)
+        for j in range(low, high):
+            put_row(state_out.axes, j, row(s.axes, j))
+    if most > 0.0:
+        note_trail(skel, s)
+    return most
+
+
+@kernel
+def copy_poses(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, trial: Poses, poses_out: Poses) -> None:
+    """Copy the poses of an avatar's links, shapes and all."""
+    low, high = skel.first + avatars.first_link[avatar], skel.first + avatars.first_link[avatar + 1]
+    for b in range(low, high):
+        for i in range(3):
+            poses_out.position[b, i] = trial.position[b, i]
+            for k in range(3):
+                poses_out.rotation[b, i, k] = trial.rotation[b, i, k]
+        for i in range(6):
+            poses_out.hulls[b, i] = trial.hulls[b, i]
+    for piece in range(geo.first_shape[low], geo.first_shape[high]):
+        for i in range(6):
+            poses_out.boxes[piece, i] = trial.boxes[piece, i]
+    for v in range(geo.shapes.start[geo.first_shape[low]], geo.shapes.start[geo.first_shape[high]]):
+        for i in range(3):
+            poses_out.vertices[v, i] = trial.vertices[v, i]
+
+
+@kernel
+def note_trail(skel: Skeleton, scratch_out: IkScratch) -> None:
+    """Count the step that was adopted, and keep its poses if the frame is recorded."""
+    s = scratch_out
+    k = s.counts[ADOPTED]
+    s.counts[ADOPTED] = k + 1
+    if k >= s.trail.shape[0]:
+        return
+    for link in range(skel.kind.shape[0]):
+        for i in range(3):
+            s.trail[k, link, i] = s.trial.position[skel.first + link, i]
+            for j in range(3):
+                s.trail[k, link, 3 + 3 * i + j] = s.trial.rotation[skel.first + link, i, j]

@@ -1,0 +1,258 @@
+"""State of the posture solver: what stays from frame to frame, and the working memory of one frame.
+
+All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, lie beside
+each other: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
+"""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collide.scratch import Scratch
+from avatarsim.ik.pair_cache import PairCache
+from avatarsim.record import table_of
+from avatarsim.world.geometry import Poses
+from avatarsim.world.skeleton import Posture
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+ROWS_PER_AVATAR = 96
+"""Most constraint rows of one island per avatar in it; more are counted as dropped, and the certificate refuses what they would
+have prevented."""
+
+TOUCHING_PER_AVATAR = 64
+"""Most pairs per avatar that have a row before anything fails; a pair that does not fit gets one when it fails."""
+
+ACTIVE_CAP = 32
+"""Most rows of the active set that is solved exactly; with more of them the answer of projected Gauss-Seidel is taken."""
+
+
+class RowKind(IntEnum):
+    """What a constraint row is of."""
+
+    CONTACT = 0
+    """A pair of pieces keeps a gap [m]."""
+    LIMIT = 1
+    """A ball joint stays within its swing, twist or reach [rad]."""
+    BOUND = 2
+    """One degree of freedom stays within its budget or its hinge's limits [rad or m]."""
+
+
+class Mode(IntEnum):
+    """Which target an avatar follows."""
+
+    TRACK = 0
+    """The tracker's posture."""
+    WAIT = 1
+    """The same, but the objective no longer falls: something holds the avatar off."""
+
+
+TRACKING = np.dtype(
+    [
+        ("mode", "i8"), ("rest", "f8"), ("stalled", "f8"), ("mark", "f8"), ("objective", "f8"), ("share", "f8"), ("speed", "f8"),
+        ("island", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("distance", "f8"), ("reach", "f8"),
+    ],
+    align=True,
+)
+"""One row of Tracking."""
+
+
+class Tracking(np.recarray[Any, np.dtype[Any]]):
+    """One row per avatar."""
+
+    mode: NDArray[np.int64]
+    """A Mode."""
+    rest: Array
+    """[s] for which the target and everything near has not moved."""
+    stalled: Array
+    """[s] since the objective last fell by a third."""
+    mark: Array
+    """[m^2] the objective then."""
+    objective: Array
+    """[m^2] at the end of the last frame."""
+    share: Array
+    """Share of the QP's step that this attempt takes, in (0, 1]."""
+    speed: Array
+    """[rad or m] the largest way of a degree of freedom of the target in this frame."""
+    island: Index
+    """The avatar with the least number in the same island."""
+    has_failed: Index
+    """1 if a pair or a limit of this avatar failed at the trial."""
+    has_model: Index
+    """1 if the model of this step, with its metric, is at hand."""
+    distance: Array
+    """[m] of the link origin that is farthest from its target."""
+    reach: Array
+    """[m] mean reach of a link: the length that turns radians into metres."""
+
+
+tracking_in = table_of(Tracking, TRACKING)
+"""The Tracking in these words, in a tuple of one."""
+
+
+class Avatars(NamedTuple):
+    """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
+    the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared angle,
+    0 for translations; inverse_weight (nd) 1 / mean squared motion of the vertices that a degree moves, for `coupling`."""
+
+    first_link: Index
+    first_dof: Index
+    avatar: Index
+    joint_of: Index
+    path: Index
+    depth: Index
+    turn_weight: Array
+    inverse_weight: Array
+
+
+class Budget(NamedTuple):
+    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root, way (nl) [m] of each link
+    origin; turned, moved, gone (nl) what was used of these along the path so far."""
+
+    turn: Array
+    move: Array
+    way: Array
+    turned: Array
+    moved: Array
+    gone: Array
+
+
+class Contacts(NamedTuple):
+    """The active contacts of the last solved step: count (1); pair (m, 2) pieces; normal (m, 3), out of the second into the first;
+    multiplier (m) [m], how hard the objective presses."""
+
+    count: Index
+    pair: Index
+    normal: Array
+    multiplier: Array
+
+
+def make_contacts(room: int) -> Contacts:
+    """Room for so many contacts, of which there are none yet."""
+    none = np.zeros((room, 2), dtype=np.int64)
+    return Contacts(np.zeros(1, dtype=np.int64), none, np.zeros((room, 3)), np.zeros(room))
+
+
+class Touching(NamedTuple):
+    """Pairs that were in contact lately, and so have a row in the next step before anything fails: count (1); pair (m, 2) pieces;
+    age (m) steps since the row was last active."""
+
+    count: Index
+    pair: Index
+    age: Index
+
+
+class IkState(NamedTuple):
+    """What stays from frame to frame. before: clipped target of the last frame, origin (nl, 3) its link origins [m]; force (nl, 3) and moment (nl, 3, 3) what the contacts
+    press on each link with, and its moments about the link's origin; near (na, nb) bodies that are no links and in reach of an
+    avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the degrees at the shown posture."""
+
+    tracking: Tracking
+    before: Posture
+    origin: Array
+    force: Array
+    moment: Array
+    contacts: Contacts
+    touching: Touching
+    pairs: PairCache
+    near: Index
+    near_count: Index
+    near_box: Array
+    axes: Array
+    budget: Budget
+
+
+class Objective(NamedTuple):
+    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the target; error (nd) the
+    tangent error; number (nl), first, pull (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6)
+    of each degree; load (nl, 3), bending (nl, 3, 3), curvature (nd) see `curvature`; factor (nd, w) of the metric; newton (nd) the
+    step to the least of the model."""
+
+    origin: Array
+    frame: Array
+    error: Array
+    number: Array
+    first: Array
+    pull: Array
+    second: Array
+    twist: Array
+    motion: Array
+    load: Array
+    bending: Array
+    curvature: Array
+    factor: Array
+    newton: Array
+
+
+class ConstraintRows(NamedTuple):
+    """Linear conditions J x >= bound of one step: count, ready (1 each) how many there are, and how many are transformed; kind (m) a
+    RowKind; pair (m, 2) pieces of a contact, or a degree and -1; owner (m, 2) avatars whose degrees a row is of, -1 for none;
+    jacobian (m, nd); weighted (m, nd) = L^-T J^T; stiffness (m) its squared length; multiplier, residual, before (m); normal (m, 3),
+    arm (m, 6) [m] from the origins of both bodies to the contact; active (a) the active rows, factor (a, a) of their Gram matrix,
+    change (a) of their multipliers."""
+
+    count: Index
+    ready: Index
+    kind: Index
+    pair: Index
+    owner: Index
+    jacobian: Array
+    weighted: Array
+    bound: Array
+    stiffness: Array
+    multiplier: Array
+    residual: Array
+    before: Array
+    normal: Array
+    arm: Array
+    factor: Array
+    active: Index
+    change: Array
+
+
+class Failed(NamedTuple):
+    """Pairs that failed at the last trial: count (1), pair (m, 2)."""
+
+    count: Index
+    pair: Index
+
+
+class IkScratch(NamedTuple):
+    """Working memory of a frame. target: the clipped target; trial: poses of the step that is looked at, with axes (nd, 3);
+    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step, point (nd): bounds, the
+    step, and the step in the coordinates of the least-distance problem; still (nd) zero; members (na) avatars of the islands one
+    after the other; trail (K, nl, 12) positions [m] and rotations of links after each of the first K steps of a frame."""
+
+    target: Posture
+    trial: Poses
+    axes: Array
+    swept: Array
+    swept_links: Array
+    swept_avatars: Array
+    low: Array
+    high: Array
+    step: Array
+    point: Array
+    still: Array
+    members: Index
+    objective: Objective
+    rows: ConstraintRows
+    failed: Failed
+    narrow: Scratch
+    counts: Index
+    trail: Array
+
+
+COUNT_NAMES = (
+    "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
+    "bad_queries", "waiting", "out_of_work", "adopted", "islands",
+)
+"""What is counted in a frame; `held`: avatars whose step came to nothing."""
+
+(
+    QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK, ADOPTED,
+    ISLANDS,
+) = range(len(COUNT_NAMES))

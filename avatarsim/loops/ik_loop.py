@@ -1,0 +1,147 @@
+"""Method `ik` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+
+from avatarsim.engine import Snapshot
+from avatarsim.errors import InvalidSnapshot
+from avatarsim.ik.make import make_solver
+from avatarsim.ik.notice import notice_bodies
+from avatarsim.ik.solve import solve
+from avatarsim.ik.sound import state_is_sound
+from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, OUT_OF_WORK, WAITING
+from avatarsim.kernel import kernel
+from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
+from avatarsim.loops.opened_checked import opened_springs
+from avatarsim.loops.opened_ik import opened_avatars, opened_ik_settings, opened_state, opened_working
+from avatarsim.loops.recorded_events import trail_snapshots
+from avatarsim.settings import CouplingSettings, IkSettings
+from avatarsim.tally import Tally
+from avatarsim.world.arena import Array, Index, opening, packed, yes
+from avatarsim.world.opened import (
+    opened_dynamics,
+    opened_geometry,
+    opened_poses,
+    opened_posture,
+    opened_skeleton,
+    opened_velocities,
+)
+from avatarsim.world.target import Target
+from avatarsim.world.world import World
+
+SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK)
+"""Places of the counts that a frame record says as statuses."""
+
+MOST = 2**60
+"""Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
+
+STEPS_KEPT = 64
+"""Most steps of one frame whose poses a recording keeps; more are counted. Each island takes a step of its own."""
+
+NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+
+
+@kernel
+def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
+    """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
+
+    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go into
+    the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving` (nb): 1 for
+    bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles all of it.
+    """
+    o = opening(world)
+    geometry, dynamics = opened_geometry(o), opened_dynamics(o)
+    poses, velocities = opened_poses(o), opened_velocities(o)
+    skeleton, posture = opened_skeleton(o), opened_posture(o)
+    tracker = opened_posture(opening(target))
+    o = opening(kept)
+    coupled, springs, settings = yes(o), opened_springs(o), opened_ik_settings(o)
+    avatars, state, working = opened_avatars(o), opened_state(o), opened_working(o)
+    if answers:
+        if coupled:
+            give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
+        if not moving.any() or state.contacts.count[0] == 0:
+            return
+        dt = 0.0
+    elif coupled:
+        pull(
+            geometry, skeleton, dynamics, poses, state.contacts, avatars.inverse_weight, dt, tracker, velocities, springs
+        )
+    elif springs.mass.shape[0] > 0:
+        strike(skeleton, tracker, dt, velocities, springs)
+    solve(geometry, skeleton, avatars, settings, tracker, dt, moving, posture, poses, state, working)
+
+
+class IkLoop:
+    """The driven bodies of a world: every state shown was certified from the last one."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "state")
+    WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
+
+    def __init__(self, world: World, settings: IkSettings, coupling: CouplingSettings, *, record: bool = False) -> None:
+        self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
+        solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
+        # without dynamics nothing gives back what pressing took, and the coupling would run away
+        coupled = world.scene.effects.coupling and world.scene.effects.dynamics
+        springs = (
+            make_springs(world.skeleton, world.dynamics, world.poses, coupling) if world.scene.effects.dynamics
+            else no_springs(world.poses, coupling)
+        )
+        self._kept, (_, self.springs, _, self.avatars, self.state, self.working) = packed((coupled, springs, settings, *solver))
+
+    def follow(self, target: Target, dt: float) -> None:
+        """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
+        self._told = 0
+        track(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._known)
+        # all bodies have been looked at once
+        self._known = self._moving
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Bodies, pieces and counts; `ik.sound` says what holds between them."""
+        geo = self.world.geometry
+        pieces, bodies = len(geo.body), len(geo.first_shape) - 1
+        return {
+            "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST), "used": (0, MOST),
+            "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
+            "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "count": (0, MOST), "age": (0, MOST),
+            "tracking": (-MOST, MOST),
+        }
+
+    def go_on(self, begun: bool) -> None:
+        """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
+        if not state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state):
+            raise InvalidSnapshot("state of the posture solver", "pairs or avatars that are not there", "places of this scene")
+        # what has not moved since is not looked at again
+        notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
+        self._known, self._told = self._moving if begun else NOT_KNOWN, 0
+
+    def watch(self, moving: Index) -> None:
+        """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""
+        self._moving = moving
+
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+        """Impulses (nb, 3) [N s] go into the coupling; a driven body held by what is `moving` (nb) now goes on."""
+        track(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """The states after the steps of this frame that were taken since this was last asked, at `time` [s], if the frame is
+        recorded: links as they were left then, all else as it is now."""
+        told, self._told = self._told, self.working.counts.item(ADOPTED)
+        return trail_snapshots(self.world, self.working.trail[told : self._told], time)
+
+    def counts(self) -> Tally:
+        """Work done in the last frame."""
+        return Tally(COUNT_NAMES, self.working.counts.tobytes())
+
+    def statuses(self) -> dict[str, int]:
+        """What did not end well in the last frame, and how often."""
+        counts = self.working.counts.tolist()
+        found = {COUNT_NAMES[place]: counts[place] for place in SAID if counts[place]}
+        if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
+            found["steps not recorded"] = lost
+        return found
+
