@@ -1,14 +1,12 @@
 """Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
 
-Two avatars are of one island if their boxes, grown by what the budget of the frame lets each move, meet: then one may push the
-other. Islands are the connected components (union by the least number).
+Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands are the connected components (union by the least number).
 """
 
 from math import inf
 
-from avatarsim.ik.state import ISLANDS, Avatars, Budget, IkScratch, IkState
+from avatarsim.ik.state import ISLANDS, Avatars, IkScratch, IkState
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Skeleton
@@ -79,44 +77,30 @@ def forget_near(state_out: IkState) -> None:
 
 
 @kernel
-def grow_boxes(
-    skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, budget: Budget, least: float, scratch_out: IkScratch
+def grow_box(
+    skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, state: IkState, scratch_out: IkScratch
 ) -> None:
-    """Box of an avatar, grown by what its budget lets any of its links move."""
-    box = scratch_out.swept_avatars
+    """Box of an avatar, grown by what the budget lets its root move, and by the mean reach of a link, which may swing."""
+    box, root = scratch_out.swept_avatars, avatars.first_link[avatar]
+    far = state.budget.move[root] + state.tracking.reach[avatar]
     for k in range(3):
         box[avatar, k], box[avatar, 3 + k] = inf, -inf
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        b = skel.first + link
-        # the end of a link is carried by its own turning too: no farther than its box is long
-        size = max(
-            poses.hulls[b, 3] - poses.hulls[b, 0], poses.hulls[b, 4] - poses.hulls[b, 1], poses.hulls[b, 5] - poses.hulls[b, 2]
-        )
-        far = budget.way[link] + min(2.0, turn_of(avatars, avatar, budget)) * max(size, 0.0) + least
+    for b in range(skel.first + root, skel.first + avatars.first_link[avatar + 1]):
         for k in range(3):
             box[avatar, k] = min(box[avatar, k], poses.hulls[b, k] - far)
             box[avatar, 3 + k] = max(box[avatar, 3 + k], poses.hulls[b, 3 + k] + far)
 
 
 @kernel
-def turn_of(avatars: Avatars, avatar: int, budget: Budget) -> float:
-    """What all joints of an avatar may turn together [rad]."""
-    total = 0.0
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        total += budget.turn[link]
-    return total
+def form_islands(skel: Skeleton, avatars: Avatars, poses: Poses, state_out: IkState, scratch_out: IkScratch) -> None:
+    """Number the islands by the least avatar in each, and list their members one after the other.
 
-
-@kernel
-def form_islands(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, poses: Poses, state_out: IkState, scratch_out: IkScratch
-) -> None:
-    """Number the islands by the least avatar in each, and list their members one after the other."""
+    An island decides which avatars may push each other; that none gets into another is proved in each step against all of them."""
     island, s, count = state_out.tracking.island, scratch_out, avatars.first_link.shape[0] - 1
     for avatar in range(count):
         island[avatar] = avatar
         if count > 1:
-            grow_boxes(skel, avatars, avatar, poses, state_out.budget, settings.least_gap, s)
+            grow_box(skel, avatars, avatar, poses, state_out, s)
     for avatar in range(count):
         for other in range(avatar):
             if island[avatar] != island[other] and boxes_meet(s.swept_avatars, avatar, other):

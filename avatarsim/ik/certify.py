@@ -52,10 +52,10 @@ def certify(
                 other = skel.first + k
                 if boxes_meet(s.swept_links, body, other) and may_meet(geo.wanted, body, other):
                     failed += certify_bodies(geo, skel, avatars, settings, poses, body, other, is_adding, is_soft, state_out, s)
-        for n in range(m + 1, last):
-            failed += certify_avatars(
-                geo, skel, avatars, settings, poses, avatar, s.members[n], is_adding, is_soft, state_out, s
-            )
+        for other in range(avatars.first_link.shape[0] - 1):
+            if other > avatar or (other < avatar and s.is_active[other] == 0):
+                one, two = min(avatar, other), max(avatar, other)
+                failed += certify_avatars(geo, skel, avatars, settings, poses, one, two, is_adding, is_soft, state_out, s)
     return failed
 
 

@@ -31,7 +31,7 @@ def clear_row(avatars: Avatars, k: int, rows_out: ConstraintRows) -> None:
 
 @kernel
 def add_lever(skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Rows, k: int, jacobian_out: Rows) -> None:
-    """Add to row k how a point of a link moves along n, times sign; nothing for a body that is not a link."""
+    """Add to row k how a point of a link moves along n, times sign."""
     link = body - skel.first
     while link >= 0:
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -47,10 +47,18 @@ def add_lever(skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, pose
 
 
 @kernel
-def owner_of(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int) -> int:
-    """The avatar of a piece, or -1."""
+def owner_of(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, scratch: IkScratch) -> int:
+    """The avatar of a piece; -1 for a body that is no link, and for an avatar that stands still meanwhile."""
     link = geo.body[piece] - skel.first
-    return int(avatars.avatar[link]) if link >= 0 else -1
+    if link < 0 or scratch.is_active[avatars.avatar[link]] == 0:
+        return -1
+    return int(avatars.avatar[link])
+
+
+@kernel
+def is_solved_for(geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, scratch: IkScratch) -> bool:
+    """Whether one of two pieces is of an avatar of the island that is solved for."""
+    return owner_of(geo, skel, avatars, a, scratch) >= 0 or owner_of(geo, skel, avatars, b, scratch) >= 0
 
 
 @kernel
@@ -67,11 +75,13 @@ def add_contact(
     if k == r.bound.shape[0]:
         scratch_out.counts[DROPPED] += 1
         return
-    one, other = owner_of(geo, skel, avatars, a), owner_of(geo, skel, avatars, b)
+    one, other = owner_of(geo, skel, avatars, a, scratch_out), owner_of(geo, skel, avatars, b, scratch_out)
     r.owner[k, 0], r.owner[k, 1] = one, -1 if other == one else other
     clear_row(avatars, k, r)
-    add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
-    add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
+    if one >= 0:
+        add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
+    if other >= 0:
+        add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
     arm, opposite = sub(on_a, row(poses.position, geo.body[a])), sub(on_b, row(poses.position, geo.body[b]))
     put_row(r.normal, k, n)
     for i in range(3):
@@ -139,7 +149,7 @@ def add_failed_pair(
 
 @kernel
 def add_touching(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, island: int, is_soft: bool, poses: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, is_soft: bool, poses: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Begin the rows of an island anew, with those at the shown state of every pair that was in contact lately.
@@ -149,7 +159,7 @@ def add_touching(
     touching, scratch_out.rows.count[0], scratch_out.rows.ready[0] = state_out.touching, 0, 0
     for k in range(touching.count[0]):
         a, b = touching.pair[k, 0], touching.pair[k, 1]
-        if state_out.tracking.island[avatars.avatar[geo.body[a] - skel.first]] != island:
+        if not is_solved_for(geo, skel, avatars, a, b, scratch_out):
             continue
         at = slot_of(state_out.pairs, a, b)
         gap, n, simplex = nearest_direction(geo, poses, axis_at(state_out.pairs, at), a, b, EXACT, scratch_out)
@@ -177,17 +187,15 @@ def touch(a: int, b: int, touching_out: Touching) -> None:
 
 
 @kernel
-def keep_touching(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, island: int, rows: ConstraintRows, state_out: IkState
-) -> None:
+def keep_touching(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch: IkScratch) -> None:
     """After a step of an island: pairs whose rows were active are in contact; those that were not for IDLE_STEPS are forgotten."""
-    t = state_out.touching
+    t, rows = state_out.touching, scratch.rows
     for k in range(rows.count[0]):
         if rows.kind[k] == CONTACT and rows.multiplier[k] > 0.0:
             touch(rows.pair[k, 0], rows.pair[k, 1], t)
     kept = 0
     for k in range(t.count[0]):
-        if state_out.tracking.island[avatars.avatar[geo.body[t.pair[k, 0]] - skel.first]] == island:
+        if is_solved_for(geo, skel, avatars, t.pair[k, 0], t.pair[k, 1], scratch):
             t.age[k] += 1
         if t.age[k] <= IDLE_STEPS:
             t.pair[kept, 0], t.pair[kept, 1], t.age[kept] = t.pair[k, 0], t.pair[k, 1], t.age[k]

@@ -5,7 +5,6 @@ import numpy as np
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.ik.broad_phase import forget_near
 from avatarsim.ik.kinematics import carry_avatar
-from avatarsim.ik.objective import locate
 from avatarsim.ik.pair_cache import make_pair_cache
 from avatarsim.ik.state import (
     ACTIVE_CAP,
@@ -91,12 +90,9 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
     tracking = np.zeros(na, TRACKING).view(Tracking)
     tracking["reach"], tracking["island"] = reach, np.arange(na)
     pairs = TOUCHING_PER_AVATAR * na
-    objective = make_objective(avatars, nl, nd)
-    for avatar in range(na):
-        # a target that begins where the avatar does has not leapt there
-        locate(skel, avatars, avatar, posture, objective)
     state = IkState(
-        tracking, Posture(*(array.copy() for array in posture)), objective.origin, zeros(nl, 3), zeros(nl, 3, 3),
+        # a target that begins where the avatar does has not leapt there
+        tracking, *(Posture(*(array.copy() for array in posture)) for _ in range(2)), zeros(nl, 3), zeros(nl),
         make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
         indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(*(zeros(nl) for _ in Budget._fields)),
@@ -108,8 +104,8 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
 def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
     """Room for the model of a step."""
     return Objective(
-        zeros(nl, 3), zeros(nl, 3, 3), zeros(nd), zeros(nl), zeros(nl, 3), zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3, 3),
-        zeros(nd, 6), zeros(nl, 3), zeros(nl, 3, 3), zeros(nd), zeros(*avatars.path.shape), zeros(nd),
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3), zeros(nl, 3),
+        zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
     )
 
 
@@ -127,7 +123,7 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
-        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), make_objective(avatars, nl, nd),
+        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars, nl, nd),
         make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
         indices(len(COUNT_NAMES)), zeros(kept, nl, 12),
     )

@@ -1,19 +1,19 @@
-"""Objective of a posture: Huber loss of link origins and squared joint angles; its Gauss-Newton model along the kinematic tree.
+"""Objective of a posture: Huber loss of link origins and squared joint angles; its quadratic model along the kinematic tree.
 
     f = sum_i h(|o_i - o_i*|) + 1/2 sum_j w |a_j - a_j*|^2,   h(r) = r^2 / 2 up to d, d (r - d / 2) beyond
 
 To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w each,
 so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L without
-fill-in (Featherstone 2008, chapter 6). What bends f beyond that joins the diagonal (`curvature`). See docs/posture.md.
+fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See docs/posture.md.
 """
 
 from math import sqrt
 
-from avatarsim.ik.curvature import bound_curvature
 from avatarsim.ik.state import Avatars, IkState, Objective
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
-from avatarsim.spatial.vec3 import Rows, add, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Poses
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
@@ -49,7 +49,25 @@ def locate(skel: Skeleton, avatars: Avatars, avatar: int, target: Posture, objec
 
 
 @kernel
-def value_of(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective: Objective) -> tuple[float, float]:
+def draw_near(
+    skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective
+) -> None:
+    """Draw a target whose root is farther than the loss radius from the shown one to that distance, all link origins with it.
+
+    A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder than one that is
+    near: limbs do not stretch after it."""
+    c, first = objective_out, avatars.first_link[avatar]
+    way = sub(row(c.origin, first), row(poses.position, skel.first + first))
+    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar]
+    share = 1.0 - d / far if far > d else 0.0
+    for link in range(first, avatars.first_link[avatar + 1]):
+        put_row(c.aim, link, sub(row(c.origin, link), scale(way, share)))
+
+
+@kernel
+def value_of(
+    skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective: Objective
+) -> tuple[float, float]:
     """f [m^2] of an avatar at `poses`, whose tangent error is at hand; and the distance [m] of the farthest origin."""
     total, far, d = 0.0, 0.0, LOSS_RADIUS * state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -68,10 +86,10 @@ def model(
     """Gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
     The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not overshoot."""
+    draw_near(skel, avatars, avatar, state, poses, objective_out)
     gather(skel, avatars, avatar, state, poses, objective_out)
     fall(skel, avatars, avatar, state.axes, objective_out)
     note_motions(skel, avatars, avatar, poses, state.axes, objective_out)
-    bound_curvature(skel, avatars, avatar, state, poses, objective_out)
     fill_metric(skel, avatars, avatar, poses, state.axes, objective_out)
     first, last = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
     decompose(avatars, first, last, objective_out.factor)
@@ -80,17 +98,24 @@ def model(
 
 
 @kernel
+def stretch(force: Vec3, arm: Vec3) -> float:
+    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link turns."""
+    return norm(force) * norm(arm)
+
+
+@kernel
 def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
     """Of each link with all it carries, about its own origin: weight of origins, their first and second moments, the sum of their
-    weighted ways to the target, and the moments of these."""
+    weighted ways to the target and the moments of these, contact forces, and the inertia that these and the pulls add."""
     c, d = objective_out, LOSS_RADIUS * state.tracking.reach[avatar]
     low, high, bodies = avatars.first_link[avatar], avatars.first_link[avatar + 1], skel.first
     for link in range(low, high):
-        way = sub(row(c.origin, link), row(poses.position, bodies + link))
+        way = sub(row(c.aim, link), row(poses.position, bodies + link))
         square = dot(way, way)
         n = 1.0 if square <= d * d else d / sqrt(square)
-        c.number[link] = n
+        c.number[link], c.inertia[link] = n, state.bend[link]
         put_row(c.pull, link, scale(way, n))
+        put_row(c.load, link, row(state.force, link))
         for i in range(3):
             c.first[link, i] = 0.0
             for k in range(3):
@@ -101,11 +126,13 @@ def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses:
         if parent < 0:
             continue
         arm, n = sub(row(poses.position, bodies + link), row(poses.position, bodies + parent)), c.number[link]
-        first, way = row(c.first, link), row(c.pull, link)
+        first, way, load = row(c.first, link), row(c.pull, link), row(c.load, link)
         c.number[parent] += n
+        c.inertia[parent] += c.inertia[link] + stretch(add(way, load), arm)
         for i in range(3):
             c.first[parent, i] += first[i] + n * arm[i]
             c.pull[parent, i] += way[i]
+            c.load[parent, i] += load[i]
             for k in range(3):
                 c.twist[parent, i, k] += c.twist[link, i, k] + arm[i] * way[k]
                 c.second[parent, i, k] += c.second[link, i, k] + arm[i] * first[k] + first[i] * arm[k] + n * arm[i] * arm[k]
@@ -150,7 +177,7 @@ def fill_metric(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axe
     for link in range(root, avatars.first_link[avatar + 1]):
         first, moved, n = skel.first_dof[link], row(c.first, link), c.number[link]
         moves = first + 3 if skel.kind[link] == FREE else first
-        trace = t[link, 0, 0] + t[link, 1, 1] + t[link, 2, 2]
+        trace = t[link, 0, 0] + t[link, 1, 1] + t[link, 2, 2] + c.inertia[link]
         out = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + root))
         for j in range(first, skel.first_dof[link + 1]):
             axis, extra = row(axes, j), 0.0
@@ -163,7 +190,7 @@ def fill_metric(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axe
                     trace * axis[1] - t[link, 1, 0] * axis[0] - t[link, 1, 1] * axis[1] - t[link, 1, 2] * axis[2],
                     trace * axis[2] - t[link, 2, 0] * axis[0] - t[link, 2, 1] * axis[1] - t[link, 2, 2] * axis[2],
                 )
-                extra = avatars.turn_weight[j] + c.curvature[j]
+                extra = avatars.turn_weight[j]
             torque = add(torque, cross(out, force))
             for d in range(depth[j] + 1):
                 i = path[j, d]

@@ -6,13 +6,18 @@ foot on a floor are, make that slow, and then an active-set method on the Gram m
 rows only when they are violated, since most of them never are.
 """
 
+from math import sqrt
+
 from avatarsim.ik.active_set import finish
 from avatarsim.ik.constraints import along_row, clear_row
+from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.objective import multiply, solve_down, solve_up
-from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, RowKind
+from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.kernel import kernel
+from avatarsim.world.geometry import Array
+from avatarsim.world.skeleton import FREE, Skeleton
 
-BOUND = int(RowKind.BOUND)
+BOUND, BUDGET = int(RowKind.BOUND), int(RowKind.BUDGET)
 
 FIRST_SWEEPS, SWEEPS_MOST = 4, 15
 """Sweeps after which the active set is solved for, and after which the answer is taken where that does not succeed."""
@@ -26,17 +31,23 @@ MULTIPLIER_CAP = 1e4
 BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
 """Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
 
+LOOSE = 0.25
+"""Share by which a joint of several degrees may exceed its budget before it gets a plane that cuts that off: each is one more
+solve. What still exceeds it by more is shortened at the end."""
+
 OUTSIDE = 1e-9
 """[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
 
 
 @kernel
-def solve_qp(avatars: Avatars, first: int, last: int, tolerance: float, scratch_out: IkScratch) -> None:
+def solve_qp(
+    skel: Skeleton, avatars: Avatars, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch
+) -> None:
     """The step of members first .. last from the model of each, the rows, and the bounds; `tolerance` [m] ends the sweeps."""
     s = scratch_out
     r, factor = s.rows, s.objective.factor
     set_step(avatars, first, last, s)
-    add_broken_bounds(avatars, first, last, s)
+    add_broken_bounds(skel, avatars, first, last, state, s)
     for _ in range(BOUND_ROUNDS):
         transform(avatars, s)
         reset_point(avatars, first, last, s)
@@ -46,11 +57,40 @@ def solve_qp(avatars: Avatars, first: int, last: int, tolerance: float, scratch_
             for j in range(low, high):
                 s.step[j] = s.point[j]
             solve_down(avatars, low, high, factor, s.step)
-        if add_broken_bounds(avatars, first, last, s) == 0:
+        if add_broken_bounds(skel, avatars, first, last, state, s) == 0:
             break
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
+        keep_budget(skel, avatars, s.members[m], state, s)
+
+
+@kernel
+def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, scratch_out: IkScratch) -> None:
+    """Shorten what the planes have not cut off of the step: root and joints each by a factor of their own."""
+    step, b = scratch_out.step, state.budget
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, step)
+        d, last = skel.first_dof[link], skel.first_dof[link + 1]
+        if skel.kind[link] == FREE:
+            scale_by(d, d + 3, left_of(b.move[link] - b.moved[link], moved), step)
+            d += 3
+        scale_by(d, last, left_of(b.turn[link] - b.turned[link], turned), step)
+
+
+@kernel
+def left_of(left: float, wanted: float) -> float:
+    """The share of what is wanted that a budget holds."""
+    most = max(left, 0.0) * (1.0 + LOOSE) + OUTSIDE
+    return 1.0 if wanted <= most else most / wanted
+
+
+@kernel
+def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
+    """Scale degrees first .. last of a step."""
+    if factor < 1.0:
+        for j in range(first, last):
+            step_out[j] *= factor
 
 
 @kernel
@@ -131,8 +171,10 @@ def sweep(
 
 
 @kernel
-def add_broken_bounds(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> int:
-    """Rows for bounds that the step breaks and that have none yet; their number."""
+def add_broken_bounds(
+    skel: Skeleton, avatars: Avatars, first: int, last: int, state: IkState, scratch_out: IkScratch
+) -> int:
+    """Rows for bounds and budgets that the step breaks; their number."""
     s, r, added = scratch_out, scratch_out.rows, 0
     for m in range(first, last):
         avatar, more = s.members[m], 0
@@ -144,7 +186,32 @@ def add_broken_bounds(avatars: Avatars, first: int, last: int, scratch_out: IkSc
                 add_bound(avatars, avatar, j, 1.0 if is_below else -1.0, s.low[j] if is_below else -s.high[j], r)
                 more += 1
         added += more
+        for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+            d, end = skel.first_dof[link], skel.first_dof[link + 1]
+            if skel.kind[link] == FREE:
+                added += add_budget(avatars, avatar, d, d + 3, state.budget.move[link] - state.budget.moved[link], s)
+                d += 3
+            if end > d + 1:
+                added += add_budget(avatars, avatar, d, end, state.budget.turn[link] - state.budget.turned[link], s)
     return added
+
+
+@kernel
+def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, scratch_out: IkScratch) -> int:
+    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they go."""
+    s, r, square, left = scratch_out, scratch_out.rows, 0.0, max(left, 0.0)
+    for j in range(first, last):
+        square += s.step[j] * s.step[j]
+    far, k = sqrt(square), r.count[0]
+    if not (far > left * (1.0 + LOOSE) + OUTSIDE) or k == r.bound.shape[0]:
+        return 0
+    r.owner[k, 0], r.owner[k, 1] = avatar, -1
+    clear_row(avatars, k, r)
+    for j in range(first, last):
+        r.jacobian[k, j] = -s.step[j] / far
+    r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BUDGET, first, -1, -left, 0.0
+    r.count[0] = k + 1
+    return 1
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from avatarsim.ik.broad_phase import forget_near, form_islands
 from avatarsim.ik.notice import notice_bodies
-from avatarsim.ik.progress import supervise
+from avatarsim.ik.progress import measure_begin, supervise
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
@@ -30,16 +30,18 @@ def solve(
     has_changed = notice_bodies(geo, skel, poses_out, moving, s)
     if has_changed:
         forget_near(state)
-    clip_to_limits(skel, tracker, s.target)
+    clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
     if dt > 0.0:
         s.counts[:] = 0
-        meet_target(skel, avatars, settings, dt, has_changed, state, s)
-    form_islands(skel, avatars, settings, poses_out, state, s)
+        meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
+        measure_begin(skel, avatars, settings, posture_out, poses_out, state, s)
+    form_islands(skel, avatars, poses_out, state, s)
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1
         while last < count and state.tracking.island[s.members[last]] == state.tracking.island[s.members[first]]:
             last += 1
+        activate(first, last, s)
         # an island that spends less leaves the rest to those after it
         most_work = work_done(s) + (settings.work - work_done(s)) * (last - first) // (count - first)
         for _ in range(settings.steps):
@@ -51,3 +53,11 @@ def solve(
         first = last
     if dt > 0.0:
         supervise(skel, avatars, settings, dt, posture_out, poses_out, state, s)
+
+
+@kernel
+def activate(first: int, last: int, scratch_out: IkScratch) -> None:
+    """Solve for members first .. last; all other avatars stand still meanwhile."""
+    scratch_out.is_active[:] = 0
+    for m in range(first, last):
+        scratch_out.is_active[scratch_out.members[m]] = 1

@@ -5,11 +5,12 @@ still refused is shortened by backtracking, one factor for all of an avatar: alo
 leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
 """
 
+from avatarsim.ik.active_forces import forget_forces, note_forces
 from avatarsim.ik.certify import certify
-from avatarsim.ik.constraints import add_touching, along_row, keep_touching, owner_of, touch
-from avatarsim.ik.curvature import forget_forces, note_forces
-from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error, try_step
-from avatarsim.ik.motion_budget import bound_step, share_within, spend
+from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
+from avatarsim.ik.foresee import foresee
+from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
+from avatarsim.ik.motion_budget import bound_step, spend
 from avatarsim.ik.objective import model
 from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.state import (
@@ -38,10 +39,6 @@ from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
 
-SHRINK = 0.25
-"""Share of the step that the second attempt takes of avatars that failed in the first. Nearer 1: refused once more; nearer 0: avatars
-hesitate."""
-
 BACK_OFF, BACK_OFFS = 0.5, 6
 """Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
 
@@ -65,7 +62,7 @@ def sqp_step(
     failed = 1
     for m in range(first, last):
         avatar = s.members[m]
-        state.tracking.share[avatar], state.tracking.has_model[avatar] = 1.0, 0
+        state.tracking.has_model[avatar] = 0
         tangent_error(skel, avatars, avatar, posture_out, s.target, s.objective.error)
         bound_step(skel, avatars, avatar, posture_out, state.budget, s)
     for attempt in range(2):
@@ -79,11 +76,7 @@ def sqp_step(
         if work_done(s) > most_work:
             s.counts[OUT_OF_WORK] += 1
             break
-        for m in range(first, last):
-            if state.tracking.has_failed[s.members[m]] > 0:
-                state.tracking.share[s.members[m]] *= SHRINK
-    island = state.tracking.island[s.members[first]]
-    keep_touching(geo, skel, avatars, island, s.rows, state)
+    keep_touching(geo, skel, avatars, state, s)
     if failed > 0:
         back_off(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
     note_contacts(geo, skel, avatars, first, last, state, s)
@@ -97,12 +90,17 @@ def try_qp(
 ) -> int:
     """Solve and certify with growing rows; the number of failures that are left."""
     s, failed, tolerance = scratch_out, 0, 0.1 * settings.least_gap
-    add_touching(geo, skel, avatars, settings, state_out.tracking.island[s.members[first]], is_soft, poses, state_out, s)
+    add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
     for round_ in range(settings.corrections + 1):
-        choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
-        s.counts[QPS] += 1
+        for _ in range(settings.corrections):
+            choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
+            s.counts[QPS] += 1
+            if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
+                break
+        for m in range(first, last):
+            place_avatar(geo, skel, avatars, s.members[m], s.trial)
+        s.counts[FORWARDS] += last - first
         is_last = round_ == settings.corrections or work_done(s) > most_work
-        place_trial(geo, skel, avatars, posture, poses, first, last, state_out, s)
         failed = certify(
             geo, skel, avatars, settings, posture, poses, first, last, not is_last, is_soft, state_out, s
         )
@@ -120,14 +118,16 @@ def choose_step(
     Else the QP's step."""
     s, state = scratch_out, state_out
     if state.tracking.has_model[s.members[first]] == 0:
+        is_legal = True
         for m in range(first, last):
             straight_step(skel, avatars, s.members[m], s)
-        if not breaks_rows(avatars, s):
+            is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
+        if is_legal and not breaks_rows(avatars, s):
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
             state.tracking.has_model[s.members[m]] = 1
-    solve_qp(avatars, first, last, tolerance, s)
+    solve_qp(skel, avatars, first, last, tolerance, state, s)
 
 
 @kernel
@@ -166,25 +166,6 @@ def breaks_rows(avatars: Avatars, scratch: IkScratch) -> bool:
 
 
 @kernel
-def place_trial(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, posture: Posture, poses: Poses, first: int, last: int, state: IkState,
-    scratch_out: IkScratch,
-) -> None:
-    """The trial of the step, shortened by one factor for each avatar to what its budget and this attempt let it go."""
-    s = scratch_out
-    for m in range(first, last):
-        avatar = s.members[m]
-        carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
-        s.counts[FORWARDS] += 1
-        share = share_within(skel, avatars, avatar, state.budget, s.step, poses, s.trial)
-        share = min(share, state.tracking.share[avatar])
-        if share < 1.0:
-            scale_step(avatars, avatar, share, s.step)
-            carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
-        place_avatar(geo, skel, avatars, avatar, s.trial)
-
-
-@kernel
 def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) -> None:
     """Scale the degrees of an avatar in a step (nd)."""
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
@@ -219,9 +200,8 @@ def note_contacts(
 ) -> None:
     """Keep the active contacts of an island, and what they press on its links with: for the next step, and for the coupling."""
     c, r, kept = state_out.contacts, scratch.rows, 0
-    island = state_out.tracking.island
     for k in range(c.count[0]):
-        if island[owner_of(geo, skel, avatars, c.pair[k, 0])] != island[scratch.members[first]]:
+        if not is_solved_for(geo, skel, avatars, c.pair[k, 0], c.pair[k, 1], scratch):
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = c.pair[k, 0], c.pair[k, 1], c.multiplier[k]
             put_row(c.normal, kept, row(c.normal, k))
             kept += 1
@@ -250,7 +230,7 @@ def adopt(
         most = max(most, moved)
         if moved == 0.0:
             continue
-        spend(skel, avatars, avatar, s.step, poses_out, s.trial, state_out.budget)
+        spend(skel, avatars, avatar, s.step, state_out.budget)
         take_step(skel, avatars, avatar, s.step, posture_out)
         copy_poses(geo, skel, avatars, avatar, s.trial, poses_out)
         for j in range(low, high):

@@ -39,6 +39,8 @@ class RowKind(IntEnum):
     """A ball joint stays within its swing, twist or reach [rad]."""
     BOUND = 2
     """One degree of freedom stays within its budget or its hinge's limits [rad or m]."""
+    BUDGET = 3
+    """A root or a joint of several degrees stays within its budget along one direction [m or rad]."""
 
 
 class Mode(IntEnum):
@@ -52,8 +54,8 @@ class Mode(IntEnum):
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("rest", "f8"), ("stalled", "f8"), ("mark", "f8"), ("objective", "f8"), ("share", "f8"), ("speed", "f8"),
-        ("island", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("distance", "f8"), ("reach", "f8"),
+        ("mode", "i8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"),
+        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("has_moved", "i8"),
     ],
     align=True,
 )
@@ -65,28 +67,26 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
 
     mode: NDArray[np.int64]
     """A Mode."""
-    rest: Array
-    """[s] for which the target and everything near has not moved."""
-    stalled: Array
-    """[s] since the objective last fell by a third."""
-    mark: Array
-    """[m^2] the objective then."""
-    objective: Array
-    """[m^2] at the end of the last frame."""
-    share: Array
-    """Share of the QP's step that this attempt takes, in (0, 1]."""
     speed: Array
-    """[rad or m] the largest way of a degree of freedom of the target in this frame."""
+    """[1/s] of the target, low-passed over the settle time: the fastest of its joints [rad/s] and roots [m/s]."""
+    stalled: Array
+    """[s] for which the objective has fallen by less than the budget allows."""
+    objective: Array
+    """[m^2] as the frame begins, towards its target."""
+    distance: Array
+    """[m] of the link origin that is farthest from its target, as the frame ends."""
+    reach: Array
+    """[m] mean reach of a link: the length that turns radians into metres."""
     island: Index
     """The avatar with the least number in the same island."""
+    is_legal: Index
+    """1 if the tracker's posture keeps all limits."""
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
     has_model: Index
     """1 if the model of this step, with its metric, is at hand."""
-    distance: Array
-    """[m] of the link origin that is farthest from its target."""
-    reach: Array
-    """[m] mean reach of a link: the length that turns radians into metres."""
+    has_moved: Index
+    """1 if the target or the avatar moved in this frame."""
 
 
 tracking_in = table_of(Tracking, TRACKING)
@@ -109,15 +109,13 @@ class Avatars(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root, way (nl) [m] of each link
-    origin; turned, moved, gone (nl) what was used of these along the path so far."""
+    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what was
+    used of these along the path so far."""
 
     turn: Array
     move: Array
-    way: Array
     turned: Array
     moved: Array
-    gone: Array
 
 
 class Contacts(NamedTuple):
@@ -146,15 +144,16 @@ class Touching(NamedTuple):
 
 
 class IkState(NamedTuple):
-    """What stays from frame to frame. before: clipped target of the last frame, origin (nl, 3) its link origins [m]; force (nl, 3) and moment (nl, 3, 3) what the contacts
-    press on each link with, and its moments about the link's origin; near (na, nb) bodies that are no links and in reach of an
-    avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the degrees at the shown posture."""
+    """What stays from frame to frame. before, own: the clipped target and the tracker's posture of the last frame; force (nl, 3) what
+    the contacts press on each link with, bend (nl) [m^2] the inertia by which they bend the Lagrangian; near (na, nb) bodies that are
+    no links and in reach of an avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the degrees at
+    the shown posture."""
 
     tracking: Tracking
     before: Posture
-    origin: Array
+    own: Posture
     force: Array
-    moment: Array
+    bend: Array
     contacts: Contacts
     touching: Touching
     pairs: PairCache
@@ -166,23 +165,23 @@ class IkState(NamedTuple):
 
 
 class Objective(NamedTuple):
-    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the target; error (nd) the
-    tangent error; number (nl), first, pull (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6)
-    of each degree; load (nl, 3), bending (nl, 3, 3), curvature (nd) see `curvature`; factor (nd, w) of the metric; newton (nd) the
-    step to the least of the model."""
+    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture; aim
+    (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; number, inertia (nl), first, pull, load
+    (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of the
+    metric; newton (nd) the step to the least of the model."""
 
     origin: Array
     frame: Array
+    aim: Array
     error: Array
     number: Array
+    inertia: Array
     first: Array
     pull: Array
+    load: Array
     second: Array
     twist: Array
     motion: Array
-    load: Array
-    bending: Array
-    curvature: Array
     factor: Array
     newton: Array
 
@@ -224,7 +223,7 @@ class IkScratch(NamedTuple):
     """Working memory of a frame. target: the clipped target; trial: poses of the step that is looked at, with axes (nd, 3);
     swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step, point (nd): bounds, the
     step, and the step in the coordinates of the least-distance problem; still (nd) zero; members (na) avatars of the islands one
-    after the other; trail (K, nl, 12) positions [m] and rotations of links after each of the first K steps of a frame."""
+    after the other, is_active (na) 1 for those of the island that is solved for; trail (K, nl, 12) positions [m] and rotations of links after each of the first K steps of a frame."""
 
     target: Posture
     trial: Poses
@@ -238,6 +237,7 @@ class IkScratch(NamedTuple):
     point: Array
     still: Array
     members: Index
+    is_active: Index
     objective: Objective
     rows: ConstraintRows
     failed: Failed

@@ -1,9 +1,11 @@
 """Target of a frame: the tracker's posture clipped to the limits of joints, and how it moved since the last frame."""
 
+from math import exp
+
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.motion_budget import open_budget
+from avatarsim.ik.motion_budget import AT_REST, open_budget
 from avatarsim.ik.objective import locate
-from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.kernel import kernel
 from avatarsim.posture.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
 from avatarsim.settings import IkSettings
@@ -12,23 +14,26 @@ from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
-AT_REST = 0.06
-"""[rad/s or m/s] a target that moves slower rests: a millimetre in a frame of 1/60 s, what a hand that is held still trembles."""
-
 
 @kernel
-def clip_to_limits(skel: Skeleton, tracker: Posture, target_out: Posture) -> None:
-    """The tracker's posture with each joint at the nearest place inside its own limits."""
-    for link in range(skel.kind.shape[0]):
-        kind = skel.kind[link]
-        put_row(target_out.root, link, row(tracker.root, link))
-        turn = columns(tracker.turn, link)
-        if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
-            turn = inside_cone(skel, link, turn)
-        put_columns(target_out.turn, link, turn)
-        if kind == HINGES:
-            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-                target_out.angle[j] = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
+def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
+    """The tracker's posture with each joint at the nearest place inside its own limits; whose it is that keeps them all."""
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        tracking_out.is_legal[avatar] = 1
+        for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+            kind, turn = skel.kind[link], columns(tracker.turn, link)
+            put_row(target_out.root, link, row(tracker.root, link))
+            if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
+                clipped = inside_cone(skel, link, turn)
+                if clipped != turn:
+                    tracking_out.is_legal[avatar] = 0
+                turn = clipped
+            put_columns(target_out.turn, link, turn)
+            if kind == HINGES:
+                for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                    target_out.angle[j] = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
+                    if target_out.angle[j] != tracker.angle[j]:
+                        tracking_out.is_legal[avatar] = 0
 
 
 @kernel
@@ -55,23 +60,25 @@ def largest(values: Array, first: int, last: int) -> float:
 
 @kernel
 def meet_target(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, dt: float, has_changed: bool, state_out: IkState, scratch_out: IkScratch
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, has_changed: bool, state_out: IkState,
+    scratch_out: IkScratch,
 ) -> None:
-    """Open the budgets of a frame from how far the clipped target went since the last one.
+    """Open the budgets of a frame from how far the target went since the last one.
 
-    has_changed: whether a body that is no link moved."""
-    s, tracking = state_out, state_out.tracking
-    own = scratch_out.objective.error
+    has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
+    s, tracking, fastest = state_out, state_out.tracking, AT_REST if has_changed else 0.0
+    clipped, own, keeps = scratch_out.objective.error, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
-        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, own)
-        locate(skel, avatars, avatar, scratch_out.target, scratch_out.objective)
-        moved = largest(own, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
-        tracking.speed[avatar] = moved
-        rests = moved < AT_REST * dt and not has_changed
-        tracking.rest[avatar] = tracking.rest[avatar] + dt if rests else 0.0
-        open_budget(
-            skel, avatars, avatar, settings, dt, tracking.rest[avatar], own, s.origin, scratch_out.objective.origin, s.budget
-        )
+        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
+        speed = largest(clipped, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
+        tracking.has_moved[avatar] = 1 if speed > 0.0 or has_changed else 0
+        tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
+        fastest = max(fastest, tracking.speed[avatar])
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        # what one avatar sets free another may hold
+        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
+        tangent_error(skel, avatars, avatar, s.own, tracker, own)
+        open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, own, s.budget)
         copy_posture(skel, avatars, avatar, scratch_out.target, s.before)
-        for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-            put_row(s.origin, link, row(scratch_out.objective.origin, link))
+        copy_posture(skel, avatars, avatar, tracker, s.own)
+        locate(skel, avatars, avatar, tracker, scratch_out.objective)

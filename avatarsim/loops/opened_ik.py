@@ -47,14 +47,14 @@ def opened_touching(o: Opening) -> Touching:
 @opened
 def opened_budget(o: Opening) -> Budget:
     """The next Budget."""
-    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0])
+    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0])
 
 
 @opened
 def opened_state(o: Opening) -> IkState:
     """The next IkState."""
     return IkState(
-        tracking_in(index_line(o)[0])[0], opened_posture(o), vectors(o)[0], vectors(o)[0], matrices(o)[0], opened_contacts(o),
+        tracking_in(index_line(o)[0])[0], opened_posture(o), opened_posture(o), vectors(o)[0], line(o)[0], opened_contacts(o),
         opened_touching(o), opened_pair_cache(o), index_grid(o)[0], index_line(o)[0], grid(o)[0], vectors(o)[0], opened_budget(o),
     )
 
@@ -63,8 +63,8 @@ def opened_state(o: Opening) -> IkState:
 def opened_objective(o: Opening) -> Objective:
     """The next Objective."""
     return Objective(
-        vectors(o)[0], matrices(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], matrices(o)[0],
-        grid(o)[0], vectors(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], line(o)[0],
+        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
     )
 
 
@@ -83,7 +83,7 @@ def opened_working(o: Opening) -> IkScratch:
     """The next IkScratch."""
     return IkScratch(
         opened_posture(o), opened_poses(o), vectors(o)[0], grid(o)[0], grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0],
-        line(o)[0], line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0], index_grid(o)[0]),
+        line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0], index_grid(o)[0]),
         scratch_at(index_line(o)[0]), index_line(o)[0], cube(o)[0],
     )
 
