@@ -98,7 +98,7 @@ class IkSettings(NamedTuple):
     least_gap: float = 5e-5
     wedged_gap: float = 2e-6
     catch_up_turn: float = 12.0
-    catch_up_move: float = 5.0
+    catch_up_move: float = 4.0
     settle_time: float = 0.5
     stall_time: float = 0.1
     near: float = 0.05

@@ -64,3 +64,30 @@ def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out
         moved, turned = parts_of(skel, link, step)
         budget_out.moved[link] += moved
         budget_out.turned[link] += turned
+
+
+@kernel
+def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, step_out: Array) -> None:
+    """Shorten a step (nd) to what is left of the budget: root and joints each by a factor of their own."""
+    b = budget
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, step_out)
+        d, last = skel.first_dof[link], skel.first_dof[link + 1]
+        if skel.kind[link] == FREE:
+            scale_by(d, d + 3, share_of(b.move[link] - b.moved[link], moved), step_out)
+            d += 3
+        scale_by(d, last, share_of(b.turn[link] - b.turned[link], turned), step_out)
+
+
+@kernel
+def share_of(left: float, wanted: float) -> float:
+    """The share of what is wanted that is left."""
+    return 1.0 if wanted <= left else max(left, 0.0) / wanted
+
+
+@kernel
+def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
+    """Scale degrees first .. last of a step."""
+    if factor < 1.0:
+        for j in range(first, last):
+            step_out[j] *= factor

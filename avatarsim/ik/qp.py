@@ -10,11 +10,10 @@ from math import sqrt
 
 from avatarsim.ik.active_set import finish
 from avatarsim.ik.constraints import along_row, clear_row
-from avatarsim.ik.kinematics import parts_of
+from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import multiply, solve_down, solve_up
 from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.kernel import kernel
-from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import FREE, Skeleton
 
 BOUND, BUDGET = int(RowKind.BOUND), int(RowKind.BUDGET)
@@ -62,35 +61,7 @@ def solve_qp(
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
-        keep_budget(skel, avatars, s.members[m], state, s)
-
-
-@kernel
-def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, scratch_out: IkScratch) -> None:
-    """Shorten what the planes have not cut off of the step: root and joints each by a factor of their own."""
-    step, b = scratch_out.step, state.budget
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, step)
-        d, last = skel.first_dof[link], skel.first_dof[link + 1]
-        if skel.kind[link] == FREE:
-            scale_by(d, d + 3, left_of(b.move[link] - b.moved[link], moved), step)
-            d += 3
-        scale_by(d, last, left_of(b.turn[link] - b.turned[link], turned), step)
-
-
-@kernel
-def left_of(left: float, wanted: float) -> float:
-    """The share of what is wanted that a budget holds."""
-    most = max(left, 0.0) * (1.0 + LOOSE) + OUTSIDE
-    return 1.0 if wanted <= most else most / wanted
-
-
-@kernel
-def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
-    """Scale degrees first .. last of a step."""
-    if factor < 1.0:
-        for j in range(first, last):
-            step_out[j] *= factor
+        keep_budget(skel, avatars, s.members[m], state.budget, s.step)
 
 
 @kernel

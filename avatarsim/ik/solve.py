@@ -12,7 +12,7 @@ from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
-ARRIVED = 5e-3
+ARRIVED = 2e-2
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
 

@@ -10,7 +10,7 @@ from avatarsim.ik.certify import certify
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
 from avatarsim.ik.foresee import foresee
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
-from avatarsim.ik.motion_budget import bound_step, spend
+from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
 from avatarsim.ik.objective import model
 from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.state import (
@@ -26,6 +26,7 @@ from avatarsim.ik.state import (
     SUPPORTS,
     SWEEPS,
     Avatars,
+    Budget,
     IkScratch,
     IkState,
     RowKind,
@@ -35,7 +36,7 @@ from avatarsim.kernel import kernel
 from avatarsim.settings import IkSettings
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Array, Geometry, Poses
-from avatarsim.world.skeleton import FREE, Posture, Skeleton
+from avatarsim.world.skeleton import Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
 
@@ -120,7 +121,7 @@ def choose_step(
     if state.tracking.has_model[s.members[first]] == 0:
         is_legal = True
         for m in range(first, last):
-            straight_step(skel, avatars, s.members[m], s)
+            straight_step(skel, avatars, s.members[m], state.budget, s)
             is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
         if is_legal and not breaks_rows(avatars, s):
             return
@@ -131,28 +132,12 @@ def choose_step(
 
 
 @kernel
-def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, scratch_out: IkScratch) -> None:
+def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, scratch_out: IkScratch) -> None:
     """The tangent error, each joint and root as far along its own as the budget lets it go."""
-    s = scratch_out
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        d, end = skel.first_dof[link], skel.first_dof[link + 1]
-        if skel.kind[link] == FREE:
-            shorten(d, d + 3, s)
-            d += 3
-        shorten(d, end, s)
-
-
-@kernel
-def shorten(first: int, last: int, scratch_out: IkScratch) -> None:
-    """Degrees first .. last of the tangent error, by one factor within their bounds."""
-    s, share = scratch_out, 1.0
-    for j in range(first, last):
-        error = s.objective.error[j]
-        bound = s.high[j] if error > 0.0 else -s.low[j]
-        if abs(error) > bound:
-            share = min(share, bound / abs(error))
-    for j in range(first, last):
-        s.step[j] = share * s.objective.error[j]
+    step = scratch_out.step
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        step[j] = scratch_out.objective.error[j]
+    keep_budget(skel, avatars, avatar, budget, step)
 
 
 @kernel
