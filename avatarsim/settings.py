@@ -97,7 +97,7 @@ class IkSettings(NamedTuple):
     stand_off: float = 2e-4
     least_gap: float = 5e-5
     wedged_gap: float = 2e-6
-    catch_up_turn: float = 12.0
+    catch_up_turn: float = 10.0
     catch_up_move: float = 4.0
     settle_time: float = 0.5
     stall_time: float = 0.1

@@ -67,16 +67,16 @@ def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out
 
 
 @kernel
-def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, step_out: Array) -> None:
-    """Shorten a step (nd) to what is left of the budget: root and joints each by a factor of their own."""
-    b = budget
+def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, loose: float, step_out: Array) -> None:
+    """Shorten a step (nd) to what is left of the budget, and a share `loose` more: root and joints each by a factor of their own."""
+    b, most = budget, 1.0 + loose
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step_out)
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
         if skel.kind[link] == FREE:
-            scale_by(d, d + 3, share_of(b.move[link] - b.moved[link], moved), step_out)
+            scale_by(d, d + 3, share_of(most * (b.move[link] - b.moved[link]), moved), step_out)
             d += 3
-        scale_by(d, last, share_of(b.turn[link] - b.turned[link], turned), step_out)
+        scale_by(d, last, share_of(most * (b.turn[link] - b.turned[link]), turned), step_out)
 
 
 @kernel

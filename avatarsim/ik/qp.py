@@ -30,7 +30,7 @@ MULTIPLIER_CAP = 1e4
 BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
 """Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
 
-LOOSE = 0.25
+LOOSE = 0.15
 """Share by which a joint of several degrees may exceed its budget before it gets a plane that cuts that off: each is one more
 solve. What still exceeds it by more is shortened at the end."""
 
@@ -61,7 +61,7 @@ def solve_qp(
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
-        keep_budget(skel, avatars, s.members[m], state.budget, s.step)
+        keep_budget(skel, avatars, s.members[m], state.budget, LOOSE, s.step)
 
 
 @kernel
@@ -153,8 +153,9 @@ def add_broken_bounds(
             if r.count[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
                 break
             is_below, is_above = s.step[j] < s.low[j] - OUTSIDE, s.step[j] > s.high[j] + OUTSIDE
-            if (is_below or is_above) and not has_bound(r, j):
-                add_bound(avatars, avatar, j, 1.0 if is_below else -1.0, s.low[j] if is_below else -s.high[j], r)
+            sign = 1.0 if is_below else -1.0
+            if (is_below or is_above) and not has_bound(r, j, sign):
+                add_bound(avatars, avatar, j, sign, s.low[j] if is_below else -s.high[j], r)
                 more += 1
         added += more
         for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -186,10 +187,10 @@ def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float
 
 
 @kernel
-def has_bound(rows: ConstraintRows, j: int) -> bool:
-    """Whether one of the rows is the bound of degree j."""
+def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
+    """Whether one of the rows is the lower (sign 1) or upper (-1) bound of degree j."""
     for k in range(rows.count[0]):
-        if rows.kind[k] == BOUND and rows.pair[k, 0] == j:
+        if rows.kind[k] == BOUND and rows.pair[k, 0] == j and rows.jacobian[k, j] == sign:
             return True
     return False
 

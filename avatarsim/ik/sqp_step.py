@@ -137,7 +137,7 @@ def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget,
     step = scratch_out.step
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = scratch_out.objective.error[j]
-    keep_budget(skel, avatars, avatar, budget, step)
+    keep_budget(skel, avatars, avatar, budget, 0.0, step)
 
 
 @kernel

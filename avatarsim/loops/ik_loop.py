@@ -11,7 +11,7 @@ from avatarsim.ik.make import make_solver
 from avatarsim.ik.notice import notice_bodies
 from avatarsim.ik.solve import solve
 from avatarsim.ik.sound import state_is_sound
-from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, OUT_OF_WORK, WAITING
+from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, OUT_OF_WORK, WAITING, Mode
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.loops.opened_checked import opened_springs
@@ -108,7 +108,8 @@ class IkLoop:
             "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST), "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "count": (0, MOST), "age": (0, MOST),
-            "tracking": (-MOST, MOST),
+            "mode": (min(Mode), max(Mode)), "island": (0, len(self.state.tracking)), "is_legal": (0, 1), "has_failed": (0, 1),
+            "has_model": (0, 1), "has_moved": (0, 1),
         }
 
     def go_on(self, begun: bool) -> None:
