@@ -85,7 +85,7 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> tu
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
     """The state of avatars that have stood still at `posture` so far, with axes (nd, 3) there."""
-    nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(reach)
+    nl, na = len(skel.kind), len(reach)
     driven = len(geo.body) - int(geo.first_shape[skel.first])
     tracking = np.zeros(na, TRACKING).view(Tracking)
     tracking["reach"], tracking["island"] = reach, np.arange(na)

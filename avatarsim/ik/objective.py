@@ -10,7 +10,7 @@ fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from 
 
 from math import sqrt
 
-from avatarsim.ik.state import Avatars, IkState, Objective
+from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
@@ -23,8 +23,13 @@ to the target and angles are lost; smaller: origins are farther from the target 
 
 
 @kernel
-def locate(skel: Skeleton, avatars: Avatars, avatar: int, target: Posture, objective_out: Objective) -> None:
-    """Origins and rotations of the links at the target posture: forward kinematics without shapes."""
+def locate(
+    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, objective_out: Objective
+) -> None:
+    """Origins and rotations of the links at the tracker's posture, once a frame: forward kinematics without shapes."""
+    if tracking_out.is_located[avatar] > 0:
+        return
+    tracking_out.is_located[avatar], target = 1, tracker
     origins, frames = objective_out.origin, objective_out.frame
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind, parent = skel.kind[link], skel.parent[link]
@@ -86,6 +91,7 @@ def model(
     """Gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
     The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not overshoot."""
+    locate(skel, avatars, avatar, state.own, state.tracking, objective_out)
     draw_near(skel, avatars, avatar, state, poses, objective_out)
     gather(skel, avatars, avatar, state, poses, objective_out)
     fall(skel, avatars, avatar, state.axes, objective_out)

@@ -1,7 +1,7 @@
 """Progress monitor and supervisor: does the objective of an avatar still fall, and which target does the avatar follow?"""
 
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.objective import LOSS_RADIUS, value_of
+from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.state import WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
 from avatarsim.settings import IkSettings
@@ -22,6 +22,7 @@ def measure_begin(
     t = state_out.tracking
     for avatar in range(avatars.first_link.shape[0] - 1):
         if t.distance[avatar] > settings.near:
+            locate(skel, avatars, avatar, state_out.own, t, scratch_out.objective)
             tangent_error(skel, avatars, avatar, posture, scratch_out.target, scratch_out.objective.error)
             t.objective[avatar], _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
 
@@ -35,6 +36,10 @@ def supervise(
     t = state_out.tracking
     for avatar in range(avatars.first_link.shape[0] - 1):
         was_far = t.distance[avatar] > settings.near
+        if t.has_arrived[avatar] > 0:
+            t.distance[avatar], t.stalled[avatar], t.mode[avatar] = 0.0, 0.0, TRACK
+            continue
+        locate(skel, avatars, avatar, state_out.own, t, scratch_out.objective)
         tangent_error(skel, avatars, avatar, posture, scratch_out.target, scratch_out.objective.error)
         value, far = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
         t.distance[avatar] = far

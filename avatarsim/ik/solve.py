@@ -48,7 +48,7 @@ def solve(
             moved = sqp_step(
                 geo, skel, avatars, settings, posture_out, poses_out, first, last, most_work, state, s
             )
-            if moved < ARRIVED or work_done(s) >= most_work:
+            if moved < ARRIVED or have_arrived(first, last, state, s) or work_done(s) >= most_work:
                 break
         first = last
     if dt > 0.0:
@@ -61,3 +61,12 @@ def activate(first: int, last: int, scratch_out: IkScratch) -> None:
     scratch_out.is_active[:] = 0
     for m in range(first, last):
         scratch_out.is_active[scratch_out.members[m]] = 1
+
+
+@kernel
+def have_arrived(first: int, last: int, state: IkState, scratch: IkScratch) -> bool:
+    """Whether members first .. last are all at the tracker's posture."""
+    for m in range(first, last):
+        if state.tracking.has_arrived[scratch.members[m]] == 0:
+            return False
+    return True

@@ -26,7 +26,6 @@ from avatarsim.ik.state import (
     SUPPORTS,
     SWEEPS,
     Avatars,
-    Budget,
     IkScratch,
     IkState,
     RowKind,
@@ -121,23 +120,27 @@ def choose_step(
     if state.tracking.has_model[s.members[first]] == 0:
         is_legal = True
         for m in range(first, last):
-            straight_step(skel, avatars, s.members[m], state.budget, s)
+            straight_step(skel, avatars, s.members[m], state, s)
             is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
         if is_legal and not breaks_rows(avatars, s):
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
-            state.tracking.has_model[s.members[m]] = 1
+            state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
     solve_qp(skel, avatars, first, last, tolerance, state, s)
 
 
 @kernel
-def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, scratch_out: IkScratch) -> None:
+def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
     """The tangent error, each joint and root as far along its own as the budget lets it go."""
-    step = scratch_out.step
+    step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        step[j] = scratch_out.objective.error[j]
-    keep_budget(skel, avatars, avatar, budget, 0.0, step)
+        step[j] = error[j]
+    keep_budget(skel, avatars, avatar, state_out.budget, 0.0, step)
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        if step[j] != error[j]:
+            arrives = 0
+    state_out.tracking.has_arrived[avatar] = arrives
 
 
 @kernel
@@ -168,6 +171,7 @@ def back_off(
     for k in range(BACK_OFFS + last - first):
         for m in range(first, last):
             if state_out.tracking.has_failed[s.members[m]] > 0:
+                state_out.tracking.has_arrived[s.members[m]] = 0
                 if k >= BACK_OFFS:
                     s.counts[HELD] += 1
                 scale_step(avatars, s.members[m], BACK_OFF if k < BACK_OFFS else 0.0, s.step)
@@ -175,6 +179,7 @@ def back_off(
         if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
             return
     for m in range(first, last):
+        state_out.tracking.has_arrived[s.members[m]] = 0
         scale_step(avatars, s.members[m], 0.0, s.step)
     try_step(geo, skel, avatars, posture, first, last, s)
 

@@ -55,7 +55,7 @@ class Mode(IntEnum):
 TRACKING = np.dtype(
     [
         ("mode", "i8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"),
-        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("has_moved", "i8"),
+        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
     ],
     align=True,
 )
@@ -85,8 +85,10 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """1 if a pair or a limit of this avatar failed at the trial."""
     has_model: Index
     """1 if the model of this step, with its metric, is at hand."""
-    has_moved: Index
-    """1 if the target or the avatar moved in this frame."""
+    is_located: Index
+    """1 if the link origins of the tracker's posture are at hand."""
+    has_arrived: Index
+    """1 if the last step ended at the tracker's posture."""
 
 
 tracking_in = table_of(Tracking, TRACKING)

@@ -109,7 +109,7 @@ class IkLoop:
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "count": (0, MOST), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, len(self.state.tracking)), "is_legal": (0, 1), "has_failed": (0, 1),
-            "has_model": (0, 1), "has_moved": (0, 1),
+            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
         }
 
     def go_on(self, begun: bool) -> None:
