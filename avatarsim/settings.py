@@ -84,6 +84,8 @@ class IkSettings(NamedTuple):
     catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller: limbs
                     that come free are late.
     catch_up_move   [m/s] the same of a root, and of the origin of a link.
+    damping_time    [s] in which a step in contact goes half of the way to the nearest posture, beyond the target's own motion. 0: limbs
+                    in contact go to and fro a little more; 0.05: contacts that give way are followed late.
     settle_time     [s] for which the catch-up speeds hold at a target that rests; each such time later they have halved. Larger:
                     limbs that are pressed on things wander for longer; smaller: what is far away when its target rests comes late.
     stall_time      [s] without progress after which the frame record says that an avatar waits.
@@ -99,6 +101,7 @@ class IkSettings(NamedTuple):
     wedged_gap: float = 2e-6
     catch_up_turn: float = 10.0
     catch_up_move: float = 4.0
+    damping_time: float = 0.02
     settle_time: float = 0.5
     stall_time: float = 0.1
     near: float = 0.05

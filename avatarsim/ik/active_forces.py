@@ -19,7 +19,7 @@ def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
 
 
 @kernel
-def note_forces(geo: Geometry, skel: Skeleton, rows: ConstraintRows, state_out: IkState) -> None:
+def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: ConstraintRows, state_out: IkState) -> None:
     """Add what the contact rows of a solved step press on each link with."""
     s = state_out
     for k in range(rows.count[0]):
@@ -29,7 +29,8 @@ def note_forces(geo: Geometry, skel: Skeleton, rows: ConstraintRows, state_out: 
             link = geo.body[rows.pair[k, side]] - skel.first
             if link < 0:
                 continue
-            force = scale(row(rows.normal, k), rows.multiplier[k] if side == 0 else -rows.multiplier[k])
+            push = rows.multiplier[k] / s.tracking.share[avatars.avatar[link]]
+            force = scale(row(rows.normal, k), push if side == 0 else -push)
             arm = (rows.arm[k, 3 * side], rows.arm[k, 3 * side + 1], rows.arm[k, 3 * side + 2])
             put_row(s.force, link, add(row(s.force, link), force))
             s.bend[link] += stretch(force, arm)

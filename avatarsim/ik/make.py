@@ -104,8 +104,8 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
 def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
     """Room for the model of a step."""
     return Objective(
-        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3), zeros(nl, 3),
-        zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3),
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
     )
 
 

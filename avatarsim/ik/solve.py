@@ -12,7 +12,7 @@ from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
-ARRIVED = 2e-2
+ARRIVED = 3e-2
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
 
@@ -34,6 +34,7 @@ def solve(
     if dt > 0.0:
         s.counts[:] = 0
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
+        state.tracking.share[:] = dt / (dt + settings.damping_time)
         measure_begin(skel, avatars, settings, posture_out, poses_out, state, s)
     form_islands(skel, avatars, poses_out, state, s)
     first, count = 0, avatars.first_link.shape[0] - 1

@@ -28,6 +28,7 @@ from avatarsim.ik.state import (
     Avatars,
     IkScratch,
     IkState,
+    Objective,
     RowKind,
 )
 from avatarsim.ik.target import largest
@@ -126,8 +127,17 @@ def choose_step(
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
+            damp(avatars, s.members[m], state.tracking.share[s.members[m]], s.objective)
             state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
     solve_qp(skel, avatars, first, last, tolerance, state, s)
+
+
+@kernel
+def damp(avatars: Avatars, avatar: int, share: float, objective_out: Objective) -> None:
+    """Take a share of the Newton step, and the target's own motion for the rest."""
+    o = objective_out
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        o.newton[j] = share * o.newton[j] + (1.0 - share) * o.own[j]
 
 
 @kernel
@@ -203,7 +213,7 @@ def note_contacts(
             put_row(c.normal, kept, row(r.normal, k))
             kept += 1
     c.count[0] = kept
-    note_forces(geo, skel, r, state_out)
+    note_forces(geo, skel, avatars, r, state_out)
 
 
 @kernel
@@ -216,6 +226,8 @@ def adopt(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+        for j in range(low, high):
+            s.objective.own[j] = 0.0
         moved = largest(s.step, low, high)
         most = max(most, moved)
         if moved == 0.0:

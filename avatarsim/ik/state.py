@@ -54,7 +54,7 @@ class Mode(IntEnum):
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"),
+        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"),
         ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
     ],
     align=True,
@@ -67,6 +67,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
 
     mode: NDArray[np.int64]
     """A Mode."""
+    share: Array
+    """Share of the Newton step that a step takes."""
     speed: Array
     """[1/s] of the target, low-passed over the settle time: the fastest of its joints [rad/s] and roots [m/s]."""
     stalled: Array
@@ -168,7 +170,8 @@ class IkState(NamedTuple):
 
 class Objective(NamedTuple):
     """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture; aim
-    (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; number, inertia (nl), first, pull, load
+    (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; own (nd) what of its own motion in this
+    frame is still to be followed; number, inertia (nl), first, pull, load
     (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of the
     metric; newton (nd) the step to the least of the model."""
 
@@ -176,6 +179,7 @@ class Objective(NamedTuple):
     frame: Array
     aim: Array
     error: Array
+    own: Array
     number: Array
     inertia: Array
     first: Array

@@ -66,7 +66,7 @@ def meet_target(
 
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
     s, tracking, fastest = state_out, state_out.tracking, AT_REST if has_changed else 0.0
-    clipped, own, keeps = scratch_out.objective.error, scratch_out.step, exp(-dt / settings.settle_time)
+    clipped, own, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
         tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
         speed = largest(clipped, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt

@@ -63,7 +63,7 @@ def opened_state(o: Opening) -> IkState:
 def opened_objective(o: Opening) -> Objective:
     """The next Objective."""
     return Objective(
-        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0],
         vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
     )
 
@@ -92,5 +92,5 @@ def opened_working(o: Opening) -> IkScratch:
 def opened_ik_settings(o: Opening) -> IkSettings:
     """The next IkSettings."""
     return IkSettings(
-        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o)
+        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o)
     )
