@@ -1,4 +1,5 @@
-"""Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the Lagrangian."""
+"""Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the
+Lagrangian."""
 
 from avatarsim.ik.objective import stretch
 from avatarsim.ik.state import Avatars, ConstraintRows, IkState, RowKind
@@ -22,7 +23,7 @@ def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
 def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: ConstraintRows, state_out: IkState) -> None:
     """Add what the contact rows of a solved step press on each link with."""
     s = state_out
-    for k in range(rows.count[0]):
+    for k in range(rows.used[0]):
         if rows.kind[k] != CONTACT or not (rows.multiplier[k] > 0.0):
             continue
         for side in range(2):

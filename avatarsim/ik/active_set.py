@@ -1,8 +1,8 @@
-"""Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson 1974,
-chapter 23), from where projected Gauss-Seidel has come.
+"""Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson
+1974, chapter 23), from where projected Gauss-Seidel has come.
 
-Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they come no
-nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
+Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they
+come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
 """
 
 from math import sqrt
@@ -27,13 +27,14 @@ MET = 1e-3
 
 @kernel
 def finish(avatars: Avatars, tolerance: float, rows_out: ConstraintRows, scratch_out: IkScratch) -> bool:
-    """From the present multipliers to those of the solution; if it does not get there multipliers and point are left as they were."""
+    """From the present multipliers to those of the solution; if it does not get there multipliers and point are left as they
+    were."""
     r, s = rows_out, scratch_out
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         r.before[k] = r.multiplier[k]
         r.residual[k] = along_row(avatars, k, s.point, r.weighted, r) - r.bound[k]
     done = find_active(avatars, tolerance, r)
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if not done:
             r.multiplier[k] = r.before[k]
         elif r.multiplier[k] != r.before[k]:
@@ -50,7 +51,7 @@ def finish(avatars: Avatars, tolerance: float, rows_out: ConstraintRows, scratch
 def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) -> bool:
     """The same, but that multipliers and residuals are anywhere if it does not get there."""
     r, size, done = rows_out, 0, 0
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if r.multiplier[k] > 0.0:
             if size == r.active.shape[0]:
                 return False
@@ -77,7 +78,7 @@ def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) ->
             done = first
             continue
         worst, found = -MET * tolerance, -1
-        for k in range(r.count[0]):
+        for k in range(r.used[0]):
             if r.multiplier[k] == 0.0 and r.residual[k] < worst:
                 worst, found = r.residual[k], k
         if found < 0:
@@ -108,7 +109,7 @@ def change_multipliers(avatars: Avatars, size: int, share: float, rows_out: Cons
     for i in range(size):
         k, step = r.active[i], share * r.change[i]
         r.multiplier[k] = max(0.0, r.multiplier[k] + step)
-        for q in range(r.count[0]):
+        for q in range(r.used[0]):
             r.residual[q] += gram(avatars, k, q, r) * step
 
 

@@ -1,6 +1,7 @@
 """Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
 
-Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands are the connected components (union by the least number).
+Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands
+are the connected components (union by the least number).
 """
 
 from math import inf
@@ -95,7 +96,8 @@ def grow_box(
 def form_islands(skel: Skeleton, avatars: Avatars, poses: Poses, state_out: IkState, scratch_out: IkScratch) -> None:
     """Number the islands by the least avatar in each, and list their members one after the other.
 
-    An island decides which avatars may push each other; that none gets into another is proved in each step against all of them."""
+    An island decides which avatars may push each other; that none gets into another is proved in each step against all of
+    them."""
     island, s, count = state_out.tracking.island, scratch_out, avatars.first_link.shape[0] - 1
     for avatar in range(count):
         island[avatar] = avatar

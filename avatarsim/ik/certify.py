@@ -24,7 +24,7 @@ def certify(
     is_adding: failing pairs and limits get rows; is_soft: which ask for no more gap than there was.
     """
     s, failed = scratch_out, 0
-    s.failed.count[0] = 0
+    s.failed.used[0] = 0
     for m in range(first, last):
         avatar = s.members[m]
         state_out.tracking.has_failed[avatar] = 0
@@ -94,9 +94,9 @@ def certify_bodies(
             if holds:
                 continue
             failed += 1
-            k = s.failed.count[0]
+            k = s.failed.used[0]
             if k < s.failed.pair.shape[0]:
-                s.failed.pair[k, 0], s.failed.pair[k, 1], s.failed.count[0] = a, b, k + 1
+                s.failed.pair[k, 0], s.failed.pair[k, 1], s.failed.used[0] = a, b, k + 1
             state_out.tracking.has_failed[avatars.avatar[body - skel.first]] = 1
             if other >= skel.first:
                 state_out.tracking.has_failed[avatars.avatar[other - skel.first]] = 1

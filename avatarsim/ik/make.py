@@ -90,10 +90,10 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
     tracking = np.zeros(na, TRACKING).view(Tracking)
     tracking["reach"], tracking["island"] = reach, np.arange(na)
     pairs = TOUCHING_PER_AVATAR * na
+    # a target that begins where the avatar does has not leapt there
+    before, own = (Posture(*(array.copy() for array in posture)) for _ in range(2))
     state = IkState(
-        # a target that begins where the avatar does has not leapt there
-        tracking, *(Posture(*(array.copy() for array in posture)) for _ in range(2)), zeros(nl, 3), zeros(nl),
-        make_contacts(ROWS_PER_AVATAR * na),
+        tracking, before, own, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
         indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(*(zeros(nl) for _ in Budget._fields)),
     )
@@ -113,7 +113,8 @@ def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
     """Room for the rows of a step."""
     m = ROWS_PER_AVATAR * (len(avatars.first_link) - 1)
     return ConstraintRows(
-        indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m), zeros(m),
+        indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m),
+        zeros(m),
         zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(ACTIVE_CAP, ACTIVE_CAP), indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
     )
 
@@ -123,7 +124,8 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
-        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars, nl, nd),
+        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars,
+        nl, nd),
         make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
         indices(len(COUNT_NAMES)), zeros(kept, nl, 12),
     )

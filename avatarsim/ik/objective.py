@@ -2,10 +2,11 @@
 
     f = sum_i h(|o_i - o_i*|) + 1/2 sum_j w |a_j - a_j*|^2,   h(r) = r^2 / 2 up to d, d (r - d / 2) beyond
 
-To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w each,
-so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L without
-fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
-(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See docs/posture.md.
+To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w
+each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
+without fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See
+docs/posture.md.
 """
 
 from math import sqrt
@@ -18,8 +19,8 @@ from avatarsim.world.geometry import Array, Poses
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 LOSS_RADIUS = 0.4
-"""Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs stretch
-to the target and angles are lost; smaller: origins are farther from the target than they need be."""
+"""Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs
+stretch to the target and angles are lost; smaller: origins are farther from the target than they need be."""
 
 
 @kernel
@@ -59,8 +60,8 @@ def draw_near(
 ) -> None:
     """Draw a target whose root is farther than the loss radius from the shown one to that distance, all link origins with it.
 
-    A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder than one that is
-    near: limbs do not stretch after it."""
+    A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder
+    than one that is near: limbs do not stretch after it."""
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
     far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar]
@@ -90,7 +91,8 @@ def model(
 ) -> None:
     """Gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
-    The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not overshoot."""
+    The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not
+    overshoot."""
     locate(skel, avatars, avatar, state.own, state.tracking, objective_out)
     draw_near(skel, avatars, avatar, state, poses, objective_out)
     gather(skel, avatars, avatar, state, poses, objective_out)
@@ -105,7 +107,8 @@ def model(
 
 @kernel
 def stretch(force: Vec3, arm: Vec3) -> float:
-    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link turns."""
+    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link
+    turns."""
     return norm(force) * norm(arm)
 
 

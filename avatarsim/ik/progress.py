@@ -16,7 +16,8 @@ SLOWEST = 0.1
 
 @kernel
 def measure_begin(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, state_out: IkState, scratch_out: IkScratch
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, state_out: IkState,
+    scratch_out: IkScratch
 ) -> None:
     """As a frame begins: the objective of each avatar that was far from its target, towards the target of this frame."""
     t = state_out.tracking

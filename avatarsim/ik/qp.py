@@ -1,9 +1,9 @@
 """Strictly convex QP of a step: min 1/2 |x - p|_M^2 such that J x >= bound, low <= x <= high.
 
-With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson 1974,
-chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the corners of a
-foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it. Bounds join as unit
-rows only when they are violated, since most of them never are.
+With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson
+1974, chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the
+corners of a foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it.
+Bounds join as unit rows only when they are violated, since most of them never are.
 """
 
 from math import sqrt
@@ -77,7 +77,7 @@ def set_step(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) ->
 def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
     """Transform the rows that came since this was last done: weighted = L^-T J^T, in the coordinates y."""
     s, r = scratch_out, scratch_out.rows
-    for k in range(r.ready[0], r.count[0]):
+    for k in range(r.ready[0], r.used[0]):
         stiffness = 0.0
         for side in range(2):
             avatar = r.owner[k, side]
@@ -90,7 +90,7 @@ def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
             for j in range(low, high):
                 stiffness += r.weighted[k, j] * r.weighted[k, j]
         r.stiffness[k] = stiffness
-    r.ready[0] = r.count[0]
+    r.ready[0] = r.used[0]
 
 
 @kernel
@@ -100,7 +100,7 @@ def reset_point(avatars: Avatars, first: int, last: int, scratch_out: IkScratch)
     for m in range(first, last):
         low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
         multiply(avatars, low, high, s.objective.factor, s.objective.newton, s.point)
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if r.multiplier[k] > 0.0:
             press(avatars, k, r.multiplier[k], r, s)
 
@@ -124,7 +124,7 @@ def sweep(
     r, point = rows_out, scratch_out.point
     for done in range(most):
         change = 0.0
-        for k in range(r.count[0]):
+        for k in range(r.used[0]):
             residual = along_row(avatars, k, point, r.weighted, r) - r.bound[k]
             before = r.multiplier[k]
             if before == 0.0 and residual >= 0.0:
@@ -150,7 +150,7 @@ def add_broken_bounds(
     for m in range(first, last):
         avatar, more = s.members[m], 0
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            if r.count[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
+            if r.used[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
                 break
             is_below, is_above = s.step[j] < s.low[j] - OUTSIDE, s.step[j] > s.high[j] + OUTSIDE
             sign = 1.0 if is_below else -1.0
@@ -170,11 +170,12 @@ def add_broken_bounds(
 
 @kernel
 def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, scratch_out: IkScratch) -> int:
-    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they go."""
+    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they
+    go."""
     s, r, square, left = scratch_out, scratch_out.rows, 0.0, max(left, 0.0)
     for j in range(first, last):
         square += s.step[j] * s.step[j]
-    far, k = sqrt(square), r.count[0]
+    far, k = sqrt(square), r.used[0]
     if not (far > left * (1.0 + LOOSE) + OUTSIDE) or k == r.bound.shape[0]:
         return 0
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
@@ -182,14 +183,14 @@ def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float
     for j in range(first, last):
         r.jacobian[k, j] = -s.step[j] / far
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BUDGET, first, -1, -left, 0.0
-    r.count[0] = k + 1
+    r.used[0] = k + 1
     return 1
 
 
 @kernel
 def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
     """Whether one of the rows is the lower (sign 1) or upper (-1) bound of degree j."""
-    for k in range(rows.count[0]):
+    for k in range(rows.used[0]):
         if rows.kind[k] == BOUND and rows.pair[k, 0] == j and rows.jacobian[k, j] == sign:
             return True
     return False
@@ -198,9 +199,9 @@ def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
 @kernel
 def add_bound(avatars: Avatars, avatar: int, j: int, sign: float, bound: float, rows_out: ConstraintRows) -> None:
     """Append the condition sign x_j >= bound."""
-    r, k = rows_out, rows_out.count[0]
+    r, k = rows_out, rows_out.used[0]
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
     clear_row(avatars, k, r)
     r.jacobian[k, j] = sign
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BOUND, j, -1, bound, 0.0
-    r.count[0] = k + 1
+    r.used[0] = k + 1

@@ -1,8 +1,8 @@
 """One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
 
 A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. What is
-still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is cut alone
-leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
+still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is
+cut alone leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
 """
 
 from avatarsim.ik.active_forces import forget_forces, note_forces
@@ -72,7 +72,7 @@ def sqp_step(
         )
         if failed == 0:
             break
-        for k in range(s.failed.count[0]):
+        for k in range(s.failed.used[0]):
             touch(s.failed.pair[k, 0], s.failed.pair[k, 1], state.touching)
         if work_done(s) > most_work:
             s.counts[OUT_OF_WORK] += 1
@@ -157,7 +157,7 @@ def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkSt
 def breaks_rows(avatars: Avatars, scratch: IkScratch) -> bool:
     """Whether the step breaks a row."""
     r = scratch.rows
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if not (along_row(avatars, k, scratch.step, r.jacobian, r) >= r.bound[k]):
             return True
     return False
@@ -200,19 +200,19 @@ def note_contacts(
 ) -> None:
     """Keep the active contacts of an island, and what they press on its links with: for the next step, and for the coupling."""
     c, r, kept = state_out.contacts, scratch.rows, 0
-    for k in range(c.count[0]):
+    for k in range(c.used[0]):
         if not is_solved_for(geo, skel, avatars, c.pair[k, 0], c.pair[k, 1], scratch):
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = c.pair[k, 0], c.pair[k, 1], c.multiplier[k]
             put_row(c.normal, kept, row(c.normal, k))
             kept += 1
     for m in range(first, last):
         forget_forces(avatars, scratch.members[m], state_out)
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if r.kind[k] == CONTACT and r.multiplier[k] > 0.0 and kept < c.multiplier.shape[0]:
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = r.pair[k, 0], r.pair[k, 1], r.multiplier[k]
             put_row(c.normal, kept, row(r.normal, k))
             kept += 1
-    c.count[0] = kept
+    c.used[0] = kept
     note_forces(geo, skel, avatars, r, state_out)
 
 

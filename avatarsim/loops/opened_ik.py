@@ -63,7 +63,8 @@ def opened_state(o: Opening) -> IkState:
 def opened_objective(o: Opening) -> Objective:
     """The next Objective."""
     return Objective(
-        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0],
+        vectors(o)[0],
         vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
     )
 
@@ -83,7 +84,8 @@ def opened_working(o: Opening) -> IkScratch:
     """The next IkScratch."""
     return IkScratch(
         opened_posture(o), opened_poses(o), vectors(o)[0], grid(o)[0], grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0],
-        line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0], index_grid(o)[0]),
+        line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0],
+        index_grid(o)[0]),
         scratch_at(index_line(o)[0]), index_line(o)[0], cube(o)[0],
     )
 
