@@ -28,6 +28,8 @@ def certify(
     for m in range(first, last):
         avatar = s.members[m]
         state_out.tracking.has_failed[avatar] = 0
+        if state_out.tracking.is_certified[avatar] > 0:
+            continue
         beyond = check_limits(skel, avatars, avatar, posture, is_adding, s)
         if is_no_pose(skel, avatars, avatar, s):
             beyond += 1
@@ -42,7 +44,7 @@ def certify(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_link[avatar], avatars.first_link[avatar + 1]
-        for link in range(low, high):
+        for link in range(low, high if state_out.tracking.is_certified[avatar] == 0 else low):
             body = skel.first + link
             for n in range(state_out.near_count[avatar]):
                 other = state_out.near[avatar, n]
@@ -53,9 +55,14 @@ def certify(
                 if boxes_meet(s.swept_links, body, other) and may_meet(geo.wanted, body, other):
                     failed += certify_bodies(geo, skel, avatars, settings, poses, body, other, is_adding, is_soft, state_out, s)
         for other in range(avatars.first_link.shape[0] - 1):
-            if other > avatar or (other < avatar and s.is_active[other] == 0):
+            is_new = state_out.tracking.is_certified[avatar] == 0 or (
+                s.is_active[other] > 0 and state_out.tracking.is_certified[other] == 0
+            )
+            if is_new and (other > avatar or (other < avatar and s.is_active[other] == 0)):
                 one, two = min(avatar, other), max(avatar, other)
                 failed += certify_avatars(geo, skel, avatars, settings, poses, one, two, is_adding, is_soft, state_out, s)
+    for m in range(first, last):
+        state_out.tracking.is_certified[s.members[m]] = 1 - state_out.tracking.has_failed[s.members[m]]
     return failed
 
 

@@ -36,7 +36,7 @@ def solve(
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
         state.tracking.share[:] = dt / (dt + settings.damping_time)
         measure_begin(skel, avatars, settings, posture_out, poses_out, state, s)
-    form_islands(skel, avatars, poses_out, state, s)
+    form_islands(geo, skel, avatars, state, s)
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1

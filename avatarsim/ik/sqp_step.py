@@ -40,7 +40,7 @@ from avatarsim.world.skeleton import Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
 
-BACK_OFF, BACK_OFFS = 0.5, 6
+BACK_OFF, BACK_OFFS = 0.25, 3
 """Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
 
 
@@ -99,6 +99,7 @@ def try_qp(
             if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
                 break
         for m in range(first, last):
+            state_out.tracking.is_certified[s.members[m]] = 0
             place_avatar(geo, skel, avatars, s.members[m], s.trial)
         s.counts[FORWARDS] += last - first
         is_last = round_ == settings.corrections or work_done(s) > most_work
@@ -180,18 +181,19 @@ def back_off(
     s.counts[BACKED] += 1
     for k in range(BACK_OFFS + last - first):
         for m in range(first, last):
-            if state_out.tracking.has_failed[s.members[m]] > 0:
-                state_out.tracking.has_arrived[s.members[m]] = 0
+            avatar = s.members[m]
+            if state_out.tracking.has_failed[avatar] > 0:
+                state_out.tracking.has_arrived[avatar], state_out.tracking.is_certified[avatar] = 0, 0
                 if k >= BACK_OFFS:
                     s.counts[HELD] += 1
-                scale_step(avatars, s.members[m], BACK_OFF if k < BACK_OFFS else 0.0, s.step)
-        try_step(geo, skel, avatars, posture, first, last, s)
+                scale_step(avatars, avatar, BACK_OFF if k < BACK_OFFS else 0.0, s.step)
+                try_step(geo, skel, avatars, avatar, posture, s)
         if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
             return
     for m in range(first, last):
         state_out.tracking.has_arrived[s.members[m]] = 0
         scale_step(avatars, s.members[m], 0.0, s.step)
-    try_step(geo, skel, avatars, posture, first, last, s)
+        try_step(geo, skel, avatars, s.members[m], posture, s)
 
 
 @kernel

@@ -56,7 +56,8 @@ TRACKING = np.dtype(
     [
         ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach",
         "f8"),
-        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("is_located", "i8"), ("has_arrived",
+        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"), ("has_model", "i8"), ("is_located",
+        "i8"), ("has_arrived",
         "i8"),
     ],
     align=True,
@@ -87,6 +88,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """1 if the tracker's posture keeps all limits."""
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
+    is_certified: Index
+    """1 if nothing of this avatar failed at this very trial, so that only what the others have changed is looked at again."""
     has_model: Index
     """1 if the model of this step, with its metric, is at hand."""
     is_located: Index

@@ -110,7 +110,7 @@ class IkLoop:
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
-            "has_failed": (0, 1),
+            "has_failed": (0, 1), "is_certified": (0, 1),
             "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
         }
 
