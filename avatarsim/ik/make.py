@@ -9,6 +9,7 @@ from avatarsim.ik.pair_cache import make_pair_cache
 from avatarsim.ik.state import (
     ACTIVE_CAP,
     COUNT_NAMES,
+    ROWS_MOST,
     ROWS_PER_AVATAR,
     TOUCHING_PER_AVATAR,
     TRACKING,
@@ -111,11 +112,11 @@ def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
 
 def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
     """Room for the rows of a step."""
-    m = ROWS_PER_AVATAR * (len(avatars.first_link) - 1)
+    m = min(ROWS_PER_AVATAR * (len(avatars.first_link) - 1), ROWS_MOST)
     return ConstraintRows(
         indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m),
-        zeros(m),
-        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(ACTIVE_CAP, ACTIVE_CAP), indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
+        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(m, m), np.zeros(1, dtype=np.bool_), zeros(ACTIVE_CAP, ACTIVE_CAP),
+        indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
     )
 
 
@@ -124,7 +125,7 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
-        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars,
+        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars,
         nl, nd),
         make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
         indices(len(COUNT_NAMES)), zeros(kept, nl, 12),

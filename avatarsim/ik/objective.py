@@ -250,13 +250,3 @@ def solve_down(avatars: Avatars, first: int, last: int, factor: Array, vector_ou
             left -= factor[k, d] * vector_out[path[k, d]]
         vector_out[k] = left / factor[k, deep]
 
-
-@kernel
-def multiply(avatars: Avatars, first: int, last: int, factor: Array, vector: Array, product_out: Array) -> None:
-    """product = L vector, for degrees first .. last."""
-    path, depth = avatars.path, avatars.depth
-    for k in range(first, last):
-        total = 0.0
-        for d in range(depth[k] + 1):
-            total += factor[k, d] * vector[path[k, d]]
-        product_out[k] = total

@@ -18,10 +18,11 @@ from avatarsim.world.skeleton import Posture
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-ROWS_PER_AVATAR = 96
-"""Most constraint rows of one island per avatar in it; more are counted as dropped, and the certificate refuses what they would
-have prevented."""
+ROWS_PER_AVATAR, ROWS_MOST = 96, 768
+"""Most constraint rows of an island, per avatar in the scene and in all; more are counted as dropped, and the certificate refuses
+what they would have prevented."""
 
 TOUCHING_PER_AVATAR = 64
 """Most pairs per avatar that have a row before anything fails; a pair that does not fit gets one when it fails."""
@@ -200,8 +201,9 @@ class Objective(NamedTuple):
 class ConstraintRows(NamedTuple):
     """Linear conditions J x >= bound of one step: used, ready (1 each) how many there are, and how many are transformed; kind
     (m) a RowKind; pair (m, 2) pieces of a contact, or a degree and -1; owner (m, 2) avatars whose degrees a row is of, -1 for
-    none; jacobian (m, nd); weighted (m, nd) = L^-T J^T; stiffness (m) its squared length; multiplier, residual, before (m);
-    normal (m, 3), arm (m, 6) [m] from the origins of both bodies to the contact; active (a) the active rows, factor (a, a) of
+    none; jacobian (m, nd); weighted (m, nd) = L^-T J^T; multiplier, residual, before (m);
+    normal (m, 3), arm (m, 6) [m] from the origins of both bodies to the contact; gram (m, m) of the weighted rows; is_solved (1)
+    whether the sweeps came to an end; active (a) the active rows, factor (a, a) of
     their Gram matrix, change (a) of their multipliers."""
 
     used: Index
@@ -212,12 +214,13 @@ class ConstraintRows(NamedTuple):
     jacobian: Array
     weighted: Array
     bound: Array
-    stiffness: Array
     multiplier: Array
     residual: Array
     before: Array
     normal: Array
     arm: Array
+    gram: Array
+    is_solved: Flags
     factor: Array
     active: Index
     change: Array
@@ -232,8 +235,8 @@ class Failed(NamedTuple):
 
 class IkScratch(NamedTuple):
     """Working memory of a frame. target: the clipped target; trial: poses of the step that is looked at, with axes (nd, 3);
-    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step, point (nd): bounds,
-    the step, and the step in the coordinates of the least-distance problem; still (nd) zero; members (na) avatars of the islands
+    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step (nd): bounds, and
+    the step; still (nd) zero; members (na) avatars of the islands
     one after the other, is_active (na) 1 for those of the island that is solved for; trail (K, nl, 12) positions [m] and
     rotations of links after each of the first K steps of a frame."""
 
@@ -246,7 +249,6 @@ class IkScratch(NamedTuple):
     low: Array
     high: Array
     step: Array
-    point: Array
     still: Array
     members: Index
     is_active: Index

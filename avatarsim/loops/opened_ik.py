@@ -15,7 +15,7 @@ from avatarsim.ik.state import (
 )
 from avatarsim.loops.opened_checked import opened_contacts
 from avatarsim.settings import IkSettings
-from avatarsim.world.arena import Opening, cube, grid, index_grid, index_line, line, matrices, real, vectors, whole
+from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, real, vectors, whole
 from avatarsim.world.opened import opened_poses, opened_posture
 from avatarsim.world.view import opened
 
@@ -74,8 +74,8 @@ def opened_rows(o: Opening) -> ConstraintRows:
     """The next ConstraintRows."""
     return ConstraintRows(
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_grid(o)[0], grid(o)[0], grid(o)[0],
-        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0],
-        line(o)[0],
+        line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], flag_line(o)[0], grid(o)[0],
+        index_line(o)[0], line(o)[0],
     )
 
 
@@ -84,7 +84,7 @@ def opened_working(o: Opening) -> IkScratch:
     """The next IkScratch."""
     return IkScratch(
         opened_posture(o), opened_poses(o), vectors(o)[0], grid(o)[0], grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0],
-        line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0],
+        line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0],
         index_grid(o)[0]),
         scratch_at(index_line(o)[0]), index_line(o)[0], cube(o)[0],
     )
