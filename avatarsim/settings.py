@@ -103,8 +103,8 @@ class IkSettings(NamedTuple):
     stand_off: float = 2e-4
     least_gap: float = 5e-5
     wedged_gap: float = 2e-6
-    catch_up_turn: float = 10.0
-    catch_up_move: float = 4.0
+    catch_up_turn: float = 12.5
+    catch_up_move: float = 5.0
     damping_time: float = 0.02
     settle_time: float = 0.5
     stall_time: float = 0.1

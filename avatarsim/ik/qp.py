@@ -12,7 +12,7 @@ from avatarsim.ik.active_set import finish
 from avatarsim.ik.constraints import along_row, clear_row
 from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import solve_down, solve_up
-from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
+from avatarsim.ik.state import PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.kernel import kernel
 from avatarsim.world.skeleton import FREE, Skeleton
 
@@ -51,10 +51,12 @@ def solve_qp(
     for _ in range(BOUND_ROUNDS):
         transform(avatars, s)
         find_residuals(avatars, s)
+        before = s.counts[SWEEPS]
         s.counts[SWEEPS] += sweep(r, FIRST_SWEEPS, tolerance)
         if not r.is_solved[0] and not finish(tolerance, r):
             find_residuals(avatars, s)
             s.counts[SWEEPS] += sweep(r, SWEEPS_MOST - FIRST_SWEEPS, tolerance)
+        s.counts[PRODUCTS] += (s.counts[SWEEPS] - before) * r.used[0] // 2
         assemble(avatars, first, last, s)
         if add_broken_bounds(skel, avatars, first, last, state, s) == 0:
             break
@@ -76,6 +78,7 @@ def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
                 for j in range(low, high):
                     r.weighted[k, j] = r.jacobian[k, j]
                 solve_up(avatars, low, high, s.objective.factor, r.weighted[k])
+        s.counts[PRODUCTS] += k + 3
         for q in range(k + 1):
             r.gram[k, q] = r.gram[q, k] = product_of(avatars, k, q, r)
     r.ready[0] = r.used[0]
@@ -97,6 +100,7 @@ def product_of(avatars: Avatars, k: int, q: int, rows: ConstraintRows) -> float:
 def find_residuals(avatars: Avatars, scratch_out: IkScratch) -> None:
     """The residual of row k is J_k x - bound_k with x = p + M^-1 J^T multipliers."""
     r = scratch_out.rows
+    scratch_out.counts[PRODUCTS] += 2 * r.used[0]
     for k in range(r.used[0]):
         total = along_row(avatars, k, scratch_out.objective.newton, r.jacobian, r) - r.bound[k]
         for q in range(r.used[0]):

@@ -19,12 +19,12 @@ from avatarsim.ik.state import (
     FORWARDS,
     HELD,
     OUT_OF_WORK,
+    PRODUCTS,
     QPS,
     QUERIES,
     ROWS,
     STEPS,
     SUPPORTS,
-    SWEEPS,
     Avatars,
     IkScratch,
     IkState,
@@ -48,7 +48,7 @@ BACK_OFF, BACK_OFFS = 0.25, 3
 def work_done(scratch: IkScratch) -> int:
     """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
     c = scratch.counts
-    return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[SWEEPS] // 4 + c[ROWS] // 2)
+    return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[PRODUCTS] // 32 + c[ROWS] // 2)
 
 
 @kernel

@@ -262,12 +262,12 @@ class IkScratch(NamedTuple):
 
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "bad_queries", "waiting", "out_of_work", "adopted", "islands",
+    "bad_queries", "waiting", "out_of_work", "adopted", "islands", "products",
 )
-"""What is counted in a frame; `held`: avatars whose step came to nothing."""
+"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows."""
 
 (
     QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK,
     ADOPTED,
-    ISLANDS,
+    ISLANDS, PRODUCTS,
 ) = range(len(COUNT_NAMES))
