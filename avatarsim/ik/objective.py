@@ -11,6 +11,7 @@ docs/posture.md.
 
 from math import sqrt
 
+from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
@@ -64,7 +65,9 @@ def draw_near(
     than one that is near: limbs do not stretch after it."""
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
-    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar]
+    # what the target has just moved is followed in full
+    moved, _ = parts_of(skel, first, c.own)
+    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar] + moved
     share = 1.0 - d / far if far > d else 0.0
     for link in range(first, avatars.first_link[avatar + 1]):
         put_row(c.aim, link, sub(row(c.origin, link), scale(way, share)))
