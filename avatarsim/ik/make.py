@@ -96,7 +96,8 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
     state = IkState(
         tracking, before, own, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
-        indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(*(zeros(nl) for _ in Budget._fields)),
+        indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(zeros(nl), zeros(nl), zeros(nl), zeros(nl),
+        zeros(2)),
     )
     forget_near(state)
     return state

@@ -17,6 +17,11 @@ AT_REST = 0.06
 s, what a hand that is held still trembles."""
 
 
+SLACK = 0.15
+"""Share of the catch-up motion by which a ball or a root may leave its budget in a QP before a plane cuts that off: each is one
+more solve. What still exceeds it is shortened at the end."""
+
+
 @kernel
 def open_budget(
     skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, speed: float, clipped: Array, own: Array,
@@ -26,6 +31,7 @@ def open_budget(
     smaller counts: beyond a cone a small turn of the tracker may send the clipped one around it; speed [rad/s or m/s]:
     low-passed, of the fastest target."""
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
+    b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, clipped)
         _, turned_by_own = parts_of(skel, link, own)
@@ -68,17 +74,19 @@ def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out
 
 
 @kernel
-def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, loose: float, step_out: Array) -> None:
-    """Shorten a step (nd) to what is left of the budget, and a share `loose` more: root and joints each by a factor of their
+def keep_budget(
+    skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, has_slack: bool, step_out: Array
+) -> None:
+    """Shorten a step (nd) to what is left of the budget, or to its slack beyond: root and joints each by a factor of their
     own."""
-    b, most = budget, 1.0 + loose
+    b, slack = budget, 1.0 if has_slack else 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step_out)
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
         if skel.kind[link] == FREE:
-            scale_by(d, d + 3, share_of(most * (b.move[link] - b.moved[link]), moved), step_out)
+            scale_by(d, d + 3, share_of(b.move[link] - b.moved[link] + slack * b.slack[0], moved), step_out)
             d += 3
-        scale_by(d, last, share_of(most * (b.turn[link] - b.turned[link]), turned), step_out)
+        scale_by(d, last, share_of(b.turn[link] - b.turned[link] + slack * b.slack[1], turned), step_out)
 
 
 @kernel

@@ -30,10 +30,6 @@ MULTIPLIER_CAP = 1e4
 BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
 """Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
 
-LOOSE = 0.15
-"""Share by which a joint of several degrees may exceed its budget before it gets a plane that cuts that off: each is one more
-solve. What still exceeds it by more is shortened at the end."""
-
 OUTSIDE = 1e-9
 """[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
 
@@ -63,7 +59,7 @@ def solve_qp(
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
-        keep_budget(skel, avatars, s.members[m], state.budget, LOOSE, s.step)
+        keep_budget(skel, avatars, s.members[m], state.budget, True, s.step)
 
 
 @kernel
@@ -158,7 +154,7 @@ def add_broken_bounds(
     skel: Skeleton, avatars: Avatars, first: int, last: int, state: IkState, scratch_out: IkScratch
 ) -> int:
     """Rows for bounds and budgets that the step breaks; their number."""
-    s, r, added = scratch_out, scratch_out.rows, 0
+    s, r, b, added = scratch_out, scratch_out.rows, state.budget, 0
     for m in range(first, last):
         avatar, more = s.members[m], 0
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
@@ -173,22 +169,22 @@ def add_broken_bounds(
         for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
             d, end = skel.first_dof[link], skel.first_dof[link + 1]
             if skel.kind[link] == FREE:
-                added += add_budget(avatars, avatar, d, d + 3, state.budget.move[link] - state.budget.moved[link], s)
+                added += add_budget(avatars, avatar, d, d + 3, b.move[link] - b.moved[link], b.slack[0], s)
                 d += 3
             if end > d + 1:
-                added += add_budget(avatars, avatar, d, end, state.budget.turn[link] - state.budget.turned[link], s)
+                added += add_budget(avatars, avatar, d, end, b.turn[link] - b.turned[link], b.slack[1], s)
     return added
 
 
 @kernel
-def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, scratch_out: IkScratch) -> int:
+def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, slack: float, scratch_out: IkScratch) -> int:
     """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they
     go."""
     s, r, square, left = scratch_out, scratch_out.rows, 0.0, max(left, 0.0)
     for j in range(first, last):
         square += s.step[j] * s.step[j]
     far, k = sqrt(square), r.used[0]
-    if not (far > left * (1.0 + LOOSE) + OUTSIDE) or k == r.bound.shape[0]:
+    if not (far > left + slack + OUTSIDE) or k == r.bound.shape[0]:
         return 0
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
     clear_row(avatars, k, r)

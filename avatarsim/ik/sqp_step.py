@@ -147,7 +147,7 @@ def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkSt
     step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = error[j]
-    keep_budget(skel, avatars, avatar, state_out.budget, 0.0, step)
+    keep_budget(skel, avatars, avatar, state_out.budget, False, step)
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         if step[j] != error[j]:
             arrives = 0

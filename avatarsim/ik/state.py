@@ -120,12 +120,13 @@ class Avatars(NamedTuple):
 
 class Budget(NamedTuple):
     """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what
-    was used of these along the path so far."""
+    was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
 
     turn: Array
     move: Array
     turned: Array
     moved: Array
+    slack: Array
 
 
 class Contacts(NamedTuple):

@@ -47,7 +47,7 @@ def opened_touching(o: Opening) -> Touching:
 @opened
 def opened_budget(o: Opening) -> Budget:
     """The next Budget."""
-    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0])
+    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0])
 
 
 @opened
