@@ -26,7 +26,7 @@ from tests.posture.little_worlds import at
 from tests.stability.hostile import DT
 
 TOGETHER = part_scene("together")[0]
-PRESETS = ("default", "paper")
+PRESETS = ("default", "ik", "paper")
 SCENES = {
     "an avatar and a ball": TOGETHER,
     "an avatar that removes no overlap": replace(TOGETHER, narrow=("overlap_removal",)),
