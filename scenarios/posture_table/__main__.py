@@ -45,10 +45,10 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--rivals", nargs="*", default=[], metavar="ENGINE/PRESET", help="others, such as mujoco/tuned")
     top.add_argument("--groups", nargs="+", default=list(GROUPS), choices=GROUPS, help="groups of scenes (default: all)")
     top.add_argument("--scenes", default="*", metavar="GLOB", help="scenes of these groups whose name matches (default: all)")
-    top.add_argument("--rooms", nargs="+", default=list(rooms()), metavar="NAME", help="rooms of drawn motions (default: all)")
+    top.add_argument("--rooms", nargs="+", default=list(rooms()), metavar="NAME", help=f"of {', '.join(rooms())} (default: all)")
     top.add_argument("--seeds", type=int, default=6, metavar="N", help="motions drawn in each room")
     top.add_argument("--seed", type=int, default=None, metavar="K", help="seed of the first (default: drawn for this run)")
-    top.add_argument("--clips", type=path_option, default=None, metavar="FOLDER", help="*.txt of 44 numbers a frame, as probes")
+    top.add_argument("--clips", type=path_option, default=None, metavar="FOLDER", help="clips (*.txt) to be probes")
     top.add_argument("--frames", type=int, default=None, metavar="N", help="frames of each scene at most")
     top.add_argument("--quick", action="store_true", help="a third of the scenes, motions and frames")
     top.add_argument("--repeats", type=int, default=REPEATS, metavar="N", help="times that frames are timed; 0: no times")
@@ -56,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--fresh", action="store_true", help="run other engines again, though nothing changed that they depend on")
     top.add_argument("--worst", type=int, default=0, metavar="N", help="besides, the N worst moments of each measure and preset")
     top.add_argument("--beside", default=None, metavar="PRESET", help="besides, scene by scene the ratios to this preset")
-    top.add_argument("-o", dest="out", type=path_option, default=None, metavar="FILE", help="also into FILE.md or, rows only, .csv")
+    top.add_argument("-o", dest="out", type=path_option, default=None, metavar="FILE", help="also into *.md or, rows only, *.csv")
     return top
 
 

@@ -80,6 +80,8 @@ def jobs(wanted: Wanted) -> list[Job]:
     """Every run, scene by scene. InvalidInput where there is none, or a pattern matches no scene."""
     found: list[Job] = []
     names = list(_scenes(wanted))
+    if not names:
+        raise InvalidInput("--groups", " ".join(wanted.groups), "groups with scenes; probes need --clips")
     if slips := unmatched([name for name, _, _ in names], wanted.pattern):
         raise InvalidInput("--scenes", ", ".join(slips), "patterns that match scenes of the groups asked for")
     patterns = patterns_of(wanted.pattern)
@@ -91,8 +93,6 @@ def jobs(wanted: Wanted) -> list[Job]:
                 frames = min(frames or scenario.frames, -(-scenario.as_run(False).frames // QUICK))
             found += [Job(name, engine, preset, seed, frames=frames, catalogue=catalogue)
                       for engine, preset in wanted.runs if takes_part(engine, preset, scenario)]
-    if not found:
-        raise InvalidInput("--groups", " ".join(wanted.groups), "groups with scenes; probes need --clips")
     return found
 
 

@@ -78,7 +78,7 @@ def timed(job: Job, repeats: int, clips: Path | None) -> list[float]:
 
 
 class Kept:
-    """Runs of other engines in a folder, found again while nothing that they depend on changes: scene, motion, engine, measures."""
+    """Runs of other engines in a folder, found again while scene, motion, engine and measures stay the same."""
 
     def __init__(self, folder: Path) -> None:
         self.store = Store(folder)
