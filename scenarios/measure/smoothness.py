@@ -63,6 +63,20 @@ def free_for(free: Flags, frames: int) -> Flags:
     return np.asarray((k + 1 >= frames) & (counted[k + 1] - counted[np.maximum(k + 1 - frames, 0)] == frames))
 
 
+def free_awhile(free: Flags, dt: float) -> Flags:
+    """(F,) True where the raw posture has been free, in states `free` (F+1,), for CALM by the end of the frame."""
+    return free_for(free, max(1, math.ceil(CALM / dt - 1e-9)))
+
+
+def silent_frames(recording: Recording, free: Flags) -> Flags:
+    """(F,) True where a link is farther than FAR from its target, which has been free for CALM, and no status says why."""
+    told = np.zeros(recording.frames + 1, dtype=bool)
+    for numbers in recording.statuses.values():
+        told |= numbers > 0
+    silent = free_awhile(free, recording.dt) & ~told[1:]
+    return np.asarray(silent & ~(offsets(recording).max(axis=1) <= FAR))
+
+
 def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) -> Values:
     """chatter_frames [%], reversal_p95 [m], jerk_ratio, silent_offset_frames: see `scenarios.metrics`.
 
@@ -73,16 +87,11 @@ def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) 
     shown, target = recording.positions[:, recording.links], recording.raw_positions
     reversed_by, held = reversals(shown, target), contact[1:]
     none = Missing("in no frame that was run is the avatar in contact", "scene")
-    told = np.zeros(recording.frames + 1, dtype=bool)
-    for numbers in recording.statuses.values():
-        told |= numbers > 0
-    silent = free_for(free, max(1, math.ceil(CALM / recording.dt - 1e-9))) & ~told[1:]
-    silent &= ~(offsets(recording).max(axis=1) <= FAR)
     return {
         "chatter_frames": 100.0 * float(np.mean(shaking(reversed_by, recording.dt)[held])) if held.any() else none,
         "reversal_p95": float(np.percentile(reversed_by.max(axis=1)[held], 95.0)) if held.any() else none,
         "jerk_ratio": jerk_ratio(shown, target, recording.dt),
-        "silent_offset_frames": float(silent.sum()),
+        "silent_offset_frames": float(silent_frames(recording, free).sum()),
     }
 
 
