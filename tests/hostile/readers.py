@@ -126,7 +126,11 @@ def store(folder: Path, path: Path) -> object:
 
 def finished(folder: Path, path: Path) -> object:
     """What a run on stability has finished before."""
-    return Finished(path, "0")
+    found = Finished(path, "0")
+    for one in found.known.values():
+        assert all(type(getattr(one, name)) is kind for name, kind in (("state", str), ("frames", int), ("note", str)))
+        assert all(isinstance(x, float) for place in one.end for x in place)
+    return found
 
 
 def resumed(folder: Path, path: Path) -> object:
@@ -135,7 +139,9 @@ def resumed(folder: Path, path: Path) -> object:
 
 
 STORED = {"key.kind.json": b'{"key": "key", "kind": "kind", "figures": {"p50": 3.5, "note": ""}}'}
-FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": {"state": "survived", "frames": 36}}\n' * 3}
+OUTCOME = (b'{"state": "survived", "frames": 36, "overlap": 1e-7, "energy": "NaN", "bad": 0, "end": [[0.1, 2.5, -3.0], [1, 2]], '
+           b'"seconds": 0.25, "note": ""}')
+FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": %s}\n' % OUTCOME * 3}
 EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
 
 
@@ -165,7 +171,7 @@ def doors() -> tuple[Door, ...]:
         of_files("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
         of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
         of_files("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store)),
-        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished)),
+        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
         of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
         of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
         of_files("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures)),
@@ -174,6 +180,12 @@ def doors() -> tuple[Door, ...]:
     for module, names in TABLES.items():
         found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
     return tuple(found)
+
+
+def damaged_line(data: bytes, rng: random.Random) -> bytes:
+    """A file of a JSON object a line, of which the first was damaged; now and then byte by byte."""
+    first, _, rest = data.partition(b"\n")
+    return damaged(data, rng) if rng.random() < 0.4 else damaged_json(first, rng) + b"\n" + rest
 
 
 def damaged_by_name(data: bytes, rng: random.Random) -> bytes:
