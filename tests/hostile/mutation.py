@@ -157,7 +157,11 @@ def damaged_json(data: bytes, rng: Rng) -> bytes:
         # those near the top are few, and most of the file's meaning
         node, key = rng.choice(found[: rng.choice((8, 40, len(found)))])
         replace_in(node, key, rng)
-    return json.dumps(value).encode()
+    try:
+        return json.dumps(value).encode()
+    except RecursionError:
+        # nested values within nested values: the parser could not follow these either
+        return damaged(data, rng)
 
 
 def replace_in(node: object, key: object, rng: Rng) -> None:
