@@ -134,8 +134,8 @@ soak: $(READY)  ## one engine through a million frames: memory flat, frames as f
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m tests.stability.soak --frames $(or $(FRAMES),1000000)
 
-wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only
-	@$(VENV_PYTHON) -m tests.house.wheel
+wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only (KERNELS=1)
+	@$(VENV_PYTHON) -m tests.house.wheel $(if $(KERNELS),--with-kernels)
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .

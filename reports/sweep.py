@@ -11,7 +11,7 @@ from avatarsim.regular_file import read_json
 from reports.files import WHOLE, lines, number
 from reports.wording import count, figures, limit, listed
 
-ROWS, ABOUT = "sweep.csv", "sweep.json"
+FILES = ROWS, ABOUT = "sweep.csv", "sweep.json"
 OURS = ("avatarsim", "default")
 OVERLAP = "residual_overlap_max"
 SLEEPS = 0.5
