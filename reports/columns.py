@@ -63,6 +63,10 @@ COLUMNS = (
     Column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
            "round MuJoCo and PyBullet that of our adapters, which is why it ranks nothing", _named("frame_time_python_p50"), 0.0,
            ranked=False),
+    Column("slowest", "slowest frame timed", "us", 0.0, "the slowest of all frames of the scene that this engine was timed over, "
+           "each the least of its repeats; beside it which frames these are. Ours is timed over whole scenes, the others over as "
+           "many frames as there is time for, in which a slower one may be missed, so this ranks nothing here",
+           _named("frame_time_max"), 0.0, ranked=False),
     _column("p95", "frame time, 95th percentile", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 
