@@ -7,7 +7,6 @@ from reports.verdict import believed
 from reports.wording import limit
 from scenarios.measure.protocol import brief
 
-
 TIMED_OVER = ("frame_time_p50", "frame_time_max")
 """Times beside which stands how many repeats of which frames they are over."""
 

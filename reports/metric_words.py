@@ -41,7 +41,7 @@ WORDS: dict[str, str] = {
     "tracker_angle_rms": "joint angle from the user's, all frames",
     "tracker_angle_rms_free": "joint angle from the user's while nothing is in the way",
     "still_frames": "frames that stand still while the user moves",
-    "pose_jump_max": "largest turn of a joint or free root in a frame beyond the user's",
+    "pose_jump_max": "turn of a joint or root in a frame beyond the user's",
     "root_jump_max": "jump of the root in a frame beyond the user's",
     "link_jump_max": "jump of a link in a frame beyond its target's",
     "chatter_frames": "frames in contact that shake",

@@ -20,8 +20,8 @@ MOST_LOSSES = 20
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
     """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict), escaped(loosest(verdict)),
-             *_troubles(verdict), *_losses(results, verdict)]
+    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict),
+             escaped(" · ".join(loosest(results, verdict))), *_troubles(verdict), *_losses(results, verdict)]
     shown = blocks(results, reading_order(results, verdict))
     if shown:
         hovering = escaped(" ".join(hover_notes(results)))

@@ -237,12 +237,12 @@ def source(found: Unseen) -> str:
 
 
 def verdict_sentence(found: Unseen) -> str:
-    """At the top of the page: what ours keeps on these motions, and its worst figures, each beside the best other engine there."""
+    """At the top of the page: what ours keeps on these motions, and its worst figures beside the best other engine there."""
     told = f"In the {count(len(found.asked), 'room')} of motions that nothing was tuned for"
     if not any(line.of(CHATTER) is not None for line in found.lines if line.run == found.ours):
         return f"{told}, {found.ours} has no figure."
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
-        f"nothing overlaps in {found.ours}, within its limits and on the right side")
+        f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
     said = [sentence for metric, words in WORST.items() if (sentence := _worst(found, metric, words))]
     said += [sentence for sentence in (_worst(found, CHATTER, "up to {} of the frames in contact shake"),) if sentence]
     return " ".join(filter(None, [f"{told}, {kept}; but {', '.join(said)}.", smoother(found)]))
@@ -262,8 +262,8 @@ def _worst(found: Unseen, metric: str, words: str) -> str:
 
 
 def smoother(found: Unseen) -> str:
-    """In how many rooms another engine, by its smoothest preset there, is smoother than ours, and how far that engine bends joints
-    beyond their limits meanwhile; of the engine that is so most often, "" where none is."""
+    """In how many rooms another engine, by its smoothest preset there, is smoother than ours, and how far that engine bends
+    joints beyond their limits meanwhile; of the engine that is so most often, "" where none is."""
     rough = next(one for one in MEASURES if one.metric == ROUGH)
     rooms: dict[str, dict[str, Line]] = {}
     for line in found.lines:

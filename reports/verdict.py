@@ -19,8 +19,8 @@ PROMISED = {
 AVATAR = "tracker_offset_rms"
 """A metric that every scene with an avatar has, and no other."""
 LOOKS = (
-    "link_jump_max", "root_jump_max", "pose_jump_max", "reversal_max", "reversal_p95", "chatter_frames", "jitter_rms", "jerk_ratio",
-    "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
+    "link_jump_max", "root_jump_max", "pose_jump_max", "reversal_max", "reversal_p95", "chatter_frames", "jitter_rms",
+    "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
 )
 """Metrics of how motion looks; where one has a bound, that says less than a promise does."""
 HARDLY = 0.5
@@ -100,7 +100,8 @@ class Verdict:
         if len(parts) == 1 and self.held and not self.failed:
             promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.held)]
             kept = f", among them what is promised everywhere: {', '.join(promised)}" if promised else ""
-            return f"All {count(total, 'bound')} of {self.gated} held{kept}{self.but}." if total > 1 else f"The one bound held{self.but}."
+            held = f"All {count(total, 'bound')} of {self.gated} held{kept}" if total > 1 else "The one bound held"
+            return f"{held}{self.but}."
         return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + f"{self.but}."
 
     @property
@@ -256,8 +257,9 @@ def loosest(results: Results, verdict_: Verdict) -> tuple[str, ...]:
         if bounds:
             under = _largest([row for _, row in bounds])
             widest = limit(max(bound for bound, _ in bounds), under.unit)
-            where = (f"bounded in {len({row.scenario for _, row in bounds})} of {count(len(scenes), 'scene')} with an avatar, by {widest} at "
-                     f"most, largest there {quantity(under.value, under.unit)} ({under.scenario})")
+            bounded = len({row.scenario for _, row in bounds})
+            where = (f"bounded in {bounded} of {count(len(scenes), 'scene')} with an avatar, by {widest} at most, largest there "
+                     f"{quantity(under.value, under.unit)} ({under.scenario})")
         most = _largest(free) if free else None
         beyond = f"; largest without a bound {quantity(most.value, most.unit)} ({most.scenario})" if most else ""
         said.append(f"{words(metric)}: {where}{beyond}")

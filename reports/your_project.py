@@ -1,8 +1,8 @@
-"""Support matrix: what a project that would use the engine asks first, each answered yes, no or not measured, with the facts; what
-is a figure comes from the run."""
+"""Support matrix: what a project that would use the engine asks first, each answered yes, no or not measured, with the facts.
+
+Figures are those of the run."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from avatarsim.settings import PostureSettings, meanings
@@ -46,10 +46,10 @@ def not_for() -> str:
 def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[Answer, ...]:
     """All questions, in the order in which they are asked."""
     return (
-        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.pieces MESH makes them and bounds "
-               "how far pieces and mesh are apart."),
-        Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A link "
-               "that is moved by a tracker stops at what it meets instead of pushing through it."),
+        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.pieces MESH makes them and "
+               "bounds how far pieces and mesh are apart."),
+        Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
+               "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
         Answer("A user who leaps (teleports)", YES, leaps(results, ours)),
         Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {leap_cost()}"),
@@ -57,8 +57,8 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
         Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
                "reach cones, described in Python; there is no importer for formats of avatars or motion."),
-        Answer("Grabbing", NO, f"Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop at "
-               f"its surface and press with the spring of equation 6 alone, one contact a link. {grasped(results)}"),
+        Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
+               f"at its surface and press with the spring of equation 6 alone, one contact a link. {grasped(results)}"),
         Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
         Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
         Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
@@ -80,8 +80,8 @@ def walls(results: Results, ours: str) -> str:
     found = sorted(((number, scene) for number, scene in _figures(results, ours, "walled") if number > 0.0), reverse=True)
     seen = listed(tuple(f"{quantity(number, 'frames')} frames in {scene}" for number, scene in found), 4)
     return (
-        "The avatar stays on its side and waits as long as a wall is between; with joints it is led around where a way is found, a "
-        "hand without joints never is (around: 2 leads it too). The status says walled, or trapped where nothing fixed is "
+        "The avatar stays on its side and waits as long as a wall is between; with joints it is led around where a way is found, "
+        "a hand without joints never is (around: 2 leads it too). The status says walled, or trapped where nothing fixed is "
         f"between. In this run: {seen or 'no frame'}. To be shown at the user all the same, through the wall, set walled_jump or "
         "trapped_jump to the frames of patience (0: never)."
     )
@@ -125,15 +125,16 @@ def rates(results: Results) -> str:
     hertz = sorted(round(1.0 / dt) for scene, dt in results.frame_times.items() if scene in avatars and dt > 0.0)
     seen = listed(tuple(f"{hertz.count(rate)} at {rate} Hz" for rate in dict.fromkeys(hertz)))
     values = PostureSettings()._asdict()
-    times = ", ".join(f"{name} {values[name]} ({figures(values[name] / DESKTOP)} s at 60 Hz, {figures(values[name] / HEADSET)} s at "
-                      "90 Hz)" for name in COUNT_FRAMES if values[name])
+    times = ", ".join(f"{name} {values[name]} ({figures(values[name] / DESKTOP)} s at 60 Hz, {figures(values[name] / HEADSET)} s "
+                      "at 90 Hz)" for name in COUNT_FRAMES if values[name])
     never = ", ".join(name for name in COUNT_FRAMES if not values[name])
     way = _budget()
     return (
         f"Scenes with an avatar were measured at: {seen or ABSENT}. Defaults were chosen at 60 Hz. These count frames, and mean "
-        f"shorter times at a higher rate: {times}; and {never} once set. These are per frame, and mean higher speeds and more work "
-        f"a second: {', '.join(f'{name} {values[name]}' for name in PER_FRAME)}; steps x move_cap is {figures(way * DESKTOP)} m/s "
-        f"at 60 Hz and {figures(way * HEADSET)} m/s at 90 Hz. Times the rate over 60, or divided by it, they are what they were."
+        f"shorter times at a higher rate: {times}; and {never} once set. These are per frame, and mean higher speeds and more "
+        f"work a second: {', '.join(f'{name} {values[name]}' for name in PER_FRAME)}; steps x move_cap is "
+        f"{figures(way * DESKTOP)} m/s at 60 Hz and {figures(way * HEADSET)} m/s at 90 Hz. Times the rate over 60, or divided by "
+        "it, they are what they were."
     )
 
 

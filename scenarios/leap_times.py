@@ -1,7 +1,7 @@
 """`python -m scenarios.leap_times [--leaps N] [--seed N]`.
 
-Monte Carlo of the dearest frames: the user of a humanoid leaps to a place drawn in each of the rooms of the unseen motions, clear of
-things or inside them, and the frame of the leap is timed, the least of three loads; once with ways searched in that frame
+Monte Carlo of the dearest frames: the user of a humanoid leaps to a place drawn in each of the rooms of the unseen motions, clear
+of things or inside them, and the frame of the leap is timed, the least of three loads; once with ways searched in that frame
 (`leap_search` as set) and once without (0).
 """
 

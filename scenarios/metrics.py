@@ -56,9 +56,9 @@ METRICS: dict[str, tuple[str, str]] = {
     "reversal_p95": ("m", "95th percentile over frames in contact of the largest displacement that a link took back while its "
                      "target did not turn back: the smaller of the two displacements"),
     "reversal_max": ("m", "the largest such displacement of any frame, in contact or not"),
-    "jitter_rms": ("m", "of the link that has most: root mean square, over frames in contact in which its target moves slower than "
-                   "0.18 m/s (rests or slides), of the displacement taken back, where none was 0, where it was faster than that 3 "
-                   "mm at 60 Hz: to-and-fro motion below what counts as shaking"),
+    "jitter_rms": ("m", "of the link that has most: root mean square, over frames in contact in which its target moves slower "
+                   "than 0.18 m/s (rests or slides), of the displacement taken back, where none was 0, where it was faster than "
+                   "that 3 mm at 60 Hz: to-and-fro motion below what counts as shaking"),
     "contact_gap_p50": ("m", "median, over the states in which a link is within 5 mm of what it may not overlap, of that "
                         "distance, an overlap counting as 0: how far an avatar that touches seems to hover; in everyday scenes"),
     "jerk_ratio": ("", "95th percentile of the third differences of link origins, shown over target; a target below 20 m/s^3 "
@@ -69,8 +69,8 @@ METRICS: dict[str, tuple[str, str]] = {
                          "impact, links included"),
     "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),
     "lift_height_max": ("m", "the largest height of such a lift of one body in one frame"),
-    "grasped_fall_end": ("m", "how far below its first place a thing that a hand grasps is at the end: 0 on its pedestal or in the "
-                         "hand, more where it slipped out and fell"),
+    "grasped_fall_end": ("m", "how far below its first place a thing that a hand grasps is at the end: 0 on its pedestal or in "
+                         "the hand, more where it slipped out and fell"),
     "not_finite_frames": ("frames", "states shown in which something is nan or infinite"),
     "frame_time_p50": ("us", "median time of a rendered frame, engine only, each frame the least of its repeats, over the "
                        "repeats and frames that every engine of the scene had"),

@@ -110,7 +110,8 @@ def energy(recording: Recording, scene: Scene) -> Values:
     return {
         "energy_added_max": max(0.0, _largest(added)) if added.size else none,
         "lift_energy_max": _largest(lifted[1:]),
-        "lift_height_max": _largest(heights[1:]),
+        # where nothing falls no way is up
+        "lift_height_max": _largest(heights[1:]) if strength > 0.0 else 0.0,
     }
 
 

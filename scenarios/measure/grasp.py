@@ -9,8 +9,8 @@ from scenarios.scenario import Scenario
 
 
 def grasp(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where it was in
-    the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""
+    """grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where it was
+    in the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""
     names = scenario.expects.get("grasped")
     if not isinstance(names, tuple):
         return {}

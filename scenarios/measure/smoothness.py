@@ -52,9 +52,9 @@ def shaking(reversed_by: Array, dt: float) -> Flags:
 
 
 def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> float:
-    """The largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which the link's
-    own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times `dt`, the
-    rest of it being shaking; no reversal as 0. 0 without such frames, nan where something shown is no number."""
+    """The largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which the
+    link's own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times
+    `dt`, the rest of it being shaking; no reversal as 0. 0 without such frames, nan where something shown is no number."""
     most = SHAKES * dt
     calm = contact[:, None] & (np.linalg.norm(np.diff(target, axis=0), axis=-1) <= most)
     squares = np.where(calm, np.minimum(reversed_by, most) ** 2, 0.0).sum(axis=0)

@@ -124,8 +124,8 @@ def test_the_headline_says_what_is_promised_and_the_loosest_bounds_stand_below_i
         data = bounded(data, scene, "root_jump_max", value, bound)
     found = verdict(load(run_dir(data)))
     assert found.sentence == "All 3 bounds of avatarsim/default held, among them what is promised everywhere: no overlap."
-    assert f"{words('root_jump_max')}: bounded in 2 of 2 scenes with an avatar, by 400 mm at most, largest there 300 mm (door)" in (
-        loosest(load(run_dir(data)), found))
+    said = "bounded in 2 of 2 scenes with an avatar, by 400 mm at most, largest there 300 mm (door)"
+    assert f"{words('root_jump_max')}: {said}" in loosest(load(run_dir(data)), found)
     assert loosest(alone := load(run_dir(only(results, "arm_wall"))), verdict(alone)) == ()
 
 
@@ -133,7 +133,8 @@ def test_a_run_in_which_most_figures_of_looks_have_no_bound_says_so_in_its_headl
     rows = bounded(only(results, "arm_wall"), "arm_wall", "root_jump_max", 0.002, 0.01)["rows"]
     assert isinstance(rows, list)
     free = [rows[-1] | {"scenario": scene, "metric": metric, "value": value, "bound": None, "status": "info"}
-            for scene, metric, value in (("hall", "root_jump_max", 0.5), ("hall", "jitter_rms", 0.001), ("door", "jitter_rms", 0.004))]
+            for scene, metric, value in (
+                ("hall", "root_jump_max", 0.5), ("hall", "jitter_rms", 0.001), ("door", "jitter_rms", 0.004))]
     found = load(run_dir(results | {"rows": [*rows, *free], "exit_code": 0}))
     assert verdict(found).sentence.endswith("no overlap; how motion looks is hardly bounded (1 of 4 figures).")
     assert loosest(found, verdict(found)) == (
