@@ -55,6 +55,8 @@ COLUMNS = (
     _column("chatter", "frames in contact that shake", "%", 0.05, "share of the frames in contact in which a link goes to and "
             "fro, faster than 0.18 m/s (3 mm at 60 Hz), in 3 of the last 4 frames, while its target does not",
             "chatter_frames"),
+    _column("jitter", "jitter in contact", "m", 1e-6, "to-and-fro motion below that speed while the target rests or slides: of "
+            "the link that has most, the root mean square of what it takes back over frames in contact", "jitter_rms"),
     _column("limits", "angle beyond limits", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time, median", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "

@@ -41,6 +41,11 @@ class Looks:
 
 def looks(one: Shown) -> Looks:
     """Finite differences of a recording's links against their targets'; what is no number counts as 0."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return _looks(one)
+
+
+def _looks(one: Shown) -> Looks:
     count = one.raw_positions.shape[1]
     links, turns = one.positions[:, -count:], one.orientations[:, -count:]
     dt = float(one.times[1] - one.times[0]) if len(one.times) > 1 else 1.0

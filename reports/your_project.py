@@ -3,11 +3,12 @@
 Figures are those of the run."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from avatarsim.settings import PostureSettings, meanings
 from reports.growth import Growth
-from reports.load import Results
+from reports.load import Results, Row
 from reports.metric_words import words
 from reports.tables import RAW_TRACKER
 from reports.wording import count, figures, listed, quantity
@@ -58,7 +59,8 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
                "reach cones, described in Python; there is no importer for formats of avatars or motion."),
         Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
-               f"at its surface and press with the spring of equation 6 alone, one contact a link. {grasped(results)}"),
+               "at its surface and press with the spring of equation 6 alone, one contact a link. "
+               f"{grasped(results.rows) or f'How far such a thing falls is {ABSENT}.'}"),
         Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
         Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
         Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
@@ -138,13 +140,14 @@ def rates(results: Results) -> str:
     )
 
 
-def grasped(results: Results) -> str:
-    """Where what hands close on ends, engine by engine."""
-    rows = [row for row in results.rows if row.metric == "grasped_fall_end" and row.engine != RAW_TRACKER]
-    if not rows:
-        return f"Where a grasped thing ends is {ABSENT}."
-    told = "; ".join(f"{row.run} {quantity(row.value, row.unit)}" for row in rows)
-    return f"In {rows[0].scenario}, the {words('grasped_fall_end')}: {told}."
+def grasped(rows: Iterable[Row]) -> str:
+    """Where what hands close on ends, engine by engine; "" without such figures."""
+    found = [row for row in rows if row.metric == "grasped_fall_end" and row.engine != RAW_TRACKER]
+    if not found:
+        return ""
+    told = "; ".join(f"{row.run} {quantity(row.value, row.unit)}" for row in found)
+    return (f"In {found[0].scenario}, the {words('grasped_fall_end')}: {told}; 0 is where it stood, as it does where nothing "
+            "touches it.")
 
 
 def grown(growth: Growth | None, ours: str, grows: str) -> str:

@@ -23,7 +23,7 @@ ROUNDING = 1e-9
 
 def between(before: TrackerSample, after: TrackerSample, share: float, time: float) -> TrackerSample:
     """The posture a `share` of the way from one sample to the next, at `time` [s]."""
-    shares = np.full((len(before.rotations), 1), share)
+    shares = np.full(len(before.rotations), share)
     return TrackerSample(
         time, before.positions + share * (after.positions - before.positions),
         rotation.normalised(rotation.slerp(before.rotations, after.rotations, shares)),
