@@ -48,7 +48,7 @@ MEASURES = (
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
 SHAKES = MEASURES[1]
-WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root by up to {}",
+WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
          TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}"}
 """Metrics whose largest figure stands at the top of the page, and how it is said there."""
 BEST = "/tuned"

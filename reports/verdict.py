@@ -261,7 +261,10 @@ def loosest(results: Results, verdict_: Verdict) -> tuple[str, ...]:
             where = (f"bounded in {bounded} of {count(len(scenes), 'scene')} with an avatar, by {widest} at most, largest there "
                      f"{quantity(under.value, under.unit)} ({under.scenario})")
         most = _largest(free) if free else None
-        beyond = f"; largest without a bound {quantity(most.value, most.unit)} ({most.scenario})" if most else ""
+        beyond = ""
+        if most:
+            beyond = f"; largest without a bound {quantity(most.value, most.unit)} ({most.scenario})" if most.value else (
+                "; 0 wherever there is no bound")
         said.append(f"{words(metric)}: {where}{beyond}")
     return tuple(said)
 

@@ -199,7 +199,7 @@ def test_a_name_that_leads_elsewhere_is_refused(run_dir: Write, results: Json) -
 
 def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(folder: Path) -> None:
     found, (ours, theirs) = drawn(folder, NAME), shown(folder, NAME, [OURS, THEIRS])
-    # 0.4 m to and fro in state 12, and from state 15 on farther from the user, bit by bit
+    # 0.4 m aside and back in state 12 while it goes down by 50 mm a frame, and from state 15 on farther from the user, bit by bit
     ours.positions[12, 2, 0] += 0.4
     ours.positions[15:, 2, 1] += 0.05 * np.arange(1, STATES - 14)
     data = replay(found, [ours, theirs], OURS) if found else None
@@ -207,7 +207,7 @@ def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(fold
     assert data is not None and data["opens"] in ({"ours": 12, "others": 10}, {"ours": 13, "others": 10})
     first = data["runs"][0]  # type: ignore[index]
     remarks = dict(first["remarks"])
-    assert remarks[13].startswith("400 mm to and fro") and 5 not in remarks and remarks[19].endswith("from its user")
+    assert remarks[13].startswith("403 mm to and fro") and 5 not in remarks and remarks[19].endswith("from its user")
     assert any(moment["said"].startswith("root ") for moment in first["worst"])
     still = replay(found, [shown(folder, NAME, [OURS])[0]], OURS) if found else None
     assert still is not None and still["opens"] == {}
