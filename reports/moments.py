@@ -118,7 +118,7 @@ def _moments_of_links(seen: Looks, names: Sequence[str]) -> tuple[Moment | None,
 
 
 def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
-    """(drawn state, words) where a link goes to and fro or jumps by what a screen shows, or is far from its user: what "no
+    """(drawn state, words) where a link goes to and fro, jumps or turns by what a screen shows, or is far from its user: what "no
     overlap" alone would hide. Of the states that one drawn state stands for the worst is told."""
     if not one.raw_positions.shape[1]:
         return []
@@ -126,10 +126,13 @@ def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
     least, found = SHAKES * seen.dt, []
     told = ((seen.back, least, "to and fro"), (seen.beyond, least, "beyond its user in a frame"),
             (seen.apart, FAR, "from its user"))
+    turned = np.maximum.reduceat(seen.turned.max(axis=1), np.arange(0, len(seen.turned), step))
     worst = [(np.maximum.reduceat(figures.max(axis=1), np.arange(0, len(figures), step)), enough, words)
              for figures, enough, words in told]
     for state in range(len(worst[0][0])):
         said = [f"{quantity(float(figures[state]), 'm')} {words}" for figures, enough, words in worst if figures[state] > enough]
+        if turned[state] > least / LEVER:
+            said.append(f"turned {quantity(float(np.degrees(turned[state])), 'deg')} beyond its user in a frame")
         if said:
             found.append((state, ", ".join(said)))
     return found

@@ -42,7 +42,7 @@ MEASURES = (
     Measure(ROUGH, "roughness, over the user's", "", 0.05),
     Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
     Measure(FARTHEST, "farthest from the user", "m", 1e-3),
-    Measure("silent_offset_frames", "frames far from a free user without a status", "frames", 0.5),
+    Measure("silent_offset_frames", "far from a free user, no status", "frames", 0.5),
     Measure(LIMITS, "beyond joint limits", "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),

@@ -76,3 +76,4 @@ def test_root_and_links_are_called_by_their_names_and_a_turn_is_a_turn(one: Show
     one.orientations[9:, -1] = np.cos(np.radians(20.0)), 0.0, 0.0, np.sin(np.radians(20.0))
     found = {moment.said: moment.state for moment in moments(one, np.zeros(STATES), ["hand"])}
     assert found == {"root turns 40.0° beyond its user in one frame": 9}
+    assert remarks(one, 1) == [(9, "turned 40.0° beyond its user in a frame")]
