@@ -174,7 +174,7 @@ def losses(found: Unseen) -> tuple[str, ...]:
     for measure in MEASURES:
         behind: list[tuple[float, str, str]] = []
         compared = 0
-        for room in found.rooms:
+        for room in found.asked:
             own, best = found.line(room, found.ours), found.best(room, measure)
             if own is None or best is None:
                 continue
@@ -320,7 +320,8 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (
-            ("", cell_rows([line for line in ordered if line.run == ours or line.run.endswith(BEST)], ours)),
-            ("Every engine and preset", cell_rows(ordered, ours)),
+            ("", cell_rows([line for line in ordered if line.room in found.asked
+                            and (line.run == ours or line.run.endswith(BEST))], ours)),
+            ("Every engine, preset and frame rate", cell_rows(ordered, ours)),
         ),
     }

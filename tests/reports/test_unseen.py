@@ -77,6 +77,16 @@ def test_the_room_in_which_ours_shakes_most_stands_first(run_dir: Write) -> None
     ]
 
 
+def test_a_room_at_another_frame_rate_is_listed_and_not_counted_again(run_dir: Write) -> None:
+    plain = run_with(run_dir, [*rows_of("door"), *rows_of("door_90hz", 15.0)])
+    results = replace(plain, families={"unseen_door_90hz": "unseen_door", "unseen_door": "unseen_door"})
+    found = unseen.unseen(results, OURS)
+    assert found is not None and found.rooms == ("door", "door_90hz") and found.asked == ("door",)
+    assert "In the 1 room of" in unseen.verdict_sentence(found) and "1 of 1 room, most in door" in unseen.conclusion(found)
+    (_, short), (_, every) = unseen.section(results, OURS)["unseen_tables"]  # type: ignore[misc]
+    assert [row["scene"] for row in short] == 3 * ["unseen_door"] and len(every) == 6
+
+
 def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Write) -> None:
     found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
     assert found is not None
