@@ -143,10 +143,12 @@
   }
   // near enough to see all of avatar and user, and no nearer: for a moment that a reader is led to
   function fit() {
-    if (!follow.checked) return;
+    if (!ghost) return;
     const middle = followed(), reach = Math.max(...data.reach);
     const needed = Math.max(...places().map((place) => place.distanceTo(middle) + reach), 0);
-    eye.distance = Math.max(near.distance, 2.6 * needed);
+    const wanted = 2.6 * needed;
+    if (follow.checked) eye.distance = wanted;
+    else if (wanted < home.distance) { eye.distance = wanted; eye.focus.copy(middle); }
   }
   const camera = new THREE.PerspectiveCamera(38, 1, 0.02 * data.radius, 60 * data.radius);
   camera.up.set(0, 0, 1);
@@ -213,6 +215,7 @@
   }
   function play(on) {
     playing = on;
+    if (playing && poster) reset();
     if (playing && (frame >= last || poster)) show(0);
     poster = false;
     button.textContent = playing ? "Pause" : "Play";
