@@ -55,6 +55,8 @@ COLUMNS = (
     _column("chatter", "frames in contact that shake", "%", 0.05, "share of the frames in contact in which a link goes to and "
             "fro, faster than 0.18 m/s (3 mm at 60 Hz), in 3 of the last 4 frames, while its target does not",
             "chatter_frames"),
+    _column("jitter", "jitter in contact", "m", 1e-6, "to-and-fro motion below that speed while the target rests or slides: of "
+            "the link that has most, the root mean square of what it takes back over frames in contact", "jitter_rms"),
     _column("limits", "angle beyond limits", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time, median", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
@@ -63,6 +65,10 @@ COLUMNS = (
     Column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
            "round MuJoCo and PyBullet that of our adapters, which is why it ranks nothing", _named("frame_time_python_p50"), 0.0,
            ranked=False),
+    Column("slowest", "slowest frame timed", "us", 0.0, "the slowest of all frames of the scene that this engine was timed over, "
+           "each the least of its repeats; beside it which frames these are. Ours is timed over whole scenes, the others over as "
+           "many frames as there is time for, in which a slower one may be missed, so this ranks nothing here",
+           _named("frame_time_max"), 0.0, ranked=False),
     _column("p95", "frame time, 95th percentile", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from avatarsim.settings import PostureSettings, meanings
 from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
 from reports.metric_words import words
@@ -105,9 +106,10 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
 def time_summary(
     panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str,
     family_of: Mapping[str, str] = MappingProxyType({}), slowest_frames: Mapping[str, float] = MappingProxyType({}),
+    scenes: int = 0,
 ) -> str:
-    """What all panels of frame time together say about our run, its slowest frame [us] by scene first; a family of scenes is
-    counted where ours is fastest in all."""
+    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many
+    `scenes`); a family of scenes is counted where ours is fastest in all."""
     own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
     if not own:
         return f"No frame time of {ours} was measured."
@@ -118,21 +120,26 @@ def time_summary(
         if theirs:
             family = family_of.get(scene, scene)
             fastest[family] = fastest.get(family, True) and runs[ours][1] <= min(theirs)
-    text = slowest_sentence(slowest_frames, ours)
+    text = slowest_sentence(slowest_frames, ours, scenes)
     text += f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
     return text + (f"; it is the fastest in {sum(fastest.values())} of {families(len(fastest))}." if fastest else ".")
 
 
-def slowest_sentence(frames: Mapping[str, float], ours: str) -> str:
-    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, against what a headset allows."""
+def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) -> str:
+    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, of so many, against what a headset
+    allows, and what dearer frames cost that need not be in the run."""
     if not frames:
         return ""
     worst = max(frames, key=lambda scene: frames[scene])
     over = sum(not time <= FRAME_90_HZ for time in frames.values())
-    held = f"in all {len(frames)} scenes every frame fits into"
+    # what it does, before its values, is of no interest here
+    leaps = meanings(PostureSettings)["leap_search"].partition(". ")[2] + " "
+    of = f" of {count(scenes, 'scene')}" if scenes else ""
+    held = f"in each of the {len(frames)}{of} with such a figure every frame that was timed fits into"
     if over:
-        held = f"in {over} of {len(frames)} scenes a frame takes longer than"
-    return f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
+        held = f"in {over} of the {len(frames)}{of} with such a figure a frame takes longer than"
+    return (f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
+            f"What a leap into something may take, and how to avoid it: leap_search, {leaps}")
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:

@@ -86,7 +86,8 @@ def _shown(results: Results) -> list[Figure]:
     """Every everyday scene, or every scene of a run without any; then the rooms of unseen motions as one."""
     found = [figure for block in blocks(results) if block.scene in results.everyday or not results.everyday
              for figure in _figures(block, tuple(MEASURES))]
-    rooms = {row.scenario for row in results.rows if row.scenario.startswith(PREFIX)}
+    rooms = {row.scenario for row in results.rows if row.scenario.startswith(PREFIX)
+             and results.family(row.scenario) == row.scenario}
     return found + (_figures(together(results, rooms, ROOMS.format(len(rooms))), IN_ROOMS) if rooms else [])
 
 

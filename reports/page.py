@@ -184,7 +184,8 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
         scenes_said=scenes_sentence(verdict),
-        loosest_said=loosest(verdict), answers=your_project.ANSWERS, glossary=glossary.TERMS,
+        loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
+        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.TERMS,
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
@@ -204,7 +205,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         time_summary=time_summary(percentiles, verdict.gated, results.families, {
             row.scenario: row.value for row in results.rows
             if row.run == verdict.gated and row.metric == "frame_time_max" and row.value is not None
-        }),
+        }, len({row.scenario for row in results.rows if row.run == verdict.gated})),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),

@@ -32,7 +32,9 @@ def protocol(provenance: Mapping[str, object]) -> str:
         "stands how many repeats and frames there were. Medians and 95th percentiles are over the repeats and frames that every "
         f"engine of the scene had; a 99th percentile and a slowest frame are over all that an engine had, from {repeats} x "
         f"{tail} frames on, and not given where they would lie below a 95th percentile that is over fewer. Where at "
-        f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one."
+        f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one. The engine "
+        "that the gate covers is timed over whole scenes (of long ones the first quarter of a minute): its slowest frame is that "
+        "of the scene, however short the window is by which engines are compared."
     )
 
 

@@ -47,11 +47,14 @@ RANKED: dict[str, Ranked] = {
     "silent_offset_frames": Ranked(FRAMES, stays_inside=True),
     "chatter_frames": Ranked(SHARE, stays_inside=True),
     "reversal_p95": Ranked(LENGTH, stays_inside=True),
+    "reversal_max": Ranked(LENGTH, stays_inside=True),
+    "jitter_rms": Ranked(LENGTH, stays_inside=True),
     "jerk_ratio": Ranked(0.01, stays_inside=True),
     "still_frames": Ranked(0.5, stays_inside=True),
     "halted_frames": Ranked(FRAMES),
     "pose_jump_max": Ranked(ANGLE, stays_inside=True),
     "root_jump_max": Ranked(LENGTH, stays_inside=True),
+    "link_jump_max": Ranked(LENGTH, stays_inside=True),
     "joint_limit_excess_max": Ranked(ANGLE, stays_inside=True),
     "reach_cone_excess_max": Ranked(ANGLE, stays_inside=True),
     "joint_gap_max": Ranked(1e-6),
@@ -70,7 +73,7 @@ RANKED: dict[str, Ranked] = {
     "energy_drift_max": Ranked(RATIO),
     "energy_gain_max": Ranked(RATIO),
     "energy_added_max": Ranked(ENERGY),
-    "lift_energy_max": Ranked(ENERGY),
+    "lift_height_max": Ranked(1e-6),
     "rest_energy_end": Ranked(ENERGY),
     **{f"frame_time_{name}": Ranked(0.0) for name in ("p50", "p95")},
     **{f"frame_time_{name}": Ranked(0.0, may_lack=True) for name in ("p99", "max")},
@@ -82,7 +85,8 @@ KINDS: dict[str, tuple[str, ...]] = {
     "distance from the user": (
         "tracker_offset_rms_free", "tracker_offset_rms", "tracker_angle_rms_free", "tracker_angle_rms", "silent_offset_frames"),
     "smoothness": (
-        "chatter_frames", "reversal_p95", "jerk_ratio", "still_frames", "halted_frames", "pose_jump_max", "root_jump_max"),
+        "chatter_frames", "jitter_rms", "reversal_p95", "reversal_max", "jerk_ratio", "still_frames", "halted_frames",
+        "pose_jump_max", "root_jump_max", "link_jump_max"),
     "limits": ("joint_limit_excess_max", "reach_cone_excess_max", "joint_gap_max"),
     "time": ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max"),
 }
@@ -96,6 +100,8 @@ UNRANKED: dict[str, str] = {
     "ratio_standing_max": "here larger is better; the number of fallen towers ranks the same towers",
     "status_frames": "how much an engine says of its own frames: to be silent would win; what is wrong with the frames is ranked",
     "contact_gap_p50": "a body that is inside what it touches keeps no gap: to overlap would win; overlap is ranked",
+    "lift_energy_max": "the height of the lift ranks it; the same height is a thousand times the energy under a heavy body",
+    "grasped_fall_end": "what a hand never reached stays as high as what it holds: to meet nothing would win",
     "free_frames": "a property of the scene and its tracker, the same for every engine",
     **{name: _RAW for name in ("frame_time_raw_p50", "frame_time_raw_p95", "frame_time_raw_p99", "frame_time_raw_max")},
     **{f"frame_time_{phase}_p50": "a part of the median frame time, in frames that need not be the same for every engine"

@@ -39,13 +39,17 @@ def beyond_user(recording: Recording, scene: Scene) -> tuple[Array, Array]:
 
 
 def jumps(recording: Recording, scene: Scene) -> Values:
-    """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0.
-
-    Empty without avatars."""
+    """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0; link_jump_max [m]: the same
+    of each link's origin against its own target's. Empty without avatars."""
     if not scene.links or recording.frames == 0:
         return {}
     turn, way = beyond_user(recording, scene)
+    links = [
+        np.linalg.norm(np.diff(places, axis=0), axis=-1)
+        for places in (recording.positions[:, recording.links], recording.raw_positions)
+    ]
     return {
+        "link_jump_max": float(np.max(np.maximum(links[0] - links[1], 0.0))),
         "pose_jump_max": float(np.degrees(np.max(np.maximum(turn, 0.0)))),
         "root_jump_max": float(np.max(np.maximum(way, 0.0))),
     }

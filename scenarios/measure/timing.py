@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.protocol import PHASE_FRAMES, Protocol
+from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, Protocol
 from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]
@@ -91,7 +91,8 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     [us], warmup [s], stage_share_<stage> [%].
 
     Medians and 95th percentiles are over what every engine of the scene had; 99th percentiles and slowest frames over all that
-    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames. Where
+    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames; the
+    slowest of a scene that was timed whole, as often as any, is the slowest however few frames it has. Where
     frames in which all is `resting` and others are both many, each kind has its median. deterministic: 1 when all repeats ended
     in the same bits, and in those of the accuracy pass, another process, whose hashes by frame are `recorded`."""
     raw = timed.of_compared(timed.engine_ns) / 1e3
@@ -100,7 +101,7 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
         found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
-    found |= _tail(timed)
+    found |= _tail(timed, timed.first == 0 and timed.around_ns.shape[1] == len(recorded) - 1)
     found["frame_time_python_p50"] = float(np.percentile(around, 50))
     for name, kind in _phases(timed, resting).items():
         found[name] = float(np.percentile(best[kind], 50))
@@ -118,9 +119,11 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     return found
 
 
-def _tail(timed: Timed) -> dict[str, Value]:
+def _tail(timed: Timed, whole: bool) -> dict[str, Value]:
     if not timed.protocol.has_tail:
-        return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+        none = dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+        slowest = {"frame_time_max": float(timed.best_us.max()), "frame_time_raw_max": float(timed.engine_ns.max() / 1e3)}
+        return {**none, **(slowest if whole and timed.protocol.repeats >= REPEATS else {})}
     best, raw = timed.best_us, timed.engine_ns / 1e3
     figures = (np.percentile(best, 99), best.max(), np.percentile(raw, 99), raw.max())
     found: dict[str, Value] = {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}

@@ -13,7 +13,7 @@ from reports.tuned import Tuning, aims, sentence, tunings
 OURS = "avatarsim/default"
 OVERLAP = "residual_overlap_max"
 RANKED = (OVERLAP, "overlap_frames", "wrong_side_frames", "speed_error", "tracker_offset_rms_free", "chatter_frames",
-          "joint_limit_excess_max")
+          "jitter_rms", "joint_limit_excess_max")
 
 
 def row(run: str, metric: str, value: float | None, scene: str = "s", status: str = "info") -> Row:

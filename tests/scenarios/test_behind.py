@@ -125,7 +125,7 @@ def test_an_engine_is_not_ranked_by_what_it_has_no_words_for() -> None:
 
 def test_a_world_of_another_size_counts_as_if_it_had_size_1() -> None:
     """Twice behind at size 1000 is twice behind; lengths go with the size, energies with its square, angles not at all."""
-    for unit, metric, power in (("m", "root_jump_max", 1), ("J", "lift_energy_max", 2), ("deg", "pose_jump_max", 0)):
+    for unit, metric, power in (("m", "root_jump_max", 1), ("J", "energy_added_max", 2), ("deg", "pose_jump_max", 0)):
         rows = [replace(row(run, metric, value * 1e3**power), unit=unit) for run, value in ((OURS, 0.4), ("a/b", 0.2))]
         (found,) = compared(rows, OURS, scales={"s": 1e3}).behind
         assert found.value == pytest.approx(0.4) and found.best == pytest.approx(0.2) and found.factor == pytest.approx(2.0)
