@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reports.cheapest import NOISE, Attempt, attempts
+from reports.alike import is_more
+from reports.cheapest import Attempt, attempts
 from reports.sweep import OURS, Point, Sweep
 from reports.wording import count
 from scenarios.sweep.accuracy import LEVELS, counts, follows
@@ -37,13 +38,13 @@ def beaten(sweep: Sweep) -> tuple[Beaten, ...]:
             continue
         rivals = [
             other for other in tried
-            if other.measured and follows(other.offset) and (1.0 + NOISE) * other.p50 < preset.p50
+            if other.measured and follows(other.offset) and is_more(preset.time, other.time)
             and (other.any_point.scenario, other.any_point.engine) == (point.scenario, point.engine)
             and all(errors[other.any_point.scenario, other.any_point.run].get(metric, float("inf")) <= error
                     for metric, error in errors[point.scenario, point.run].items())
         ]
         if rivals:
-            found.append(Beaten(preset, min(rivals, key=lambda other: (not Beaten(preset, other).closer, other.p50))))
+            found.append(Beaten(preset, min(rivals, key=lambda other: (not Beaten(preset, other).closer, other.time))))
     return tuple(found)
 
 

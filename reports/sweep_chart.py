@@ -236,8 +236,8 @@ def one_line(block: Block) -> str:
     index, said = LEVELS.index(1e-3), []
     for line in block.lines:
         attempt = line.cells[index].attempt
-        said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried" if attempt is None else
-                    f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
+        said.append(f"{line.engine} by none of {line.measured}" if attempt is None else
+                    f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting})")
     return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 

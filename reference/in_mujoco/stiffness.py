@@ -63,21 +63,22 @@ class Stiffness:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
         model.eq_data[:, 10] = self._number("weld_rotation")
-        model.geom_margin[:] = self._number("margin") * self._margin_shares()
-        model.pair_margin[:] = self._number("margin") * self._world.pair_driven
+        model.geom_margin[:] = self._geom_margins()
+        model.pair_margin[:] = np.where(self._world.pair_driven, self._number("margin"), self._number("loose_margin"))
         for solimp in (model.geom_solimp, model.pair_solimp, model.jnt_solimp, model.tendon_solimp_lim):
             solimp[:, :3] = self._chosen["solimp"].value
 
-    def _margin_shares(self) -> NDArray[np.float64]:
-        """Share of the margin that each geom has: MuJoCo adds those of two geoms that meet.
+    def _geom_margins(self) -> NDArray[np.float64]:
+        """Margin [m] of each geom: MuJoCo adds those of two geoms that meet.
 
-        Halves, so that two links, and a link and a wall, meet at one margin. Where something is loose links carry all of it,
-        since nothing is to hover over what does not move; two links then meet at twice the margin.
+        What is loose meets all that is not driven at `loose_margin`, in halves. Without loose bodies links carry halves of
+        `margin`, so that two links, and a link and a wall, meet at one. Where something is loose links carry all of it but the
+        half that the others have, since nothing is to hover at `margin` over what does not move; two links then meet at more.
         """
-        world = self._world
-        if len(world.free[0]):
-            return world.geom_driven.astype(np.float64)
-        return np.full(len(world.geom_driven), 0.5)
+        world, margin, half = self._world, self._number("margin"), 0.5 * self._number("loose_margin")
+        if not len(world.free[0]):
+            return np.full(len(world.geom_driven), 0.5 * margin)
+        return np.where(world.geom_driven, max(margin - half, 0.0), half)
 
     def set_step(self, step: float) -> None:
         """What depends on the step [s]."""

@@ -31,6 +31,7 @@ MUJOCO: Mapping[str, Said] = {
     "limit_steps": lambda value: f"jnt_solref = ({value} opt.timestep, 1)",
     "solimp": lambda value: f"geom_solimp = {value}",
     "margin": _plain("geom_margin of links = "),
+    "loose_margin": lambda value: f"geom_margin of what is not driven = {value:.6g} / 2 (two add up), pair_margin = {value:.6g}",
     "weld_time": lambda value: f"eq_solref of welds = ({value}, 1)",
     "drive": lambda value: "position actuators in joints, only the root welded" if value == "motors" else "a weld per link",
     "motor_force": _plain("actuator_forcerange = +-"),
