@@ -6,7 +6,7 @@ scene kind. Steps are written in seconds; a frame is cut into the nearest whole 
 
 from collections.abc import Mapping
 
-from reference.presets import Chosen, Kind, Preset
+from reference.presets import Chosen, Kind, Preset, of_one_scene
 
 DOCUMENTED = "MuJoCo's documented default"
 
@@ -20,7 +20,7 @@ DEFAULT: Preset = {
     "warm_starts": Chosen(True, DOCUMENTED + " (the solver begins with the last step's forces)"),
     "iterations": Chosen(100, DOCUMENTED + " (most iterations of the solver)"),
     "tolerance": Chosen(1e-8, DOCUMENTED + " (gain of an iteration at which the solver ends, as a share of the mean inertia)"),
-    "impratio": Chosen(1.0, DOCUMENTED + " (stiffness of friction over that of the normal)"),
+    "impratio": Chosen(1.0, DOCUMENTED + " (impedance of frictional over that of normal constraints)"),
     "noslip_iterations": Chosen(0, DOCUMENTED + " (passes that solve friction anew, the normal forces being known)"),
     "contact": Chosen("soft", DOCUMENTED + "(spring and damper by time constant and damping ratio: nothing "
                                            "bounces)"),
@@ -65,6 +65,18 @@ DEFAULT: Preset = {
 }
 """MuJoCo's defaults, and every link welded to a mocap body: the documentation offers mocap bodies and welds, and says of no body
 how many of its links to weld."""
+
+EVERYWHERE: Mapping[str, tuple[object, str]] = {
+    "filterparent": (False, "disabled in every preset, default too, where MuJoCo's default is on: which pairs may meet is the "
+                            "scene's, the same for every engine; MuJoCo's rule also drops grandparents across rigid joints"),
+    "autoreset": (False, "disabled in every preset, default too, where MuJoCo's default is on: a state that has diverged must stay "
+                         "visible instead of going back to the first one"),
+    "contact excludes": ("pairs that the scene lets pass", "in every preset: what filterparent would drop, and what scenes say "
+                                                           "beyond it"),
+    "welds": ("one per link", "in every preset but servos: each link that moves is welded to a mocap body of its own, since a "
+                              "tracker gives a pose for each; the documentation says of no body how many of its links to weld"),
+}
+"""What departs from MuJoCo's defaults in every preset: setting -> (value, reason)."""
 
 _HARD = Chosen((0.9999, 0.9999, 0.001), "a contact that gives way by 1e-4 of the force only: the law below "
                                         "acts in full")
@@ -144,13 +156,17 @@ _IMPACT: Preset = {
     "kappa_resting": Chosen(0.0, "the same of pairs that do not bounce, which 0.1 drives apart with 0.2 of 2 m/s"),
 }
 
+FITTED = "fitted to its closed form, no advice for other models: "
+"""How the reason of a setting begins that is right where one law is tested alone."""
+
 _COULOMB: Preset = {
-    "impratio": Chosen(1e-6, "the convex cone trades slip for a lift by friction times what is left of it; friction too soft to "
-                             "act leaves the normal forces to Newton's law, and noslip then finds friction"),
-    "noslip_iterations": Chosen(10, "friction by Coulomb's law at those normal forces; 1 is as good for balls. Where bodies are "
+    "impratio": Chosen(1e-6, FITTED + "the ratio of frictional to normal impedance takes friction out of the main solve, and noslip "
+                             "adds it afterwards. The convex cone trades slip for a lift by friction times what is left of it; "
+                             "so normal forces are those of Newton's law"),
+    "noslip_iterations": Chosen(10, FITTED + "friction by Coulomb's law at those normal forces; 1 is as good for balls. Where bodies are "
                                     "piled up this is worse: a stack that is struck sinks 7 mm instead of 1"),
 }
-"""Errors with this and without: oblique_bounce 0.037 and 0.48 m/s, triball 0.006 and 0.031 m/s, seams 6 and 150 mm, log_roll
+"""For the five scenes that test friction alone. Errors with this and without: oblique_bounce 0.037 and 0.48 m/s, triball 0.006 and 0.031 m/s, seams 6 and 150 mm, log_roll
 0.018 and 0.019 m/s, slide_to_roll 0.024 and 0.027 m/s."""
 
 _ROLLING: Preset = {
@@ -269,7 +285,8 @@ _SERVOS: Preset = {
 }
 
 OPTIMISES: Mapping[str, str] = {
-    "default": "nothing: what the documentation gives",
+    "default": "nothing: what the documentation gives, but for what every preset has (see above): filterparent and autoreset "
+               "disabled, a weld per link, pairs excluded as the scene has them",
     "tuned": "the least of the larger of two: overlap in any frame shown, and error to a closed form or of a rest, where the "
              "scene has one (a hundredth of a way counts as 10 mm); of several settings as good, to a tenth, the nearest to the "
              "user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm",
@@ -304,7 +321,7 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
         Kind.MIXED: {**DEFAULT, **_ALWAYS, **_DRIVEN, "margin": _CLOSE},
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
-    best = {**tuned[kind], **SCENES.get(scene, {})}
+    best = {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}
     default = {**DEFAULT, "floors": best["floors"]}
     return {"default": default, "tuned": best, "sleeping": {**best, **_SLEEPING, **_ASLEEP.get(scene, {})},
             "servos": {**best, **_SERVOS}}
