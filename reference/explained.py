@@ -243,7 +243,8 @@ _LIMITS = (
         f"(mocap_spin 149 instead of 146 degrees, all of it twist). {_HINGES}"
     )),
     _excess("*", "mujoco/servos", _adapter(
-        f"it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn. {_HINGES}"
+        "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn. "
+        f"{_HINGES}"
     )),
     _excess("*", "mujoco/tuned mujoco/sleeping", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn; swing, "

@@ -1,8 +1,8 @@
 """Which times of engines are compared: one rule for the sentence, the bold figure, the factor and the performance profile.
 
-An engine that puts to sleep what rests computes nothing in a frame at rest, so that medians of two engines, of which one sleeps in
-its median frame, say how much rests and not what a frame costs. And an avatar that is kinematic is no avatar with dynamics, so that
-its times stand side by side and are compared by no rule.
+An engine that puts to sleep what rests computes nothing in a frame at rest, so that medians of two engines, of which one
+sleeps in its median frame, say how much rests and not what a frame costs. And an avatar that is kinematic is no avatar with
+dynamics, so that its times stand side by side and are compared by no rule.
 """
 
 import math
@@ -11,8 +11,8 @@ from enum import Enum
 from typing import Protocol
 
 LEVEL = 0.1
-"""Share by which times may differ and count as level: medians of the same frames in two processes differ by up to 3 %, those of two
-runs by up to 10 %. Larger hides a difference that comes back in every run; smaller ranks the weather of a machine."""
+"""Share by which times may differ and count as level: medians of the same frames in two processes differ by up to 3 %, those
+of two runs by up to 10 %. Larger hides a difference that comes back in every run; smaller ranks the weather of a machine."""
 
 
 class Point(Protocol):

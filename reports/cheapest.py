@@ -281,8 +281,8 @@ def sentence(found: Table) -> str:
     parts += [f"Not reached by any setting measured here of any engine: {listed(neither)}."] if neither else []
     alone = [case for case in cases if case.ours is not None and case.rival is None]
     if alone:
-        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines does: of "
-                     f"{_tried(alone)}.")
+        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
+                     f"does: of {_tried(alone)}.")
     return " ".join([*parts, *_factors(cases), *_beside(found)])
 
 
@@ -328,8 +328,8 @@ def _beside(found: Table) -> list[str]:
     less = tuple(f"{case.where} ({case.times})" for case in cases if case.lost)
     where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {listed(less)}" if less else (
         "in none of them does a rival take less time")
-    return [f"With an avatar, in {count(len(cases), 'case')}, ours is kinematic and theirs has dynamics: times stand side by side "
-            f"below, without factor, rank or share; {where}."]
+    return [f"With an avatar, in {count(len(cases), 'case')}, ours is kinematic and theirs has dynamics: times stand side by "
+            f"side below, without factor, rank or share; {where}."]
 
 
 def _times(factor: float) -> str:

@@ -91,10 +91,10 @@ FAIRNESS = (
     "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
     "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
-    "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default too, four "
-    "things are not its defaults: filterparent is disabled and pairs are excluded as the scene has them (the same pairs may meet in "
-    "every engine), autoreset is disabled (a state that has diverged stays visible), and each link is welded to a mocap body of its "
-    "own (a tracker gives a pose for each; servos weld the root alone).",
+    "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
+    "too, four things are not its defaults: filterparent is disabled and pairs are excluded as the scene has them (the same "
+    "pairs may meet in every engine), autoreset is disabled (a state that has diverged stays visible), and each link is welded "
+    "to a mocap body of its own (a tracker gives a pose for each; servos weld the root alone).",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 

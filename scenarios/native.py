@@ -24,7 +24,7 @@ STEPS = "steps.npz"
 """How the names of files end that have what an engine was told in every step."""
 REPLAY = "replay.py"
 """The program that plays them."""
-PROGRAM = '''"""python replay.py MODEL.xml.gz MODEL.steps.npz: plays what the tracker told MuJoCo; prints its depth and its time."""
+PROGRAM = '''"""python replay.py MODEL.xml.gz MODEL.steps.npz: plays what the tracker told; prints depth and time."""
 import gzip, sys, time
 import mujoco, numpy as np
 model = mujoco.MjModel.from_xml_string(gzip.open(sys.argv[1]).read().decode())

@@ -57,9 +57,9 @@ class MujocoEngine:
         """MJCF of what `load` made, settings written after compilation included."""
         head = (
             f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}. A frame of "
-            f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame time: none. "
-            "Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday scenes the file .steps.npz "
-            "beside this one has them, and replay.py plays them. -->\n"
+            f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame "
+            f"time: none. Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday "
+            "scenes the file .steps.npz beside this one has them, and replay.py plays them. -->\n"
         )
         return "xml", head + mjcf(self._world.spec, self._model, self._data)
 
@@ -68,8 +68,8 @@ class MujocoEngine:
         self._kept = []
 
     def steps_told(self) -> Mapping[str, Array]:
-        """What was told since `keep_steps`: mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and steps_per_frame; empty
-        where nothing was led."""
+        """What was told since `keep_steps`: mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
+        steps_per_frame; empty where nothing was led."""
         if not self._kept:
             return {}
         places, turns, controls = (np.concatenate(part) for part in zip(*self._kept, strict=True))

@@ -69,8 +69,8 @@ how many of its links to weld."""
 EVERYWHERE: Mapping[str, tuple[object, str]] = {
     "filterparent": (False, "disabled in every preset, default too, where MuJoCo's default is on: which pairs may meet is the "
                             "scene's, the same for every engine; MuJoCo's rule also drops grandparents across rigid joints"),
-    "autoreset": (False, "disabled in every preset, default too, where MuJoCo's default is on: a state that has diverged must stay "
-                         "visible instead of going back to the first one"),
+    "autoreset": (False, "disabled in every preset, default too, where MuJoCo's default is on: a state that has diverged must "
+                         "stay visible instead of going back to the first one"),
     "contact excludes": ("pairs that the scene lets pass", "in every preset: what filterparent would drop, and what scenes say "
                                                            "beyond it"),
     "welds": ("one per link", "in every preset but servos: each link that moves is welded to a mocap body of its own, since a "
@@ -87,10 +87,11 @@ _ALWAYS: Preset = {
     "swing_limits": Chosen(True, "a tendon between two points is a circular cone, exactly"),
     "gravity_on_links": Chosen(False, "a tracked limb is held up by its user, not by its servo"),
     "clamp_targets": Chosen(True, "asking a joint for more than its limit only bends the limit"),
-    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs; the row mujoco/sleeping has the flag. With "
-                           "the same margins no error is larger asleep (stack_ten, rest_ten_minutes, zeno: 0 deep either way), "
-                           "and frames of what rests take a sixteenth: by the rule of this preset alone it would be on there. "
-                           "Without a margin bodies fall asleep as deep in one another as they are and stay so"),
+    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs; the row mujoco/sleeping has "
+                           "the flag. With the same margins no error is larger asleep (stack_ten, rest_ten_minutes, zeno: 0 "
+                           "deep either way), and frames of what rests take a sixteenth: by the rule of this preset alone it "
+                           "would be on there. Without a margin bodies fall asleep as deep in one another as they are and stay "
+                           "so"),
 }
 
 _ONE_STEP: Preset = {
@@ -160,14 +161,16 @@ FITTED = "fitted to its closed form, no advice for other models: "
 """How the reason of a setting begins that is right where one law is tested alone."""
 
 _COULOMB: Preset = {
-    "impratio": Chosen(1e-6, FITTED + "the ratio of frictional to normal impedance takes friction out of the main solve, and noslip "
+    "impratio": Chosen(1e-6, FITTED + "the ratio of frictional to normal impedance takes friction out of the main solve, and "
+                                      "noslip "
                              "adds it afterwards. The convex cone trades slip for a lift by friction times what is left of it; "
                              "so normal forces are those of Newton's law"),
-    "noslip_iterations": Chosen(10, FITTED + "friction by Coulomb's law at those normal forces; 1 is as good for balls. Where bodies are "
+    "noslip_iterations": Chosen(10, FITTED + "friction by Coulomb's law at those normal forces; 1 is as good for balls. Where "
+                                             "bodies are "
                                     "piled up this is worse: a stack that is struck sinks 7 mm instead of 1"),
 }
-"""For the five scenes that test friction alone. Errors with this and without: oblique_bounce 0.037 and 0.48 m/s, triball 0.006 and 0.031 m/s, seams 6 and 150 mm, log_roll
-0.018 and 0.019 m/s, slide_to_roll 0.024 and 0.027 m/s."""
+"""For the five scenes that test friction alone. Errors with this and without: oblique_bounce 0.037 and 0.48 m/s, triball
+0.006 and 0.031 m/s, seams 6 and 150 mm, log_roll 0.018 and 0.019 m/s, slide_to_roll 0.024 and 0.027 m/s."""
 
 _ROLLING: Preset = {
     **_COULOMB,
@@ -207,18 +210,19 @@ SCENES: Mapping[str, Preset] = {
         0.0004, "0 deep in every frame instead of 0.16 mm, at 0.2 mm 0.02; the boxes stand 0.4 mm apart, and what is pushed "
                 "off them comes 2.8 mm less far")),
     "stack_struck": _apart(0.001, "0.4 mm deep instead of 1.2; at 0.2 mm 3.8, at 0.4 mm 1.5: a blow falls into steps as it may"),
-    "ball_drop": _apart(0.0002, "0 deep instead of 0.86 mm, and apexes 0.43 mm off instead of 0.70; at 0.4 mm 0.48, at 1 mm 0.64"),
+    "ball_drop": _apart(0.0002, "0 deep instead of 0.86 mm, and apexes 0.43 mm off instead of 0.70; at 0.4 mm 0.48, at 1 mm "
+                                "0.64"),
     "zeno": _apart(0.0002, "0 deep instead of 0.17 mm, and apexes 0.5 mm off instead of 2.9; at 1 mm 1.0"),
     "elastic_20s": _apart(0.0002, "0 deep instead of 0.67 mm, and apexes 7 mm off instead of 10; at 0.4 mm 14"),
-    "hand_grasp": _apart(0.0004, "0 deep instead of 0.04 mm, and in no frame on the wrong side instead of 5; at 0.2 mm 11, at 1 mm "
-                                 "7: which finger slips first is a matter of chance"),
+    "hand_grasp": _apart(0.0004, "0 deep instead of 0.04 mm, and in no frame on the wrong side instead of 5; at 0.2 mm 11, at "
+                                 "1 mm 7: which finger slips first is a matter of chance"),
     "ball_off_table": _apart(0.0002, "0 deep instead of 0.04 mm; offsets are the same"),
     "incline_tips": _apart(0.0002, "0.7 mm deep instead of 1.0; at 0.4 mm 2.9, at 1 mm 1.2"),
     **dict.fromkeys(("superball", "newton_cradle"), _apart(
         0.0002, "velocities are nearer to the law: superball 0.011 m/s instead of 0.022, newton_cradle 0.0009 instead of 0.0011; "
                 "at 1 mm balls that meet one after the other meet at once, and are 5.9 and 0.7 m/s off")),
-    "rod_impact": _apart(0.0002, "0.3 mm deep instead of 2.1, velocities 0.0004 m/s off instead of 0.0033: the lever of the blow is "
-                                 "that of bodies that touch"),
+    "rod_impact": _apart(0.0002, "0.3 mm deep instead of 2.1, velocities 0.0004 m/s off instead of 0.0033: the lever of the "
+                                 "blow is that of bodies that touch"),
     **dict.fromkeys(("bounce_ladder", "bounce_ladder_30", "bounce_ladder_240", "bounce_ladder_1000"), _LADDER),
     **dict.fromkeys(("seams", "triball"), _COULOMB),
     **dict.fromkeys(("log_roll", "slide_to_roll"), _ROLLING),
@@ -291,8 +295,8 @@ OPTIMISES: Mapping[str, str] = {
              "scene has one (a hundredth of a way counts as 10 mm); of several settings as good, to a tenth, the nearest to the "
              "user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm",
     "sleeping": "time where bodies rest, and no overlap that is kept asleep; all else as tuned",
-    "servos": "fewer steps than tuned, and torques that a motor could have, where a body of many links follows a recorded motion; "
-              "not overlap, nor distance from the user, nor motion that nothing was tuned for; all else as tuned",
+    "servos": "fewer steps than tuned, and torques that a motor could have, where a body of many links follows a recorded "
+              "motion; not overlap, nor distance from the user, nor motion that nothing was tuned for; all else as tuned",
 }
 """What each preset was chosen for, in one sentence."""
 
@@ -304,9 +308,9 @@ BETTER_ELSEWHERE = (
     "drive = motors, integrator = DISCRETE, dt = 1/240 s (row mujoco/servos): a quarter of the steps, links farther from their "
     "user",
     "sleep = true: frames of what rests take a sixteenth (row mujoco/sleeping); with a margin no error is larger",
-    "loose_margin = 0.0002 m where tuned has none, in stop_distance, slide_to_roll, log_roll, heavy_on_light, triball, free_flight: "
-    "no overlap instead of 0.003 to 0.1 mm; stops 0.059 % off instead of 0.043 %, courses 1.6 to 2.3 mm instead of 0.3 to 0.4, "
-    "towers 0.4 mm too high (cells of the short sweep)",
+    "loose_margin = 0.0002 m where tuned has none, in stop_distance, slide_to_roll, log_roll, heavy_on_light, triball, "
+    "free_flight: no overlap instead of 0.003 to 0.1 mm; stops 0.059 % off instead of 0.043 %, courses 1.6 to 2.3 mm instead "
+    "of 0.3 to 0.4, towers 0.4 mm too high (cells of the short sweep)",
     "loose_margin = 0.001 m in bounce_ladder: no overlap instead of 0.56 mm; apexes 1.0 mm off instead of 0.65",
     "loose_margin = 0 where tuned has one: bodies touch instead of standing 0.2 to 1 mm apart",
 )

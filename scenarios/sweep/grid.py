@@ -84,8 +84,8 @@ DISCRETE = {"integrator": "DISCRETE", "refsafe": False, "contact": "soft", "cont
 """MuJoCo's stiffest stop, for scenes in which nothing needs to bounce."""
 
 MARGINS = (0.0, 2e-4, 4e-4, 1e-3)
-"""Distances [m] from which on MuJoCo makes contact: of links, and of loose things. Ours has one of its own, `stand_off`, and that is
-swept as well."""
+"""Distances [m] from which on MuJoCo makes contact: of links, and of loose things. Ours has one of its own, `stand_off`, and
+that is swept as well."""
 
 MUJOCO = (
     Setting("mujoco", "default", "default"),

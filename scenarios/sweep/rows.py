@@ -32,8 +32,8 @@ class Row:
     `reached`: the error that counts as none. `base` is the preset beneath the setting, `options` the setting as text to copy,
     `native` the same in the engine's own words, `repeats` and `frames` what its times stand on. `p95` [us]; `rests` is the share
     of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind where both are many; `sleeps` 1 where
-    what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the scene has an avatar, which is kinematic
-    in ours and dynamic in the others.
+    what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the scene has an avatar, which is
+    kinematic in ours and dynamic in the others.
     """
 
     scenario: str
