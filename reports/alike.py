@@ -10,7 +10,9 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import Protocol
 
-LEVEL = 0.1
+from scenarios.ranked import TIME
+
+LEVEL = TIME
 """Share by which times may differ and count as level: medians of the same frames in two processes differ by up to 3 %, those
 of two runs by up to 10 %. Larger hides a difference that comes back in every run; smaller ranks the weather of a machine."""
 

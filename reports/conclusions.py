@@ -155,6 +155,24 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
     return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
 
 
+def asleep_sentence(block: Block) -> str:
+    """Which engines of a scene sleep in the median frame, with their medians, and what frames that move take; "" where none does."""
+    if not block.asleep:
+        return ""
+    places = {"median": "frame_time_p50", "tail": "frame_time_p95"}
+    times = {
+        line.run: {name: next((quantity(cell.value, "us") for cell in line.cells if cell.row and cell.row.metric == metric), "")
+                   for name, metric in places.items()} for line in block.lines if not line.tracker
+    }
+    medians = tuple(f"{run} {times[run]['median']}" for run in block.asleep if times.get(run, {}).get("median"))
+    tails = tuple(f"{run} {of['tail']}" for run, of in times.items() if of["tail"])
+    each = "both sleep" if len(medians) == 2 else "all sleep" if len(medians) > 2 else "one sleeps"
+    if not medians:
+        return ""
+    return (f"In the median frame {each}: {listed(medians, len(medians))}; no factor is made of medians here. In frames that move "
+            f"(95th percentile): {listed(tails, len(tails))}.")
+
+
 def ratio_sentence() -> str:
     """How factors read: where they end, and what stands beside a best of 0."""
     return (f"A factor is a value over the best of its scene and ends at ×{MOST_FACTOR:,.0f}; where the best is 0 there is none, "

@@ -21,8 +21,8 @@ AVATAR = "tracker_offset_rms"
 LOOKS = ("root_jump_max", "pose_jump_max", "still_frames", "tracker_offset_rms", "tracker_offset_rms_free", "chatter_frames")
 """Metrics of how motion looks; where one has a bound, that says less than a promise does."""
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
-# one did that passed through what it should have met, which is no merit.
-KINDS = ("failed", "above bound", "behind", "outside")
+# one that passed through what it should have met is passed over where that could win.
+KINDS = ("failed", "above bound", "behind")
 
 
 @dataclass(frozen=True)
@@ -208,8 +208,7 @@ def _compared(lost: Lost) -> Loss:
     theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
     return Loss(
         row.scenario, row.metric, quantity(found.value, row.unit),
-        theirs + ("; it left the allowed side" if found.outside else ""),
-        "outside" if found.outside else "behind", found.severity, beside(found),
+        theirs, "behind", found.severity, beside(found),
     )
 
 

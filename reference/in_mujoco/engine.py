@@ -58,7 +58,7 @@ class MujocoEngine:
         head = (
             f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}. A frame of "
             f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame "
-            f"time: none. Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday "
+            "time: none. Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday "
             "scenes the file .steps.npz beside this one has them, and replay.py plays them. -->\n"
         )
         return "xml", head + mjcf(self._world.spec, self._model, self._data)
