@@ -180,8 +180,8 @@ _STOPS_PYBULLET = _engine(
     "instead of 134."
 )
 _SERVOS = _setting(
-    "a servo has the torque that our setting gives it, 100 N m, and aims ahead by its lag in steady motion only: mocap_run is 128 "
-    "mm off; mocap_spin 26 here, at 30 N m without lead 173 with all contacts off."
+    "a servo has the torque that our setting gives it, 100 N m, and aims ahead by its lag in steady motion only: mocap_run is "
+    "128 mm off; mocap_spin 26 here, at 30 N m without lead 173 with all contacts off."
 )
 _WALL = _engine(
     "the hand passes through the wall while its user reaches through at up to 20 m/s, and is held on the far side when the user "

@@ -1,7 +1,7 @@
 """Which engines sleep in the frame that a time is of? Such a time says how much rests, and no factor is made of it.
 
-What rests sleeps in our engine by itself, in the others where a setting tells them to. From half of the frames on it does so in the
-median frame, from 95 % on in that of the 95th percentile.
+What rests sleeps in our engine by itself, in the others where a setting tells them to. From half of the frames on it does so
+in the median frame, from 95 % on in that of the 95th percentile.
 """
 
 from collections.abc import Mapping

@@ -86,8 +86,8 @@ def worst(rows: Sequence[Row]) -> Row | None:
 
 
 def ratio_to_best(value: float | None, best: float | None, same: float = 0.0, share: float = 0.0) -> float | None:
-    """`value` over `best`; 1 where they differ by `same`, or that `share` of the best, or less, infinite against a best of 0; None where either is missing or
-    not finite."""
+    """`value` over `best`; 1 where they differ by `same`, or that `share` of the best, or less, infinite against a best of
+    0; None where either is missing or not finite."""
     if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
         return None
     if 0.0 <= value - best <= max(same, share * best):

@@ -156,7 +156,8 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
 
 
 def asleep_sentence(block: Block) -> str:
-    """Which engines of a scene sleep in the median frame, with their medians, and what frames that move take; "" where none does."""
+    """Which engines of a scene sleep in the median frame, with their medians, and what frames that move take; "" where none
+    does."""
     if not block.asleep:
         return ""
     places = {"median": "frame_time_p50", "tail": "frame_time_p95"}
@@ -169,8 +170,8 @@ def asleep_sentence(block: Block) -> str:
     each = "both sleep" if len(medians) == 2 else "all sleep" if len(medians) > 2 else "one sleeps"
     if not medians:
         return ""
-    return (f"In the median frame {each}: {listed(medians, len(medians))}; no factor is made of medians here. In frames that move "
-            f"(95th percentile): {listed(tails, len(tails))}.")
+    return (f"In the median frame {each}: {listed(medians, len(medians))}; no factor is made of medians here. In frames that "
+            f"move (95th percentile): {listed(tails, len(tails))}.")
 
 
 def ratio_sentence() -> str:

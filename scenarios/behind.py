@@ -19,9 +19,9 @@ from scenarios.sayable import Unsaid
 
 BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
-    "engine is ranked. Values that differ by no more than the resolution of their metric are level, times within 10 %. An engine that left the "
-    "allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine has no words for (under "
-    "Settings: cannot say) is not ranked for it, neither for it nor against it."
+    "engine is ranked. Values that differ by no more than the resolution of their metric are level, times within 10 %. An "
+    "engine that left the allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine "
+    "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it."
 )
 """The rule in words, printed beside every table that names a best."""
 POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})

@@ -275,9 +275,9 @@ _SERVOS: Preset = {
     "drive": Chosen("motors", "the usual idiom where a body follows motion capture: a servo in each joint, the root alone welded "
                               "to its mocap body. A row of its own, in scenes of recorded motion"),
     "integrator": Chosen("DISCRETE", "servos damp outside the constraints: under IMPLICITFAST they and swing limits diverge"),
-    "dt": Chosen(1.0 / 960.0, "as tuned. At 1/240 s, without refsafe and with an armature of 4, one motion in a corridor that nothing "
-                              "was tuned for ended in 292 frames without numbers, and walls were 35 mm deep; here 4 to 8 mm, and all "
-                              "are numbers; at 1/480 s 34"),
+    "dt": Chosen(1.0 / 960.0, "as tuned. At 1/240 s, without refsafe and with an armature of 4, one motion in a corridor that "
+                              "nothing was tuned for ended in 292 frames without numbers, and walls were 35 mm deep; here 4 to "
+                              "8 mm, and all are numbers; at 1/480 s 34"),
     "contact": Chosen("soft", "nothing that is driven needs to bounce"),
     "contact_steps": Chosen(2.0, "the shortest stop that refsafe admits"),
     "limit_steps": Chosen(2.0, "the shortest stop that refsafe admits"),
@@ -304,8 +304,8 @@ BETTER_ELSEWHERE = (
     "dt = 1/240 s there: a quarter of the steps, 15 mm",
     "weld_time = 0.015 s: links 1 mm of 28 mm nearer to their user, overlap 5 mm more",
     "margin = 0.002 m: offset smaller by up to 0.5 mm, worst overlap 4.6 mm instead of 0.0 mm",
-    "drive = motors, integrator = DISCRETE (row mujoco/servos): no torque above 100 N m, links farther from their user; with dt = "
-    "1/240 s, refsafe off and armature 4 a quarter of the steps, and poses that are no numbers in motion not tuned for",
+    "drive = motors, integrator = DISCRETE (row mujoco/servos): no torque above 100 N m, links farther from their user; with "
+    "dt = 1/240 s, refsafe off and armature 4 a quarter of the steps, and poses that are no numbers in motion not tuned for",
     "sleep = true: frames of what rests take a sixteenth (row mujoco/sleeping); with a margin no error is larger",
     "loose_margin = 0.0002 m where tuned has none, in stop_distance, slide_to_roll, log_roll, heavy_on_light, triball, "
     "free_flight: no overlap instead of 0.003 to 0.1 mm; stops 0.059 % off instead of 0.043 %, courses 1.6 to 2.3 mm instead "

@@ -28,7 +28,7 @@ def test_a_variant_that_is_not_asked_for_does_not_run() -> None:
 @pytest.mark.parametrize(("engine", "name", "changed"), [
     ("mujoco", "sleeping", {"sleep"}),
     ("mujoco", "servos", {
-        "drive", "integrator", "dt", "dt as run", "refsafe", "contact", "contact_steps", "limit_steps", "armature", "motor_force",
+        "drive", "integrator", "contact", "contact_steps", "motor_force",
         "weld_time",
     }),
     ("pybullet", "follows", {"feed_forward", "ball_gain"}),
