@@ -18,7 +18,7 @@ SHARES: Mapping[str, float] = MappingProxyType({"p50": 50.0, "p95": 95.0})
 
 def sleepers(results: Results) -> Mapping[str, Mapping[str, float]]:
     """Scene -> engine and preset that sleeps when all rests -> share of resting frames [%], the largest of its seeds."""
-    told = {(note.scenario, note.run) for note in results.engines if note.settings.get("sleep", ("", ""))[0] == "True"}
+    told = {(note.scenario, note.run) for note in results.engines if note.settings.get("sleep", ("", ""))[0] == "true"}
     found: dict[str, dict[str, float]] = {}
     for row in results.rows:
         sleeps = row.engine in STEPLESS or (row.scenario, row.run) in told

@@ -18,7 +18,7 @@ OVERLAP_BOUND = 1e-6
 # Time of one frame [us] at 60 Hz, and at the 90 Hz of a headset.
 FRAME_60_HZ, FRAME_90_HZ = 1e6 / 60.0, 1e6 / 90.0
 # Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
-HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+HOVERS = {"margin": "contact margin", "stand_off": "stand-off", "loose_margin": "contact margin of loose things"}
 # Stands in the first paragraph of page and summary.
 KINEMATIC = (
     "Our avatar is kinematic: the user's motion drives it. MuJoCo and PyBullet compute the dynamics of the whole articulated "
@@ -29,8 +29,8 @@ KINEMATIC = (
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
-    "What rests sleeps in our engine; in the tuned others it does not, as asleep it keeps what overlap it has: where all is at "
-    "rest, most of the difference in time is that, and the row mujoco/sleeping stands for it in scenes whose bodies are to rest."
+    "What rests sleeps in our engine; in the tuned others it is computed, and the row mujoco/sleeping stands beside them in "
+    "scenes whose bodies are to rest. Of a time in which what rests sleeps no factor is made."
 )
 
 
@@ -193,7 +193,8 @@ def hover_notes(results: Results) -> tuple[str, ...]:
         span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
         scenes = len({note.scenario for note in results.engines if note.run == run})
         where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
-        said.append(f"{run} keeps a {kind} of {span}{where}: its links hover.")
+        what = "loose things stand apart" if kind == HOVERS["loose_margin"] else "its links hover"
+        said.append(f"{run} keeps a {kind} of {span}{where}: {what}.")
     return tuple(said)
 
 

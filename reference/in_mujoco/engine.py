@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
+from reference.in_mujoco import three_hinges
 from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.compiled import mjcf, resolved
 from reference.in_mujoco.laws import contact_laws
@@ -88,7 +90,7 @@ class MujocoEngine:
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
             armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
-            planes=chosen["floors"].value == "planes",
+            planes=chosen["floors"].value == "planes", hinged=chosen["ball_joints"].value == "hinges",
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
@@ -192,6 +194,11 @@ class MujocoEngine:
             data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = start.positions[k], rotation.normalised(start.rotations[k])
         for k, q in zip(*world.balls, strict=True):
             data.qpos[q : q + 4] = rotation.normalised(start.rotations[k])
+        for k, q in zip(*world.hinged, strict=True):
+            link = self._scene.links[k]
+            assert isinstance(link.joint, Ball) and link.joint.limits is not None
+            turn = rotation.normalised(start.rotations[k])
+            data.qpos[q : q + 3] = three_hinges.angles(link.joint.limits, link.orientation, turn)
         data.qpos[world.hinge_qpos] = start.angles
         goals = self._targets.between(self._last, self._last, np.zeros(1))
         self._aim(goals.positions[0, self._aimed], goals.orientations[0, self._aimed])

@@ -60,6 +60,8 @@ DEFAULT: Preset = {
     "margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact of an avatar's links begins)"),
     "loose_margin": Chosen(0.0, DOCUMENTED + " (distance [m] at which contact begins of simulated bodies with one another and "
                                 "with what is fixed)"),
+    "ball_joints": Chosen("balls", "a ball joint is a ball, whose range limits its total turn: the scene's swing cones are "
+                                   "tendons, its twist has no limit; hinges: three hinges with ranges in its place"),
     "sleep": Chosen(False, DOCUMENTED + " (trees at rest are computed like all others)"),
     "floors": Chosen("boxes", "a fixed box is a box, as the scene has it"),
 }
@@ -287,6 +289,13 @@ _SERVOS: Preset = {
     "weld_time": Chosen(0.04, "of the root's weld [s], whose lag is led too"),
 }
 
+_HINGED: Preset = {
+    "ball_joints": Chosen("hinges", "three hinges with ranges for each ball joint, the last about the limb, as MJCF models of "
+                                    "bodies have them: twist is limited, at the second hinge's angle not by the same angle as "
+                                    "the scene's, and the second ends at 89 degrees. A row of its own, in rooms that nothing "
+                                    "was tuned for"),
+}
+
 OPTIMISES: Mapping[str, str] = {
     "default": "nothing: what the documentation gives, but for what every preset has (see above): filterparent and autoreset "
                "disabled, a weld per link, pairs excluded as the scene has them",
@@ -296,6 +305,7 @@ OPTIMISES: Mapping[str, str] = {
     "sleeping": "time where bodies rest, and no overlap that is kept asleep; all else as tuned",
     "servos": "torques that a motor could have, where a body of many links follows a recorded motion, and poses that are numbers "
               "in motion that nothing was tuned for; not overlap, nor distance from the user; all else as tuned",
+    "hinges": "limits of twist; all else as tuned",
 }
 """What each preset was chosen for, in one sentence."""
 
@@ -327,4 +337,4 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
     best = {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}
     default = {**DEFAULT, "floors": best["floors"]}
     return {"default": default, "tuned": best, "sleeping": {**best, **_SLEEPING, **_ASLEEP.get(scene, {})},
-            "servos": {**best, **_SERVOS}}
+            "servos": {**best, **_SERVOS}, "hinges": {**best, **_HINGED}}

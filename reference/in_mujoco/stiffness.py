@@ -21,15 +21,20 @@ CONTACTS = ("soft", "one_step")
 restitution)."""
 
 
+JOINTS = ("balls", "hinges")
+"""What a ball joint with limits is: MuJoCo's ball, whose range is of its total turn, or three hinges with ranges, the last about
+the limb. Servos are in balls only."""
 FLOORS = ("boxes", "planes")
 """What a fixed box is: a box, or an infinite plane at its top."""
 
 
 def check_words(chosen: dict[str, Chosen]) -> None:
     """Raise for words that MuJoCo or the adapter does not know, and for a step or servos that are not above 0."""
-    for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS)):
+    for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS), ("ball_joints", JOINTS)):
         if chosen[name].value not in ours:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
+    if chosen["drive"].value == "motors" and chosen["ball_joints"].value == "hinges":
+        raise InvalidInput("option ball_joints of mujoco", "hinges", "balls where the drive is motors, whose servos are in balls")
     words_of = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
     for name, prefix in (("integrator", "mjINT_"), ("cone", "mjCONE_"), ("solver", "mjSOL_")):
         known = [word.removeprefix(prefix) for word in words_of[name].__members__ if word.startswith(prefix)]
