@@ -296,7 +296,7 @@ def _tried(cases: Sequence[Case]) -> str:
 def _factors(cases: Sequence[Case]) -> list[str]:
     """By how much ours is cheaper where frames are alike, and both times where something sleeps in the median frame."""
     both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None]
-    alike = [(factor, case) for factor, case in both if factor == factor]
+    alike = [(times, case) for times, case in both if times == times]
     parts = []
     if alike:
         (low, near), (high, far) = min(alike, key=lambda e: e[0]), max(alike, key=lambda e: e[0])
@@ -304,7 +304,11 @@ def _factors(cases: Sequence[Case]) -> list[str]:
             f"Where both reach it, the cheapest rival takes {_times(low)} ({near.where}, {_run(near.rival)}) to {_times(high)} "
             f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
         )
-    asleep = tuple(f"{case.where}: {_asleep(case)}" for factor, case in both if factor != factor)
+    said: dict[str, list[str]] = {}
+    for times, case in both:
+        if times != times:
+            said.setdefault(_asleep(case), []).append(case.where)
+    asleep = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
     if asleep:
         parts.append(f"No factor where what rests sleeps in the median frame: {listed(asleep)}.")
     return parts
@@ -314,10 +318,10 @@ def _asleep(case: Case) -> str:
     """Which of the two sleep in the median frame, with both medians, and the frames that move."""
     assert case.ours is not None and case.rival is not None
     mine, theirs = (cell.attempt.any_point for cell in (case.ours, case.rival) if cell.attempt is not None)
-    medians = f"{quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
+    medians = f"{mine.run} {quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
     sleep = "both sleep" if mine.is_asleep and theirs.is_asleep else "ours sleeps" if mine.is_asleep else f"{theirs.run} sleeps"
-    return (f"{sleep}: ours {medians}; in frames that move (95th percentile): ours {quantity(mine.p95, 'us')}, "
-            f"{quantity(theirs.p95, 'us')}")
+    moving = f"{quantity(mine.p95, 'us')} and {quantity(theirs.p95, 'us')}"
+    return f"{sleep}: {medians}; in frames that move (95th percentile): {moving}"
 
 
 def _beside(found: Table) -> list[str]:

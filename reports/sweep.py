@@ -8,7 +8,7 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import read_json
-from reports.alike import basis_of, factor, is_more, time_by
+from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.files import WHOLE, lines, number
 from reports.wording import count, figures, limit, listed
 
@@ -216,7 +216,7 @@ def conclusion(sweep: Sweep) -> str:
     parts = []
     others = f"{_settings(p for r in known for p in r.points if p.engine != OURS[0])} of other engines"
     if beaten:
-        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run})" for r in beaten)
+        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run}{_by_tail(r)})" for r in beaten)
         parts.append(f"Without an avatar another engine is both as fast and as accurate as ours in {listed(names)}.")
     else:
         parts.append(f"Without an avatar none of {others} is both as fast and as accurate as ours, in {_scenes(known)}.")
@@ -227,6 +227,11 @@ def conclusion(sweep: Sweep) -> str:
     missing = [r.scenario for r in sweep.rivalries if r.ours is None]
     parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
     return " ".join(filter(None, parts))
+
+
+def _by_tail(rivalry: Rivalry) -> str:
+    """What is compared where it is not a median."""
+    return ", in frames that move" if basis_of(rivalry.points) is Basis.TAIL else ""
 
 
 def _promise(overlaps: Sequence[Rivalry], k: int, most: float, least: float) -> str:

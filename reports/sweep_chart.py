@@ -260,9 +260,7 @@ def section(sweep: Sweep) -> dict[str, object]:
     """What the section is made of."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
-    # what is lost is read first
     said = [cheapest_sentence(found), conclusion(sweep)]
-    said = said[::-1] if lost and not found.lost else said
     return {
         "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,

@@ -2,7 +2,8 @@
 
 Angles are those of a Cardan suspension (x, y, z about axes that turn along), counted from the posture in which the limb points to
 the middle of its cone with no twist. The second axis carries the third: at 90 degrees the first and the third are one, and
-the joint has lost a direction; so the second ends before. With the second at an angle the third is not the twist of swing and twist.
+the joint has lost a direction; so the second ends before. With the second at an angle the third is not the twist of swing
+and twist.
 """
 
 import mujoco

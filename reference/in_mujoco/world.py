@@ -28,10 +28,10 @@ ARM = 1.0
 class World:
     """The compiled model, what it was compiled from, and where the scene's parts are in it.
 
-    body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
-    hinge_qpos (hinges,); balls (links, address in qpos); hinged likewise, of balls that three hinges stand for; roots
-    likewise; mocap (welded links,) -> mocap index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven:
-    whether an avatar has a part in it.
+    body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies; hinge_qpos (hinges,);
+    balls (links, address in qpos); hinged likewise, of balls that three hinges stand for; roots likewise; mocap (welded links,)
+    -> mocap index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven: whether an
+    avatar has a part in it.
     """
 
     spec: mujoco.MjSpec

@@ -103,11 +103,12 @@ def test_a_sleeping_engine_has_no_factor_and_is_compared_in_frames_that_move() -
     said = sentence(table(Sweep((ours, awake))))
     assert "a rival is cheaper in 4: wall at 10 mm (m/tuned 700 µs, ours 1.50 ms)" in said
     assert "×" not in said.replace("scene ×", "")
-    assert ("ours sleeps: ours 500 ns and m/tuned 400 µs, no factor; in frames that move (95th percentile): ours 1.50 ms, 700 µs"
+    assert ("ours sleeps: avatarsim/default 500 ns and m/tuned 400 µs, no factor; in frames that move (95th percentile): 1.50 ms "
+            "and 700 µs."
             in said)
     both = sentence(table(Sweep((ours, asleep))))
-    assert ("wall at 10 mm: both sleep: ours 500 ns and m/tuned sleep=true 40.0 µs, no factor; in frames that move (95th "
-            "percentile): ours 1.50 ms, 640 µs") in both
+    assert ("wall at 100 µm and wall at 1 µm: both sleep: avatarsim/default 500 ns and m/tuned sleep=true 40.0 µs, no factor; in "
+            "frames that move (95th percentile): 1.50 ms and 640 µs.") in both
     moving = replace(ours, moving=4.0, at_rest=0.4), replace(awake, moving=100.0, at_rest=410.0)
     assert basis_of(moving) is Basis.MOVING and factor(moving[1], moving[0], Basis.MOVING) == 25.0
     # before it rests for half of the frames, a median is that of a frame in motion
