@@ -60,7 +60,8 @@ def _errors(points: Sequence[Point]) -> dict[tuple[str, str], dict[str, float]]:
 def sentence(found: Sequence[Beaten]) -> str:
     """How often it happens."""
     if not found:
-        return "No tuned preset is beaten in time and every error that counts at once by a setting of its own sweep."
+        return ("No tuned preset is beaten in time and every error that counts at once by a setting of its own sweep that was "
+                "measured here.")
     closer = sum(one.closer for one in found)
     runs = [one.preset.any_point.run for one in found]
     each = ", ".join(f"{run} in {count(runs.count(run), 'scene')}" for run in dict.fromkeys(runs))

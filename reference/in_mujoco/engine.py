@@ -67,7 +67,8 @@ class MujocoEngine:
 
     def keep_steps(self) -> None:
         """From now on keep what the tracker's adapter tells MuJoCo in every step, for `steps_told`."""
-        self._kept = []
+        self._kept.clear()
+        self._keeps = True
 
     def steps_told(self) -> Mapping[str, Array]:
         """What was told since `keep_steps`: mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
@@ -80,7 +81,8 @@ class MujocoEngine:
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the model, put everything at its first pose, show it."""
         mujoco.set_mju_user_warning(_quiet)
-        self._kept: list[tuple[Array, Array, Array]] | None = None
+        self._kept: list[tuple[Array, Array, Array]] = []
+        self._keeps = False
         self._settings, self._scene = settings, scene
         self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
@@ -128,7 +130,7 @@ class MujocoEngine:
         model, data, iterations = self._model, self._data, np.zeros_like(self._iterations)
         led, stepping, times = len(self._aimed) > 0, 0, list[float]()
         asked = None if self._motors is None else self._motors.asked(goals, self._step)
-        if self._kept is not None and led:
+        if self._keeps and led:
             controls = np.zeros((self._count, model.nu)) if asked is None else asked
             self._kept.append((positions.copy(), orientations.copy(), controls.copy()))
         if led or asked is not None or self._settings.record_inside:

@@ -293,7 +293,7 @@ _HINGED: Preset = {
     "ball_joints": Chosen("hinges", "three hinges with ranges for each ball joint, the last about the limb, as MJCF models of "
                                     "bodies have them: twist is limited, at the second hinge's angle not by the same angle as "
                                     "the scene's, and the second ends at 89 degrees. A row of its own, in rooms that nothing "
-                                    "was tuned for"),
+                                    "was tuned for: largest excess 95 degrees instead of 150, offsets and overlaps alike"),
 }
 
 OPTIMISES: Mapping[str, str] = {
