@@ -50,7 +50,8 @@ class MujocoEngine:
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
-        run |= EVERYWHERE | purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
+        run |= EVERYWHERE
+        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
         return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
