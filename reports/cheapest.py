@@ -286,6 +286,16 @@ def sentence(found: Table) -> str:
     return " ".join([*parts, *_factors(cases), *_beside(found)])
 
 
+def asleep(found: Table) -> list[str]:
+    """Both times of the cases in which what rests sleeps in the median frame, so that they have no factor."""
+    said: dict[str, list[str]] = {}
+    for case in found.cases:
+        if case.ours is not None and case.rival is not None and case.rival.factor != case.rival.factor:
+            said.setdefault(_asleep(case), []).append(case.where)
+    told = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
+    return [f"No factor where what rests sleeps in the median frame: {listed(told)}."] if told else []
+
+
 def _tried(cases: Sequence[Case]) -> str:
     """How many settings of rivals were measured in the scenes of these cases."""
     lines = [line for block in {case.block.scenario: case.block for case in cases}.values() for line in block.lines
@@ -294,7 +304,7 @@ def _tried(cases: Sequence[Case]) -> str:
 
 
 def _factors(cases: Sequence[Case]) -> list[str]:
-    """By how much ours is cheaper where frames are alike, and both times where something sleeps in the median frame."""
+    """By how much ours is cheaper where frames are alike."""
     both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None]
     alike = [(times, case) for times, case in both if times == times]
     parts = []
@@ -304,13 +314,6 @@ def _factors(cases: Sequence[Case]) -> list[str]:
             f"Where both reach it, the cheapest rival takes {_times(low)} ({near.where}, {_run(near.rival)}) to {_times(high)} "
             f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
         )
-    said: dict[str, list[str]] = {}
-    for times, case in both:
-        if times != times:
-            said.setdefault(_asleep(case), []).append(case.where)
-    asleep = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
-    if asleep:
-        parts.append(f"No factor where what rests sleeps in the median frame: {listed(asleep)}.")
     return parts
 
 

@@ -92,9 +92,8 @@ FAIRNESS = (
     "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
     "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
-    "too, four things are not its defaults: filterparent is disabled and pairs are excluded as the scene has them (the same "
-    "pairs may meet in every engine), autoreset is disabled (a state that has diverged stays visible), and each link is welded "
-    "to a mocap body of its own (a tracker gives a pose for each; servos weld the root alone).",
+    "too, filterparent and autoreset are disabled, pairs excluded as the scene has them, and each link welded to its own mocap "
+    "body, with reasons under Settings.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 

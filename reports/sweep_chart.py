@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from reports import beaten, ladders
-from reports.cheapest import BASE, PROFILED, Block, Table, astray, at_level, silence, table
+from reports.cheapest import BASE, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
@@ -266,7 +266,7 @@ def section(sweep: Sweep) -> dict[str, object]:
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
-        "cheapest_notes": [*silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
+        "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
     }
