@@ -12,7 +12,7 @@ from scenarios.ranked import CLOSED_FORM, RANKED
 class Column:
     """One column: smaller is better in all. Values that differ by `same` (in `unit`) or less count as equal, as on the terminal;
     `floor` is the least value that two runs of one engine are told apart by. `stays_inside` columns cannot be won by leaving
-    the room; what is not `ranked` is shown and has no best."""
+    the room; what is not `ranked` is shown and has no best; values within a `share` of the smaller count as equal too."""
 
     key: str
     title: str
@@ -23,6 +23,7 @@ class Column:
     same: float
     stays_inside: bool = False
     ranked: bool = True
+    share: float = 0.0
 
 
 def _named(*names: str) -> Callable[[str], bool]:
@@ -37,7 +38,7 @@ def is_truth_error(metric: str) -> bool:
 def _column(key: str, title: str, unit: str, floor: float, meaning: str, *metrics: str) -> Column:
     """A column of `metrics`, which count as equal when the registry says so."""
     rule = RANKED[metrics[0]]
-    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside)
+    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside, share=rule.share)
 
 
 COLUMNS = (
@@ -90,11 +91,11 @@ def worst(rows: Sequence[Row]) -> Row | None:
     return max(rows, key=badness, default=None)
 
 
-def ratio_to_best(value: float | None, best: float | None, same: float = 0.0) -> float | None:
-    """`value` over `best`; 1 where they differ by `same` or less, infinite against a best of 0; None where either is missing or
-    not finite."""
+def ratio_to_best(value: float | None, best: float | None, same: float = 0.0, share: float = 0.0) -> float | None:
+    """`value` over `best`; 1 where they differ by `same`, or that `share` of the best, or less, infinite against a best of
+    0; None where either is missing or not finite."""
     if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
         return None
-    if 0.0 <= value - best <= same:
+    if 0.0 <= value - best <= max(same, share * best):
         return 1.0
     return value / best if best > 0.0 else math.inf

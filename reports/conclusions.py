@@ -19,7 +19,7 @@ OVERLAP_BOUND = 1e-6
 # Time of one frame [us] at 60 Hz, and at the 90 Hz of a headset.
 FRAME_60_HZ, FRAME_90_HZ = 1e6 / 60.0, 1e6 / 90.0
 # Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
-HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+HOVERS = {"margin": "contact margin", "stand_off": "stand-off", "loose_margin": "contact margin of loose things"}
 # Stands in the first paragraph of page and summary.
 KINEMATIC = (
     "Our avatar is kinematic: the user's motion drives it. MuJoCo and PyBullet compute the dynamics of the whole articulated "
@@ -30,8 +30,8 @@ KINEMATIC = (
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
-    "What rests sleeps in our engine; in the tuned others it does not, as asleep it keeps what overlap it has: where all is at "
-    "rest, most of the difference in time is that, and the row mujoco/sleeping stands for it in scenes whose bodies are to rest."
+    "What rests sleeps in our engine; in the tuned others it is computed, and the row mujoco/sleeping stands beside them in "
+    "scenes whose bodies are to rest. Of a time in which what rests sleeps no factor is made."
 )
 
 
@@ -162,6 +162,25 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
     return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
 
 
+def asleep_sentence(block: Block) -> str:
+    """Which engines of a scene sleep in the median frame, with their medians, and what frames that move take; "" where none
+    does."""
+    if not block.asleep:
+        return ""
+    places = {"median": "frame_time_p50", "tail": "frame_time_p95"}
+    times = {
+        line.run: {name: next((quantity(cell.value, "us") for cell in line.cells if cell.row and cell.row.metric == metric), "")
+                   for name, metric in places.items()} for line in block.lines if not line.tracker
+    }
+    medians = tuple(f"{run} {times[run]['median']}" for run in block.asleep if times.get(run, {}).get("median"))
+    tails = tuple(f"{run} {of['tail']}" for run, of in times.items() if of["tail"])
+    each = "both sleep" if len(medians) == 2 else "all sleep" if len(medians) > 2 else "one sleeps"
+    if not medians:
+        return ""
+    return (f"In the median frame {each}: {listed(medians, len(medians))}; no factor is made of medians here. In frames that "
+            f"move (95th percentile): {listed(tails, len(tails))}.")
+
+
 def ratio_sentence() -> str:
     """How factors read: where they end, and what stands beside a best of 0."""
     return (f"A factor is a value over the best of its scene and ends at ×{MOST_FACTOR:,.0f}; where the best is 0 there is none, "
@@ -181,7 +200,8 @@ def hover_notes(results: Results) -> tuple[str, ...]:
         span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
         scenes = len({note.scenario for note in results.engines if note.run == run})
         where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
-        said.append(f"{run} keeps a {kind} of {span}{where}: its links hover.")
+        what = "loose things stand apart" if kind == HOVERS["loose_margin"] else "its links hover"
+        said.append(f"{run} keeps a {kind} of {span}{where}: {what}.")
     return tuple(said)
 
 

@@ -66,6 +66,7 @@ WORDS: dict[str, str] = {
     "frame_time_raw_max": "frame time with disturbances, slowest frame",
     "frame_time_moving_p50": "frame time while something moves, median",
     "frame_time_resting_p50": "frame time while all rests, median",
+    "resting_frames": "timed frames in which all rests",
     "frame_time_python_p50": "frame time as called from Python, median",
     "warmup": "time from start to the first frames",
     "deterministic": "same bits in every repeat",

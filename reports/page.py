@@ -99,7 +99,9 @@ FAIRNESS = (
     "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
     "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
-    "settings and reasons are listed above. A preset that is not in the table was not run.",
+    "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
+    "too, filterparent and autoreset are disabled, pairs excluded as the scene has them, and each link welded to its own mocap "
+    "body, with reasons under Settings.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 

@@ -13,7 +13,7 @@ from reports.as_run import AsRun, as_run
 from reports.card_tables import labelled
 from reports.charts import Panel
 from reports.columns import COLUMNS
-from reports.conclusions import CAVEAT
+from reports.conclusions import CAVEAT, asleep_sentence
 from reports.courses import Course, charts, courses
 from reports.extra_sections import UNDRAWABLE
 from reports.gallery import Picture
@@ -148,7 +148,7 @@ def page(
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
         replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
-        as_run=found.settings, charts=drawn_charts,
+        asleep_said=asleep_sentence(block), as_run=found.settings, charts=drawn_charts,
         courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),
     ))

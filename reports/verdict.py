@@ -26,8 +26,8 @@ LOOKS = (
 HARDLY = 0.5
 """Share of the figures of how motion looks below which it is said beside the verdict that they have no bound."""
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
-# one did that passed through what it should have met, which is no merit.
-KINDS = ("failed", "above bound", "behind", "outside")
+# one that passed through what it should have met is passed over where that could win.
+KINDS = ("failed", "above bound", "behind")
 
 
 @dataclass(frozen=True)
@@ -227,8 +227,7 @@ def _compared(lost: Lost) -> Loss:
     theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
     return Loss(
         row.scenario, row.metric, quantity(found.value, row.unit),
-        theirs + ("; it left the allowed side" if found.outside else ""),
-        "outside" if found.outside else "behind", found.severity, beside(found),
+        theirs, "behind", found.severity, beside(found),
     )
 
 

@@ -86,6 +86,8 @@ METRICS: dict[str, tuple[str, str]] = {
     "frame_time_moving_p50": ("us", "frame_time_p50 over frames in which a body or link moves faster than "
                               f"{1e3 * STILL:g} mm/s, where there are {PHASE_FRAMES} of these and of the others"),
     "frame_time_resting_p50": ("us", "the same over the other frames"),
+    "resting_frames": ("%", "share of those frames in which nothing moves faster: an engine that sleeps when all rests does "
+                       "so in the median frame from half of them on"),
     "warmup": ("s", f"import, load and the first {WARM_FRAMES} frames in a fresh process"),
     "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
     "resyncs": ("", "jumps that untied limbs"),

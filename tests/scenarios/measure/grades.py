@@ -61,6 +61,7 @@ METRICS_GRADED = {
     "frame_time_p50": SHARES, "frame_time_p95": SHARES, "frame_time_p99": SHARES, "frame_time_max": TIMING,
     "frame_time_raw_p50": TIMING, "frame_time_raw_p95": SHARES, "frame_time_raw_p99": SHARES, "frame_time_raw_max": TIMING,
     "frame_time_python_p50": TIMING, "warmup": TIMING, "frame_time_moving_p50": PHASES, "frame_time_resting_p50": PHASES,
+    "resting_frames": PHASES,
     "deterministic": "test_timing.py::test_repeats_that_end_in_other_bits_are_not_deterministic",
     "resyncs": "test_timing.py::test_work_is_a_mean_per_frame_and_resyncs_a_sum",
     "trapped": SUMS, "walled": SUMS, "crossings": SUMS, "leaps": SUMS,

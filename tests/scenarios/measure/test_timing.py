@@ -112,12 +112,13 @@ def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
     found = frame_times(timed, resting=rests)
     notes = time_notes(timed, found, rests)
     assert ("frame_time_moving_p50" in found) == ("frame_time_resting_p50" in found) == (moving in (PHASE_FRAMES, 80))
+    assert found["resting_frames"] == pytest.approx(100.0 * (180 - moving) / 180)
     if moving == 80:
         assert (found["frame_time_moving_p50"], found["frame_time_resting_p50"], found["frame_time_p50"]) == (20.0, 1.0, 1.0)
         assert notes["frame_time_moving_p50"].startswith(f"80 of {REPEATS} x 180 frames")
         assert notes["frame_time_p50"].endswith("; moving 20 us, resting 1 us")
     # of a run whose recording is shorter than what was timed nothing is told
-    assert "frame_time_moving_p50" not in frame_times(timed, resting=rests[:179])
+    assert not {"frame_time_moving_p50", "resting_frames"} & set(frame_times(timed, resting=rests[:179]))
 
 
 def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:
