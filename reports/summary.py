@@ -22,19 +22,12 @@ from scenarios.behind import by_family
 MOST_LOSSES = 20
 
 
-<<<<<<< HEAD
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None,
             damage: MutableSequence[str] | None = None) -> str:
     """The document as Markdown text, ending in a newline; to `damage` comes why `two` or `close` cannot be told."""
     damage = [] if damage is None else damage
-    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict), escaped(loosest(verdict)),
-             *_troubles(verdict), *_losses(results, verdict)]
-=======
-def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
-    """The document as Markdown text, ending in a newline."""
     parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict),
              escaped(" · ".join(loosest(results, verdict))), *_troubles(verdict), *_losses(results, verdict)]
->>>>>>> vrmends
     shown = blocks(results, reading_order(results, verdict))
     if shown:
         hovering = escaped(" ".join(hover_notes(results)))
