@@ -36,8 +36,8 @@ class PostureSettings(NamedTuple):
     search_after    frames without coming nearer to a tracker whose own posture is free, or far off, before a way is searched.
     search_work     work of that search per frame, in the units of `work`; 0 searches nothing, and a trap may last.
     leap_search     searches more, each of `search_work`, in a frame in which the tracker leaps farther than the steps of a frame
-                    go and something holds the avatar up. 0: it is led there in the frames after; 7: such a frame takes 8 to
-                    25 ms.
+                    go and something holds the avatar up. 0: it is led there in the frames after, and the frame of the leap
+                    takes 2 ms at most; 7: up to 7 ms. Of one humanoid on a core of 2.6 GHz: `python -m scenarios.leap_times`.
     around          0: no way is searched around what walls the avatar off, it waits there. 1: only for avatars with joints, since
                     a hand without any that is pushed through a table is to lie on it: it is led nowhere. 2: for all.
     trapped_frames  frames of this kind in a row that make a posture `trapped`, which its frame records then say; not before
