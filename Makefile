@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures report lint lock prune clean FORCE
+.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -84,6 +84,9 @@ postures: $(READY)  ## how postures are shown: presets and other engines, catalo
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios.posture_table --presets $(or $(PRESETS),default) \
 	  $(if $(RIVALS),--rivals $(RIVALS)) $(if $(CLIPS),--clips '$(CLIPS)') $(ARGS)
+
+sensitivity: $(READY)  ## each tuned number of the posture solver a fifth less and more, on motions drawn afresh (ARGS='--only NAME', --list)
+	@$(VENV_PYTHON) -m scenarios.sensitivity $(ARGS)
 
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write
