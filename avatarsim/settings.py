@@ -105,7 +105,7 @@ class IkSettings(NamedTuple):
     wedged_gap: float = 2e-6
     catch_up_turn: float = 12.5
     catch_up_move: float = 5.0
-    damping_time: float = 0.02
+    damping_time: float = 0.01
     settle_time: float = 0.5
     stall_time: float = 0.1
     near: float = 0.05
