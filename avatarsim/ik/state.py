@@ -262,7 +262,7 @@ class IkScratch(NamedTuple):
 
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "bad_queries", "waiting", "out_of_work", "adopted", "islands",
+    "bad_queries", "waiting", "out_of_work", "adopted", "avatar_islands",
 )
 """What is counted in a frame; `held`: avatars whose step came to nothing."""
 
