@@ -133,7 +133,9 @@ def test_work_that_suffices_is_not_spent() -> None:
         assert "out_of_work" not in record.statuses, sample.time
 
 
-def frames_together(tracks: dict[str, Sequence[np.ndarray]], names: tuple[str, ...]) -> list[np.ndarray]:
+def frames_together(
+    tracks: dict[str, Sequence[np.ndarray]], names: tuple[str, ...], **options: float
+) -> list[np.ndarray]:
     """Places of the hands that are there, each before a wall of its own, when each follows its own track."""
     scene = both_hands(names)
     home = rest(scene.avatars)
@@ -141,7 +143,7 @@ def frames_together(tracks: dict[str, Sequence[np.ndarray]], names: tuple[str, .
     samples = [
         replace(home, positions=np.array([tracks[name][k] for name in names])) for k in range(len(tracks[names[0]]))
     ]
-    for record in records(scene, samples):
+    for record in records(scene, samples, **options):
         found.append(record.shown.positions[len(scene.bodies) :].copy())
     return found
 
@@ -156,6 +158,19 @@ def tracks(seed: int, frames: int) -> dict[str, list[np.ndarray]]:
             places.append(at + [0.02 * (k % 40) / 10.0, 0.0, 0.0] if name != "far" else at + [0.15, 0.0, 0.0])
         found[name] = places
     return found
+
+
+def test_an_avatar_that_moves_on_and_on_lets_none_far_away_go_on() -> None:
+    """A hand behind its wall comes free as its target rests; what of its way is left when the settle time has passed several times
+    over, it goes slower and slower, whoever else moves."""
+    frames = range(400)
+    places = [np.array([50.3, 0.005 * min(k, 240), 0.0]) for k in frames]
+    both = {"a": [np.array([-0.2 - 0.1 * (k % 2), 0.0, 0.0]) for k in frames], "far": places}
+    slow = {"catch_up_move": 0.05}
+    alone, beside = (frames_together(both, names, **slow) for names in (("far",), ("a", "far")))
+    assert 50.06 < alone[-1][0, 0] < 50.25, "it has come free, and is late"
+    for k, shown in enumerate(beside):
+        assert (shown[1] == alone[k][0]).all(), k
 
 
 @pytest.mark.parametrize("seed", range(3))
