@@ -99,7 +99,7 @@ def is_apart(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, scratch_out: 
 
 @kernel
 def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: Vec3, scratch_out: IkScratch) -> bool:
-    """Whether one direction separates both ends of the step: n1, the mean of n0 and n1, or either carried by a body.
+    """Whether one direction separates both ends of the step: n1, the mean of n0 and n1, or one of these carried by a body.
 
     n0 is the nearest direction at the shown state, n1 at the trial; at its own end each is known to separate.
     """
@@ -117,6 +117,14 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
         carried = turned(columns(trial.rotation, body), turned_back(columns(poses.rotation, body), n0))
         if is_apart(geo, trial, a, b, carried, scratch_out):
             return True
+        # links that turn a little against each other while the whole avatar turns far
+        middle = add(carried, n1)
+        length = norm(middle)
+        if length > 1e-6:
+            n = scale(middle, 1.0 / length)
+            back = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n))
+            if is_apart(geo, trial, a, b, n, scratch_out) and is_apart(geo, poses, a, b, back, scratch_out):
+                return True
     body = geo.body[a]
     carried = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n1))
     return is_apart(geo, poses, a, b, carried, scratch_out)

@@ -33,10 +33,11 @@ def solve(
     clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
     if dt > 0.0:
         s.counts[:] = 0
+    form_islands(geo, skel, avatars, state, s)
+    if dt > 0.0:
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
         state.tracking.share[:] = dt / (dt + settings.damping_time)
         measure_begin(skel, avatars, settings, posture_out, poses_out, state, s)
-    form_islands(geo, skel, avatars, state, s)
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1

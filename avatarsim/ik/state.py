@@ -74,7 +74,7 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     share: Array
     """Share of the Newton step that a step takes."""
     speed: Array
-    """[1/s] of the target, low-passed over the settle time: the fastest of its joints [rad/s] and roots [m/s]."""
+    """[1/s] of the fastest target in the island, low-passed over the settle time: of its joints [rad/s] and roots [m/s]."""
     stalled: Array
     """[s] for which the objective has fallen by less than the budget allows."""
     objective: Array
@@ -263,7 +263,7 @@ class IkScratch(NamedTuple):
 
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "bad_queries", "waiting", "out_of_work", "adopted", "islands", "products",
+    "bad_queries", "waiting", "out_of_work", "adopted", "avatar_islands", "products",
 )
 """What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows."""
 

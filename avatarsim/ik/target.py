@@ -62,18 +62,21 @@ def meet_target(
     skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, has_changed: bool, state_out: IkState,
     scratch_out: IkScratch,
 ) -> None:
-    """Open the budgets of a frame from how far the target went since the last one.
+    """Open the budgets of a frame from how far the target went since the last one; islands are formed.
 
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
-    s, tracking, fastest = state_out, state_out.tracking, AT_REST if has_changed else 0.0
+    s, tracking, least = state_out, state_out.tracking, AT_REST if has_changed else 0.0
     clipped, own, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
         tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
         speed = largest(clipped, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
-        fastest = max(fastest, tracking.speed[avatar])
+        # what one avatar sets free another may hold, so the fastest of an island speaks for all of it
+        first = tracking.island[avatar]
+        tracking.speed[first] = max(tracking.speed[first], tracking.speed[avatar])
     for avatar in range(avatars.first_link.shape[0] - 1):
-        # what one avatar sets free another may hold, so the fastest speaks for all
+        tracking.speed[avatar] = tracking.speed[tracking.island[avatar]]
+        fastest = max(least, tracking.speed[avatar])
         if tracking.is_legal[avatar] > 0:
             open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, clipped, s.budget)
         else:

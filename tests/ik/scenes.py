@@ -66,7 +66,13 @@ def alone() -> Scene:
     return Scene("hand", corner(), (box,), start=at(rest((box,)), (0.2, 0.0, 0.0)))
 
 
-SCENES = {"hand": alone(), "two": two_of_them(), "hinged": standing_hinged((block("floor", (0.0, 0.0, 0.0), (4.0, 4.0, 0.1)), block("wall", (0.7, 0.0, 1.0), (0.01, 4.0, 2.4))))}
+def walled_hinged() -> Scene:
+    """Sixteen hulls on a floor before a thin wall."""
+    floor, wall = block("floor", (0.0, 0.0, 0.0), (4.0, 4.0, 0.1)), block("wall", (0.7, 0.0, 1.0), (0.01, 4.0, 2.4))
+    return standing_hinged((floor, wall))
+
+
+SCENES = {"hand": alone(), "two": two_of_them(), "hinged": walled_hinged()}
 
 
 def posed(scene: Scene, rng: np.random.Generator, spread: float, room: float) -> TrackerSample:
