@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
+from avatarsim.ik.state import make_contacts
 from avatarsim.impact.coupling import coupled
 from avatarsim.loops.coupling import give, give_to_roots, make_springs, place_displaced, pull, relax
 from avatarsim.posture.kinematics import carry, forward
@@ -166,7 +167,8 @@ def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -
     d = int(w.skeleton.first_dof[1])
     w.posture.angle[d] = 2.0
     springs.offset[1] = 0.0, 1e-3, 1e-3
-    pull(w.geometry, w.skeleton, w.dynamics, w.poses, memory, DT, w.posture, w.velocities, springs)
+    weight = memory.goal.inverse_weight
+    pull(w.geometry, w.skeleton, w.dynamics, w.poses, make_contacts(1), weight, DT, w.posture, w.velocities, springs)
     assert w.posture.angle[d] > 1.9
 
 

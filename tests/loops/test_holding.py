@@ -6,8 +6,10 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from avatarsim.engine import Settings
+from avatarsim.ik.state import make_contacts
+from avatarsim.loops.active_rows import list_active
 from avatarsim.loops.holding import hold
-from avatarsim.posture.workspace import COUNT, ready_memory
+from avatarsim.posture.workspace import COUNT, ROW_CAP, ready_memory
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
@@ -80,7 +82,7 @@ def test_only_what_goes_into_fixed_bodies_is_taken() -> None:
     pieces = (Piece(Box((1.0, 1.0, 1.0))),)
     walls = [fixed(name, pieces, "ice", (x, 5.0, 0.0)) for name, x in (("a", 5.0), ("b", 7.0), ("c", 9.0))]
     w = build(a_scene(Sphere(0.05), *walls, ball(-0.2)))
-    memory = ready_memory(w.geometry, w.skeleton, w.posture, w.poses, PostureSettings())
+    memory, contacts = ready_memory(w.geometry, w.skeleton, w.posture, w.poses, PostureSettings()), make_contacts(ROW_CAP)
     hand, rng = w.skeleton.first, np.random.default_rng(5)
     normals = np.array([[-1.0, 0.0, 0.0], [0.5, -np.sqrt(0.75), 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
     into_both = 0
@@ -91,7 +93,8 @@ def test_only_what_goes_into_fixed_bodies_is_taken() -> None:
             memory.pairs.axis[0, piece] = normals[k]
         memory.rows.size[COUNT] = 4
         w.velocities.linear[hand] = v
-        hold(w.geometry, w.skeleton, w.dynamics, memory, w.velocities)
+        list_active(w.geometry, w.skeleton, memory, contacts)
+        hold(w.geometry, w.dynamics, contacts, w.velocities)
         left = w.velocities.linear[hand]
         # the nearest velocity that goes into neither wall
         free = v + normals[:2].T @ nnls(normals[:2].T, -v)[0]

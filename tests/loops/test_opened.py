@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from avatarsim.ik.state import make_contacts
 from avatarsim.impact.events import make_events
+from avatarsim.loops.active_rows import list_active
 from avatarsim.loops.checked import NOBODY, CheckedLoop
 from avatarsim.loops.coupling import give, make_springs, pull
 from avatarsim.loops.simulated import SimulatedLoop
@@ -13,7 +15,7 @@ from avatarsim.loops.upper_memory import make_memory as make_upper_memory
 from avatarsim.posture.follow import follow
 from avatarsim.posture.leap_round import seek
 from avatarsim.posture.way_memory import IDLE, MODE, make_way
-from avatarsim.posture.workspace import COUNT, LEAP, SLOW, ready_memory
+from avatarsim.posture.workspace import COUNT, LEAP, ROW_CAP, SLOW, ready_memory
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
@@ -37,6 +39,7 @@ class Plain:
         self.lower = ready_memory(self.geo, self.skel, self.posture, self.poses, CHOSEN.posture)
         self.way = make_way(self.geo, self.skel, self.posture, self.poses, self.lower, 0)
         self.springs = make_springs(self.skel, self.dyn, self.poses, CHOSEN.coupling)
+        self.contacts = make_contacts(ROW_CAP)
         self.upper = make_upper_memory(self.geo, self.dyn, self.poses, on.gyroscopic)
         self.events = make_events(len(scene.names), 64)
         self.switches = Switches(on.gyroscopic, on.continuous, on.sleeping, False, True)
@@ -45,7 +48,9 @@ class Plain:
         """One frame."""
         target = posture_of(self.skel, self.world.hinges, sample)
         if self.coupled:
-            pull(self.geo, self.skel, self.dyn, self.poses, self.lower, dt, target, self.velocities, self.springs)
+            list_active(self.geo, self.skel, self.lower, self.contacts)
+            weight = self.lower.goal.inverse_weight
+            pull(self.geo, self.skel, self.dyn, self.poses, self.contacts, weight, dt, target, self.velocities, self.springs)
         self.lower.counts[:] = 0
         follow(self.geo, self.skel, target, CHOSEN.posture, False, NOBODY, self.posture, self.poses, self.lower)
         if self.way.state[MODE] != IDLE or self.lower.flags[SLOW] >= CHOSEN.posture.search_after:
