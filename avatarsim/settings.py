@@ -92,6 +92,10 @@ class IkSettings(NamedTuple):
     corrections     rounds of new contact rows per step; 8 makes the slowest frames 2.5 times slower.
     work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat. When
                     it is spent the last certified state is shown, and the record says so.
+    plan_work       the part of it that searches for paths may take, in the same units. 0: no path is searched; more: paths are
+                    found in fewer frames, each of which takes longer.
+    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a hand
+                    without any that is pushed through a table is to lie on it. 2: for all.
     """
 
     stand_off: float = 2e-4
@@ -105,6 +109,8 @@ class IkSettings(NamedTuple):
     steps: int = 2
     corrections: int = 4
     work: int = 1000
+    plan_work: int = 600
+    around: int = 1
 
 
 class CouplingSettings(NamedTuple):
