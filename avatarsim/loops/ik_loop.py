@@ -20,7 +20,7 @@ from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.make import make_planner
 from avatarsim.planner.state import NODES, NONE, Phase, plan_is_sound
-from avatarsim.planner.supervisor import supervise
+from avatarsim.planner.supervisor import drop_paths, supervise
 from avatarsim.posture.chain import MODULUS
 from avatarsim.settings import CouplingSettings, IkSettings
 from avatarsim.tally import Tally
@@ -78,6 +78,8 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     elif springs.mass.shape[0] > 0:
         strike(skeleton, tracker, dt, velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
+    if dt > 0.0:
+        drop_paths(geometry, skeleton, avatars, posture, poses, plan, ghost, state, working)
     aim_along_paths(skeleton, avatars, dt, posture, plan, state, working)
     solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
     if dt > 0.0:
@@ -106,7 +108,7 @@ class IkLoop:
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
-        self._kept, (_, self.springs, _, self.avatars, self.state, self.working, self.plan, _) = packed(
+        self._kept, (_, self.springs, _, self.avatars, self.state, self.working, self.plan, self.ghost) = packed(
             (coupled, springs, settings, *solver, *planner)
         )
 

@@ -13,8 +13,8 @@ from avatarsim.ik.state import (
     Touching,
     tracking_in,
 )
-from avatarsim.planner.state import Ghost, Plan, searches_in
 from avatarsim.loops.opened_checked import opened_contacts
+from avatarsim.planner.state import Ghost, Plan, searches_in
 from avatarsim.settings import IkSettings
 from avatarsim.world.arena import Opening, cube, grid, index_grid, index_line, line, matrices, real, vectors, whole
 from avatarsim.world.opened import opened_poses, opened_posture
@@ -100,7 +100,7 @@ def opened_plan(o: Opening) -> Plan:
 @opened
 def opened_ghost(o: Opening) -> Ghost:
     """The next Ghost."""
-    return Ghost(opened_posture(o), opened_poses(o), opened_state(o), opened_working(o), opened_posture(o), line(o)[0])
+    return Ghost(opened_posture(o), opened_poses(o), opened_state(o), opened_working(o), opened_posture(o), opened_posture(o), line(o)[0])
 
 
 @opened

@@ -5,14 +5,15 @@ A step is one of the posture solver, towards any posture, so it slides along wha
 
 from avatarsim.ik.active_forces import forget_forces
 from avatarsim.ik.broad_phase import forget_near, sweep_boxes
-from avatarsim.ik.kinematics import carry_avatar, place_avatar, tangent_error
+from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
+from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.pair_cache import forget_pairs
 from avatarsim.ik.progress import SLOWEST
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.sqp_step import copy_poses, sqp_step
 from avatarsim.ik.state import Avatars
-from avatarsim.ik.target import largest
+from avatarsim.ik.target import copy_posture, largest
 from avatarsim.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
@@ -109,30 +110,41 @@ def put_ghost_at(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, k
 
 @kernel
 def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
-    """Make node k the target of the ghost."""
-    s = ghost_out.scratch
-    get_node(skel, avatars, avatar, k, plan, s.target)
-    locate(skel, avatars, avatar, s.target, s.objective)
-    ghost_out.state.tracking.is_legal[avatar] = 1
+    """Make node k what the ghost goes to."""
+    get_node(skel, avatars, avatar, k, plan, ghost_out.aim)
 
 
 @kernel
 def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
-    """Objective [m^2] of the ghost towards its target, and the distance [m] of its farthest origin."""
+    """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at hand."""
     g = ghost_out
-    tangent_error(skel, avatars, avatar, g.posture, g.scratch.target, g.scratch.objective.error)
+    locate(skel, avatars, avatar, g.aim, g.scratch.objective)
+    tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
     return value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+
+
+@kernel
+def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
+    """The target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound of
+    every joint, each of them a row of the QP."""
+    g, s, b = ghost_out, ghost_out.scratch, ghost_out.state.budget
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        b.turn[link], b.move[link], b.turned[link], b.moved[link] = STRIDE, STRIDE * g.state.tracking.reach[avatar], 0.0, 0.0
+    tangent_error(skel, avatars, avatar, g.posture, g.aim, s.step)
+    keep_budget(skel, avatars, avatar, b, 0.0, s.step)
+    copy_posture(skel, avatars, avatar, g.posture, s.target)
+    take_step(skel, avatars, avatar, s.step, s.target)
+    locate(skel, avatars, avatar, s.target, s.objective)
+    g.state.tracking.is_legal[avatar] = 1
 
 
 @kernel
 def step_ghost(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, most_work: int, value: float, ghost_out: Ghost
 ) -> tuple[int, float]:
-    """One step towards the target, whose objective was `value` before: what it came to, and the objective after it."""
-    g, b = ghost_out, ghost_out.state.budget
-    reach = g.state.tracking.reach[avatar]
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        b.turn[link], b.move[link], b.turned[link], b.moved[link] = STRIDE, STRIDE * reach, 0.0, 0.0
+    """One step towards the aim, whose objective was `value` before: what it came to, and the objective after it."""
+    g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
+    set_carrot(skel, avatars, avatar, g)
     moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
     now, far = value_to_aim(skel, avatars, avatar, g)
     if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) < ARRIVED:

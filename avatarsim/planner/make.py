@@ -26,6 +26,6 @@ def make_planner(
     ghost = Ghost(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)),
         make_state(geo, skel, avatars, shown.tracking["reach"].copy(), zeros(nd, 3), posture),
-        make_working(geo, skel, avatars, poses, 0), Posture(*(array.copy() for array in posture)), up,
+        make_working(geo, skel, avatars, poses, 0), empty_posture(nl, nd), Posture(*(array.copy() for array in posture)), up,
     )
     return plan, ghost

@@ -112,13 +112,14 @@ class Plan(NamedTuple):
 
 
 class Ghost(NamedTuple):
-    """The unseen avatar: posture, poses, state and working memory of its steps. travel: the posture that avatars began with, in which
+    """The unseen avatar: posture, poses, state and working memory of its steps; aim: the posture that it goes to. travel: the posture that avatars began with, in which
     they are led through rooms; up (3): against gravity, zero without."""
 
     posture: Posture
     poses: Poses
     state: IkState
     scratch: IkScratch
+    aim: Posture
     travel: Posture
     up: Array
 

@@ -45,7 +45,7 @@ def supervise(
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
-            follow_on(geo, skel, avatars, settings, avatar, value, posture, plan_out, ghost_out, state_out, scratch_out)
+            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out)
     search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
@@ -87,25 +87,37 @@ def choose_mode(
 
 @kernel
 def follow_on(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
-    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
+    state_out: IkState,
 ) -> None:
-    """Whether an avatar stays on its path: not at the end of it, nor when the end is no nearer to the target than the avatar is;
-    and one that is held up searches anew. Along a path catch-up speeds hold in full."""
-    t, s, g = state_out.tracking, plan_out.searches, ghost_out
-    last = s.length[avatar] - 1
+    """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
+    catch-up speeds hold in full."""
+    t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
-    if s.place[avatar] == last and s.held[avatar] == 0.0:
-        set_free(avatar, value, state_out)
-        return
-    put_ghost_at(geo, skel, avatars, avatar, plan_out.path[avatar, last], plan_out, g)
-    tangent_error(skel, avatars, avatar, g.posture, state_out.before, scratch_out.objective.error)
-    there, _ = value_of(skel, avatars, avatar, state_out, g.poses, scratch_out.objective)
-    if not there < value:
+    if s.place[avatar] == s.length[avatar] - 1 and s.held[avatar] == 0.0:
         set_free(avatar, value, state_out)
     elif s.held[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
         begin_search(skel, avatars, avatar, posture, plan_out)
+
+
+@kernel
+def drop_paths(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, posture: Posture, poses: Poses, plan: Plan, ghost_out: Ghost,
+    state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """As a frame begins: paths whose end is no nearer to the target than the avatar is are followed no more."""
+    t, c, g = state_out.tracking, scratch_out.objective, ghost_out
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        if t.mode[avatar] != FOLLOW_PATH:
+            continue
+        tangent_error(skel, avatars, avatar, posture, scratch_out.target, c.error)
+        here, _ = value_of(skel, avatars, avatar, state_out, poses, c)
+        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
+        tangent_error(skel, avatars, avatar, g.posture, scratch_out.target, c.error)
+        there, _ = value_of(skel, avatars, avatar, state_out, g.poses, c)
+        if not there < here:
+            set_free(avatar, here, state_out)
 
 
 @kernel
