@@ -69,6 +69,12 @@ def is_goal(
     there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
     if not there <= CLOSER * value:
         return False
+    return is_free(geo, skel, avatars, settings, g)
+
+
+@kernel
+def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, ghost_out: Ghost) -> bool:
+    """Whether the ghost overlaps nothing and keeps its limits: then standing still is certified."""
+    g = ghost_out
     g.scratch.step[:] = 0.0
-    # a state from which standing still is certified is free
     return certify(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, False, False, g.state, g.scratch) == 0

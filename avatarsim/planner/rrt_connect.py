@@ -7,6 +7,7 @@ straight from the start to the goal. Anytime: `search` goes on until a slice of 
 from avatarsim.ik.objective import locate
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FORWARDS, Avatars
+from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import (
     ADVANCED,
@@ -14,13 +15,14 @@ from avatarsim.planner.ghost import (
     TRAPPED,
     aim_ghost,
     notice_world,
+    put_ghost,
     put_ghost_at,
     step_ghost,
     value_to_aim,
 )
-from avatarsim.planner.goal_test import CANDIDATES, is_goal, place_candidate
+from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import begin_cut, end_cut
+from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, nearest_node, put_node, trace_path
 from avatarsim.settings import IkSettings
@@ -28,12 +30,12 @@ from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
-CONNECT, CUT, TRY_CUT = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT)
+CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
-SEARCHING, FOUND, FAILED, NO_GOAL = range(4)
+SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT = range(5)
 """What a slice of a search came to."""
 
 
@@ -50,10 +52,10 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 @kernel
 def search(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, poses: Poses, value: float, most_work: int, plan_out: Plan, ghost_out: Ghost,
+    shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with objective
-    `value` [m^2]."""
+    `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
     if s.phase[avatar] == GOAL:
@@ -68,13 +70,35 @@ def search(
         elif phase == SAMPLE:
             found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
         elif phase == CUT:
-            if begin_cut(skel, avatars, avatar, plan_out):
-                resume(geo, skel, avatars, avatar, plan_out, g)
-            else:
-                found = FOUND
+            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
     return found
+
+
+@kernel
+def shorten(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, target: Posture, is_followed: bool,
+    plan_out: Plan, ghost_out: Ghost,
+) -> int:
+    """Begin the next shortcut, if there is one to try."""
+    s = plan_out.searches
+    first = s.place[avatar] + SHORT if is_followed else 0
+    s.cuts[avatar] += 1
+    if not is_followed and s.cuts[avatar] > SHORTCUTS:
+        return FOUND
+    if is_followed and s.cuts[avatar] % 2 == 0:
+        copy_posture(skel, avatars, avatar, target, ghost_out.posture)
+        put_ghost(geo, skel, avatars, avatar, ghost_out)
+        if first < s.length[avatar] and s.count[avatar] < NODES and is_free(geo, skel, avatars, settings, ghost_out):
+            put_node(skel, avatars, avatar, target, AIM, plan_out)
+            begin_at(avatar, choose_leaving(avatar, first, plan_out), TRY_END, plan_out)
+            resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+            return SEARCHING
+    if not begin_cut(avatar, first, plan_out):
+        return NOTHING_LEFT if is_followed else FOUND
+    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    return SEARCHING
 
 
 @kernel
@@ -133,13 +157,13 @@ def extend(
     outcome, now = step_ghost(geo, skel, avatars, settings, avatar, most_work, s.value[avatar], ghost_out)
     s.value[avatar] = now
     if outcome != TRAPPED:
-        tree = 2 if phase == TRY_CUT else s.tree[avatar]
+        tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
         k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
         if k == NONE:
             outcome = TRAPPED
         else:
             s.at[avatar] = k
-    if phase == TRY_CUT:
+    if phase == TRY_CUT or phase == TRY_END:
         end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
         return
     if outcome == ADVANCED:

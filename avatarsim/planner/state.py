@@ -40,6 +40,8 @@ class Phase(IntEnum):
     """The path is found: choose a shortcut."""
     TRY_CUT = 5
     """Extend from one node of the path towards a later one."""
+    TRY_END = 6
+    """Extend from a node of the path that is followed towards where the target is by now."""
 
 
 SEARCH = np.dtype(

@@ -132,15 +132,16 @@ def search_all(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, posture: Posture, poses: Poses,
     plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Deal out the work of a frame's searches, in turns, within what is left of the frame's whole budget."""
+    """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the frame's whole budget."""
     t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
-        waiting += 1 if t.mode[avatar] == PLAN else 0
+        waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
     left = min(settings.plan_work, settings.work - work_done(scratch_out))
     first = plan_out.turn[0]
     for k in range(count):
         avatar = (first + k) % count
-        if t.mode[avatar] != PLAN:
+        is_followed = t.mode[avatar] == FOLLOW_PATH
+        if t.mode[avatar] != PLAN and not is_followed:
             continue
         if left <= 0:
             break
@@ -148,7 +149,8 @@ def search_all(
         tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
         value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
         found = search(
-            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, slice_, plan_out, ghost_out
+            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_, plan_out,
+            ghost_out,
         )
         spent = work_done(ghost_out.scratch)
         left -= spent
