@@ -109,7 +109,7 @@ class IkSettings(NamedTuple):
     steps: int = 2
     corrections: int = 4
     work: int = 1000
-    plan_work: int = 600
+    plan_work: int = 400
     around: int = 1
 
 

@@ -24,7 +24,7 @@ from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_cand
 from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
-from avatarsim.planner.tree import AIM, add_node, get_node, nearest_node, put_node, trace_path
+from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import IkSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
@@ -83,6 +83,8 @@ def shorten(
 ) -> int:
     """Begin the next shortcut, if there is one to try."""
     s = plan_out.searches
+    if is_followed and 2 * s.count[avatar] > NODES:
+        keep_path(avatar, plan_out)
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
     if not is_followed and s.cuts[avatar] > SHORTCUTS:

@@ -127,3 +127,30 @@ def trace_path(avatar: int, from_start: int, from_goal: int, plan_out: Plan) -> 
         length += 1
         k = before[avatar, k]
     plan_out.searches.length[avatar] = length
+
+
+@kernel
+def keep_path(avatar: int, plan_out: Plan) -> None:
+    """Give up all nodes but those of the path from the present place on, and move them up: room for shortcuts."""
+    s, path, node, number = plan_out.searches, plan_out.path, plan_out.node, plan_out.before
+    place, count = s.place[avatar], 0
+    for i in range(place, s.length[avatar]):
+        path[avatar, i - place] = path[avatar, i]
+    s.length[avatar] -= place
+    s.place[avatar] = 0
+    # trees are needed no more: their arrays hold which nodes stay, and their new numbers
+    for k in range(s.count[avatar]):
+        plan_out.tree[avatar, k] = 0
+    for i in range(s.length[avatar]):
+        plan_out.tree[avatar, path[avatar, i]] = 2
+    for k in range(s.count[avatar]):
+        if plan_out.tree[avatar, k] == 2:
+            for i in range(node.shape[2]):
+                node[avatar, count, i] = node[avatar, k, i]
+            number[avatar, k] = count
+            count += 1
+    for i in range(s.length[avatar]):
+        path[avatar, i] = number[avatar, path[avatar, i]]
+    for k in range(s.count[avatar]):
+        number[avatar, k] = NONE
+    s.count[avatar] = count
