@@ -8,14 +8,18 @@ from avatarsim.planner.state import Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.world.skeleton import Posture, Skeleton
 
-FOLLOW_PATH, TRACK = int(Mode.FOLLOW_PATH), int(Mode.TRACK)
+FOLLOW_PATH = int(Mode.FOLLOW_PATH)
+
+AHEAD = 3.0
+"""Budgets of a frame that the target is ahead of the avatar. 1: kinks of the path are shown as shaking limbs; more: corners are cut until
+something is in the way, and then one budget is all it is ahead."""
 
 
 @kernel
 def aim_along_paths(
     skel: Skeleton, avatars: Avatars, dt: float, posture: Posture, plan_out: Plan, state_out: IkState, scratch_out: IkScratch
 ) -> None:
-    """The target of avatars that follow a path: its first node that the frame's budget does not reach. At the end it is the
+    """The target of avatars that follow a path: its first node that is farther ahead. At the end it is the
     tracker's again. dt = 0: again in the same frame, the same node."""
     t = state_out.tracking
     for avatar in range(avatars.first_link.shape[0] - 1):
@@ -31,9 +35,11 @@ def aim_along_path(
     """The same of one avatar."""
     s, target = plan_out.searches, scratch_out.target
     place, last = s.place[avatar], s.length[avatar] - 1
+    # held up at a corner that it cuts
+    ahead = AHEAD if s.held[avatar] < 2.0 * dt else 1.0
     s.held[avatar] += dt
     get_node(skel, avatars, avatar, plan_out.path[avatar, place], plan_out, target)
-    while dt > 0.0 and is_in_budget(skel, avatars, avatar, posture, state_out, scratch_out):
+    while dt > 0.0 and is_near(skel, avatars, avatar, ahead, posture, state_out, scratch_out):
         s.held[avatar] = 0.0
         if place == last:
             break
@@ -45,14 +51,14 @@ def aim_along_path(
 
 
 @kernel
-def is_in_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, state: IkState, scratch_out: IkScratch
+def is_near(
+    skel: Skeleton, avatars: Avatars, avatar: int, ahead: float, posture: Posture, state: IkState, scratch_out: IkScratch
 ) -> bool:
-    """Whether the frame's budget reaches the target of an avatar."""
+    """Whether the target of an avatar is within so many budgets of a frame."""
     error = scratch_out.objective.error
     tangent_error(skel, avatars, avatar, posture, scratch_out.target, error)
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, error)
-        if moved > state.budget.move[link] or turned > state.budget.turn[link]:
+        if moved > ahead * state.budget.move[link] or turned > ahead * state.budget.turn[link]:
             return False
     return True
