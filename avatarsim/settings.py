@@ -108,8 +108,8 @@ class IkSettings(NamedTuple):
     near: float = 0.05
     steps: int = 2
     corrections: int = 4
-    work: int = 1000
-    plan_work: int = 400
+    work: int = 1500
+    plan_work: int = 800
     around: int = 1
 
 
