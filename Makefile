@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness report lint lock prune clean FORCE
+.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -79,6 +79,15 @@ nearness: $(READY)  ## the last run (compare, if it lacks MuJoCo): beside MuJoCo
 	  $(VENV_PYTHON) -m scenarios.$$question || [ $$? = 1 ] || failed=1; \
 	done; $(VENV_PYTHON) -m reports write || failed=1; exit $$failed
 
+# RIVALS='mujoco/tuned pybullet/tuned', CLIPS=FOLDER of clips as probes; ARGS: whatever else the command takes.
+postures: $(READY)  ## how postures are shown: presets and other engines, catalogue and motions drawn afresh (PRESETS=, RIVALS=, CLIPS=, ARGS=)
+	@$(COMPILED)
+	@$(VENV_PYTHON) -m scenarios.posture_table --presets $(or $(PRESETS),default) \
+	  $(if $(RIVALS),--rivals $(RIVALS)) $(if $(CLIPS),--clips '$(CLIPS)') $(ARGS)
+
+sensitivity: $(READY)  ## each tuned number of the posture solver a fifth less and more, on motions drawn afresh (ARGS='--only NAME', --list)
+	@$(VENV_PYTHON) -m scenarios.sensitivity $(ARGS)
+
 report: $(READY)  ## the pages again, from the files of the last run
 	@$(VENV_PYTHON) -m reports write
 
@@ -128,8 +137,8 @@ soak: $(READY)  ## one engine through a million frames: memory flat, frames as f
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m tests.stability.soak --frames $(or $(FRAMES),1000000)
 
-wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only
-	@$(VENV_PYTHON) -m tests.house.wheel
+wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only (KERNELS=1)
+	@$(VENV_PYTHON) -m tests.house.wheel $(if $(KERNELS),--with-kernels)
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .

@@ -97,13 +97,12 @@ def is_readable(folder: Path) -> bool:
 
 def is_writable(folder: Path) -> bool:
     """Whether a folder, made if need be, is trusted and takes a file; distrust is said once per folder."""
-    try:
+    with suppress(OSError):
         make_private(folder)
-        require_trusted_folder(folder)
-        tempfile.TemporaryFile(dir=folder).close()
-    except Distrusted as error:
-        say_distrust(error)
+    if not is_readable(folder):
         return False
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
     except OSError:
         return False
     return True

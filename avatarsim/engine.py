@@ -106,6 +106,8 @@ class Settings:
         # a bool is an int to Python, and no seed that was meant
         if isinstance(self.seed, bool) or not isinstance(self.seed, int | np.integer):
             raise InvalidInput("seed of the settings", self.seed, "a whole number")
+        # numpy's narrow kinds overflow in what is computed of a seed
+        object.__setattr__(self, "seed", int(self.seed))
         for name, flag in (("record_inside", self.record_inside), ("time_stages", self.time_stages)):
             if not isinstance(flag, bool | np.bool_):
                 raise InvalidInput(f"{name} of the settings", flag, "True or False")

@@ -23,7 +23,9 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 
-def lower_loop(world: World, method: str, chosen: Chosen, seed: int, record: bool) -> CheckedLoop | IkLoop | PaperLoop | TrackedLoop:
+def lower_loop(
+    world: World, method: str, chosen: Chosen, seed: int, record: bool
+) -> CheckedLoop | IkLoop | PaperLoop | TrackedLoop:
     """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
@@ -56,7 +58,9 @@ class Frames:
             self.target = Target(world)
             self.lower = lower_loop(world, method, chosen, seed, record)
         if self.effects.dynamics:
-            kept = {"default": chosen.posture, "ik": chosen.ik, "paper": chosen.paper}[method].stand_off
+            kept = {
+                "default": chosen.posture.stand_off, "ik": chosen.ik.stand_off, "paper": chosen.paper.stand_off,
+            }[method]
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
             moving = self.upper.memory.moving
         if self.driven:

@@ -7,14 +7,21 @@ machine's memory. Every reader of files that come from elsewhere goes through he
 import json
 import stat
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any, TypeVar
 
 from avatarsim.errors import InvalidFile
 
+Parsed = TypeVar("Parsed")
 MOST = 2**27
 """Bytes that a file may have unless its reader says otherwise. Parsed as text it takes up to ten times its size in memory; the
 largest mesh that we know of has a tenth of this."""
+
+DEEPEST = 64
+"""Levels to which lists and objects of a file may be nested. Our own files take 8, glTF some more. Less: such a file is refused;
+more: what readers do with a value recurses as deep as the value, and Python ends that at 1,000 calls. How deep its parsers go by
+themselves differs from version to version."""
 
 
 def check(path: Path, thing: str, valid: str, most: int = MOST) -> None:
@@ -55,9 +62,13 @@ def read_text(path: Path, thing: str, valid: str, most: int = MOST, errors: str 
 
 def read_json(path: Path, thing: str, valid: str, most: int = MOST, constant: Callable[[str], object] | None = None) -> object:
     """The value of a JSON file; `constant` is told of NaN and Infinity. Raises InvalidFile."""
-    content = read_text(path, thing, valid, most)
+    return parsed_json(read_text(path, thing, valid, most), thing, valid, constant)
+
+
+def parsed_json(content: str, thing: str, valid: str, constant: Callable[[str], object] | None = None) -> Any:
+    """The value of JSON that stood in a file, nested no deeper than DEEPEST. Raises InvalidFile."""
     try:
-        return json.loads(content, parse_constant=constant)
+        return _shallow(json.loads(content, parse_constant=constant))
     except (ValueError, RecursionError) as error:
         raise InvalidFile(thing, _unparsed(error, "JSON"), valid) from error
 
@@ -66,9 +77,23 @@ def read_toml(path: Path, thing: str, valid: str, most: int = MOST) -> dict[str,
     """The tables of a TOML file. Raises InvalidFile."""
     content = read_text(path, thing, valid, most)
     try:
-        return tomllib.loads(content)
+        return _shallow(tomllib.loads(content))
     except (ValueError, RecursionError) as error:
         raise InvalidFile(thing, _unparsed(error, "TOML"), valid) from error
+
+
+def _shallow(value: Parsed) -> Parsed:
+    """`value`, level by level found to be nested no deeper than DEEPEST. Raises RecursionError."""
+    level: list[object] = [value]
+    for _ in range(DEEPEST):
+        level = [part for node in level for part in _parts(node) if isinstance(part, list | dict)]
+        if not level:
+            return value
+    raise RecursionError
+
+
+def _parts(node: object) -> Iterable[object]:
+    return node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
 
 
 def _unparsed(error: Exception, language: str) -> str:

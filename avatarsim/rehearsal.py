@@ -1,16 +1,29 @@
-"""A dress rehearsal: the scene's own frame path is run once and undone, so that nothing is left for the first frame to load.
+"""A dress rehearsal: the scene's own first frame is run and undone, so that nothing is left for it to load.
 
 numba brings a kernel into memory when it is first called: 40 ms to half a second in a process whose kernels are compiled, half a
 minute in one whose are not. Which kernels a frame calls from Python depends on the scene's effects, the method and the settings;
 the frame itself knows. Those that it calls only sometimes are called at load by the loop that holds them.
+
+A frame that is undone by copying everything back leaves the processor's caches full of the copies: megabytes, most of them room
+that the scene never uses. The next frame then waits for memory, 10 to 40 us, several times what a small scene's frame takes. So
+what such a frame changed is found out, and some more are run of which only that is undone: they end with what a frame reads and
+writes, and its code, in the caches, and with Python's own code for it specialised.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from avatarsim.tally import WORD
+
+REHEARSALS = 10
+"""Frames run and undone before the first: Python (3.11 to 3.13) specialises a function for what it is given once it has been
+called eight times, and two more run the result. With 1, a small scene's first frame takes half as long again."""
+
+ENOUGH = 0.02
+"""Time [s] of rehearsing after which no further one is begun: longer frames do not feel cold caches, and `load` would wait."""
 
 
 class Part(Protocol):
@@ -30,20 +43,41 @@ class Part(Protocol):
         """Least and largest value of whole numbers that are kept, by the end of their dotted name."""
 
 
-@contextmanager
-def undone(parts: Sequence[Part]) -> Iterator[None]:
-    """At the end of the block `parts` are what they were: the same objects in their attributes, the same bits in their arrays.
-    Views are left to the arrays that they show, which must be among those."""
-    attributes = [(part, name, getattr(part, name)) for part in parts for name in part.ASSIGNED]
-    arrays = [array for part in parts for name in part.WRITTEN for array in _owned(getattr(part, name))]
-    before = [(array, array.copy()) for array in arrays]
-    try:
-        yield
-    finally:
-        for part, name, value in attributes:
+class Undo:
+    """What `parts` are when it is made: the same objects in their attributes, the same bits in their arrays. Called, it makes
+    them that again. Views are left to the arrays that they show, which must be among those."""
+
+    def __init__(self, parts: Sequence[Part]) -> None:
+        self._attributes = [(part, name, getattr(part, name)) for part in parts for name in part.ASSIGNED]
+        arrays = [_words(array) for part in parts for name in part.WRITTEN for array in _owned(getattr(part, name))]
+        self._all = [(words, words.copy()) for words in arrays]
+        self._changed: list[tuple[NDArray[np.generic], NDArray[np.intp], NDArray[np.generic]]] | None = None
+
+    def keep_what_changed(self) -> None:
+        """From here on bring back only what differs now: enough where the same frame is run again from the same state, since its
+        kernels do the same to the bit, and so little that the caches keep what that frame needs."""
+        self._changed = []
+        for words, before in self._all:
+            places = np.flatnonzero(words != before)
+            self._changed.append((words, places, before[places]))
+        self._all = []
+
+    def __call__(self) -> None:
+        """Bring it back."""
+        for part, name, value in self._attributes:
             setattr(part, name, value)
-        for array, bits in before:
-            array[...] = bits
+        for words, before in self._all:
+            words[...] = before
+        for words, places, bits in self._changed or ():
+            words[places] = bits
+
+
+def _words(array: NDArray[np.generic]) -> NDArray[np.generic]:
+    """The memory of an array that owns it, as whole numbers: they differ where bits do, also in what is no number."""
+    if not array.flags.forc:
+        raise ValueError("an array that a frame writes into must be one piece of memory, or what is brought back were a copy")
+    flat = array.ravel(order="K").view(np.uint8)
+    return flat.view(np.uint64) if flat.size % WORD == 0 else flat
 
 
 def _owned(value: object) -> Iterator[NDArray[np.generic]]:

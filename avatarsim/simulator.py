@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from threading import Lock
+from time import perf_counter
 from types import TracebackType
 from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
@@ -15,7 +16,7 @@ from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.linking import CalledKernel
-from avatarsim.rehearsal import undone
+from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
@@ -272,16 +273,34 @@ class AvatarsimEngine:
         return dict(self._running().clock.calls)
 
     def _rehearse(self, frames: Frames, sample: TrackerSample, dt: float) -> None:
-        """Bring what a frame calls into memory: run a frame that leaves no trace, until one finds all of it there."""
+        """Bring what a frame calls into memory, and what it reads and writes into the caches: run frames that leave no trace."""
         made = -1
         while made < CalledKernel.made:
             made = CalledKernel.made
-            # an error belongs to the frame that meets it, and will be met again there
-            with undone(frames.parts()), suppress(AvatarsimError):
-                self._advance(sample, dt)
+            undo = Undo(frames.parts())
+            self._rehearsed(undo, sample, dt, first=True)
             if made < CalledKernel.made and gc.isenabled():
                 # a quarter of a million objects came with the kernels: some frame would have to wait until all are gone through
                 gc.collect()
+        if gc.isenabled():
+            # the young objects of this load: looked through now, no collection falls due in the first frame
+            gc.collect(1)
+        begun = perf_counter()
+        for _ in range(REHEARSALS):
+            self._rehearsed(undo, sample, dt)
+            if perf_counter() - begun >= ENOUGH:
+                break
+
+    def _rehearsed(self, undo: Undo, sample: TrackerSample, dt: float, first: bool = False) -> None:
+        """Run one frame and undo it, also if it raises."""
+        try:
+            # an error belongs to the frame that meets it, and will be met again there
+            with suppress(AvatarsimError):
+                self._advance(sample, dt)
+            if first:
+                undo.keep_what_changed()
+        finally:
+            undo()
 
     def _running(self) -> Frames:
         if self._frames is None:

@@ -73,8 +73,8 @@ def kept_by(parts: Sequence[Part]) -> list[Field]:
 
 
 def _named(path: str, value: object) -> Iterator[tuple[str, Bits]]:
-    """Arrays in nested named tuples with their dotted names, of tables each column; single numbers are constants, and records working
-    memory."""
+    """Arrays in nested named tuples with their dotted names, of tables each column; single numbers are constants, and records
+    working memory."""
     if isinstance(value, np.ndarray) and value.dtype.names is not None:
         for column in value.dtype.names:
             yield f"{path}.{column}", value[column]

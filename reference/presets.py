@@ -17,6 +17,8 @@ Value = bool | int | float | str | tuple[float, ...] | None
 
 COMPILED = "compiled: "
 """How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
+ONE_SCENE = "for this scene only: "
+"""How the reason of a setting begins that was chosen for one scene."""
 TUNED = "tuned"
 """The preset beside which settings stand that are better in something else."""
 
@@ -59,6 +61,11 @@ def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> 
             raise InvalidInput(f"option of {engine}", name, "one of " + ", ".join(sorted(chosen)))
         chosen[name] = Chosen(_like(engine, name, chosen[name].value, value), "set by hand")
     return chosen
+
+
+def of_one_scene(preset: Preset) -> Preset:
+    """Settings that are the best of one scene and of no other, marked so in their reasons."""
+    return {name: Chosen(chosen.value, f"{ONE_SCENE}{chosen.reason}") for name, chosen in preset.items()}
 
 
 def purpose(preset: str, optimises: Mapping[str, str], better: Sequence[str]) -> dict[str, tuple[str, str]]:

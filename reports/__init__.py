@@ -72,7 +72,7 @@ def _texts(
     from reports.summary import summary
 
     laid_out = layout(results, judged)
-    yield SUMMARY, summary(results, judged, extras.two, extras.close)
+    yield SUMMARY, summary(results, judged, extras.two, extras.close, damage)
     yield JUNIT, junit(judged)
     courses, pictures = {}, {}
     for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):

@@ -5,18 +5,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from reports.load import Results
-from scenarios.native import written
+from scenarios.native import steps_written, written
 
 
 @dataclass(frozen=True)
 class AsRun:
     """One run in one scene: `settings` as name -> (value, reason or ""), `native` the path of its file as the page of a scene
-    links it, "" if its engine gave none."""
+    links it, "" if its engine gave none; `steps`: of what it was told in every step and of the program that plays it."""
 
     run: str
     version: str
     settings: Mapping[str, tuple[str, str]]
     native: str
+    steps: tuple[str, ...] = ()
 
 
 def as_run(run_dir: Path, results: Results, scene: str, seed: int) -> tuple[AsRun, ...]:
@@ -25,5 +26,6 @@ def as_run(run_dir: Path, results: Results, scene: str, seed: int) -> tuple[AsRu
     for note in results.engines:
         if note.scenario == scene and note.settings and note.run not in found:
             path = written(run_dir, scene, note.run, seed)
-            found[note.run] = AsRun(note.run, note.version, note.settings, f"../{path}" if path else "")
+            found[note.run] = AsRun(note.run, note.version, note.settings, f"../{path}" if path else "",
+                                    tuple(f"../{name}" for name in steps_written(run_dir, scene, note.run, seed)))
     return tuple(found.values())

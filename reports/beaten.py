@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from reports.cheapest import NOISE, Attempt, attempts
+from reports.alike import is_more
+from reports.cheapest import Attempt, attempts
 from reports.sweep import OURS, Point, Sweep
 from reports.wording import count
 from scenarios.sweep.accuracy import LEVELS, counts, follows
@@ -37,13 +38,13 @@ def beaten(sweep: Sweep) -> tuple[Beaten, ...]:
             continue
         rivals = [
             other for other in tried
-            if other.measured and follows(other.offset) and (1.0 + NOISE) * other.p50 < preset.p50
+            if other.measured and follows(other.offset) and is_more(preset.time, other.time)
             and (other.any_point.scenario, other.any_point.engine) == (point.scenario, point.engine)
             and all(errors[other.any_point.scenario, other.any_point.run].get(metric, float("inf")) <= error
                     for metric, error in errors[point.scenario, point.run].items())
         ]
         if rivals:
-            found.append(Beaten(preset, min(rivals, key=lambda other: (not Beaten(preset, other).closer, other.p50))))
+            found.append(Beaten(preset, min(rivals, key=lambda other: (not Beaten(preset, other).closer, other.time))))
     return tuple(found)
 
 
@@ -59,7 +60,8 @@ def _errors(points: Sequence[Point]) -> dict[tuple[str, str], dict[str, float]]:
 def sentence(found: Sequence[Beaten]) -> str:
     """How often it happens."""
     if not found:
-        return "No tuned preset is beaten in time and every error that counts at once by a setting of its own sweep."
+        return ("No tuned preset is beaten in time and every error that counts at once by a setting of its own sweep that was "
+                "measured here.")
     closer = sum(one.closer for one in found)
     runs = [one.preset.any_point.run for one in found]
     each = ", ".join(f"{run} in {count(runs.count(run), 'scene')}" for run in dict.fromkeys(runs))

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.metric_words import words
-from reports.sweep import OURS, Point, Sweep, like_for_like
+from reports.sweep import OURS, Point, Sweep, measured_of
 from reports.wording import count, limit, listed, quantity, ratio
 from scenarios.sweep.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts, follows
 from scenarios.sweep.accuracy import length as as_length
@@ -27,18 +28,18 @@ def length(point: Point) -> float:
 
 @dataclass(frozen=True)
 class Attempt:
-    """One setting in one scene: the largest of its errors [m], its median frame time [us], its offset from the tracker [m]; nan
-    where there is none. `any_point` is one of its points."""
+    """One setting in one scene: the largest of its errors [m], the time of a frame [us] by which its scene compares, its offset
+    from the tracker [m]; nan where there is none. `any_point` is one of its points."""
 
     any_point: Point
     error: float
-    p50: float
+    time: float
     offset: float
 
     @property
     def measured(self) -> bool:
         """Whether it has both an accuracy and a time."""
-        return math.isfinite(self.error) and math.isfinite(self.p50) and self.p50 > 0.0
+        return math.isfinite(self.error) and math.isfinite(self.time) and self.time > 0.0
 
     def reaches(self, level: float) -> bool:
         """Whether every error is at most `level` [m]; never for what was not measured, or does not follow a free user."""
@@ -50,9 +51,16 @@ class Attempt:
         return self.measured and not follows(self.offset)
 
 
+def bases_of(points: Sequence[Point]) -> dict[str, Basis]:
+    """Scene -> the time that its settings are compared by."""
+    return {scene: basis_of([point for point in points if point.scenario == scene])
+            for scene in dict.fromkeys(point.scenario for point in points)}
+
+
 def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
     """One entry per scene and setting that has an error which is a length; an error that is missing spoils the others. A setting
     that has no words for one of them was not tried."""
+    bases = bases_of(points)
     groups: dict[tuple[str, str], list[Point]] = {}
     for point in points:
         groups.setdefault((point.scenario, point.run), []).append(point)
@@ -64,7 +72,7 @@ def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
         if lengths:
             worst = math.nan if any(math.isnan(value) for value in lengths) else max(lengths)
             offset = next((p.error for p in group if p.metric in FOLLOWING and p.state == "measured"), math.nan)
-            found.append(Attempt(group[0], worst, group[0].p50, offset))
+            found.append(Attempt(group[0], worst, time_by(group[0], bases[group[0].scenario]), offset))
     return tuple(found)
 
 
@@ -72,15 +80,16 @@ def cheapest(tried: Sequence[Attempt], level: float) -> Attempt | None:
     """The fastest that reaches `level` [m]; of those within NOISE of it a preset before what was turned, then the more accurate,
     then the first by name. Errors below the finest of LEVELS are not told apart either."""
     able = [attempt for attempt in tried if attempt.reaches(level)]
-    least = min((attempt.p50 for attempt in able), default=math.nan)
-    near = [attempt for attempt in able if attempt.p50 <= (1.0 + NOISE) * least]
+    least = min((attempt.time for attempt in able), default=math.nan)
+    near = [attempt for attempt in able if attempt.time <= (1.0 + NOISE) * least]
     return min(near, key=lambda a: (not a.any_point.is_preset, max(a.error, LEVELS[-1]), a.any_point.setting), default=None)
 
 
 @dataclass(frozen=True)
 class Cell:
     """The cheapest setting of one engine at one accuracy; `factor`: its time over that of BASE, nan if there is none like for
-    like; `best` if no other engine's is faster. `strays`: how many settings leave so little and do not follow a free user."""
+    like; `best` if it is the fastest engine's or level with it, never in a scene with an avatar. `strays`: how many settings
+    leave so little and do not follow a free user."""
 
     attempt: Attempt | None
     factor: float
@@ -90,13 +99,19 @@ class Cell:
 
 @dataclass(frozen=True)
 class Line:
-    """One engine in one scene: a cell per level; `tried` settings were measured, the least error among those that
-    follow a free user is `least` [m], nan if there is none."""
+    """One engine in one scene: a cell per level; `tried` settings of those `planned` were measured, the least error among those
+    that follow a free user is `least` [m], nan if there is none."""
 
     engine: str
     cells: tuple[Cell, ...]
     tried: int
     least: float
+    planned: int = 0
+
+    @property
+    def measured(self) -> str:
+        """"7 settings measured here (of 15 planned)"."""
+        return measured_of(self.tried, self.planned, "setting")
 
     @property
     def at_best(self) -> str:
@@ -116,6 +131,10 @@ class Block:
     silent: tuple[str, ...] = ()
     unsaid: tuple[str, ...] = ()
     """The errors for which those lack words."""
+    basis: Basis = Basis.MEDIAN
+    """The time that is compared here."""
+    avatar: bool = False
+    """Whether there is one: times then stand side by side."""
 
     def cell(self, engine: str, level: int) -> Cell | None:
         """What an engine has at the level with that index; None for an engine that was not tried."""
@@ -124,7 +143,7 @@ class Block:
     def time(self, engine: str, level: int) -> float:
         """Time [us] of an engine's cheapest setting at the level with that index; nan where it reaches it with none."""
         cell = self.cell(engine, level)
-        return math.nan if cell is None or cell.attempt is None else cell.attempt.p50
+        return math.nan if cell is None or cell.attempt is None else cell.attempt.time
 
     @property
     def errors(self) -> str:
@@ -148,12 +167,20 @@ class Case:
 
     @property
     def lost(self) -> bool:
-        """Whether a rival is cheaper, or reaches what ours does not."""
-        return self.rival is not None and (self.ours is None or not _p50(self.ours) <= _p50(self.rival))
+        """Whether a rival is cheaper and not level, or reaches what ours does not."""
+        if self.rival is None:
+            return False
+        return self.ours is None or is_more(_time(self.ours), _time(self.rival))
+
+    @property
+    def times(self) -> str:
+        """Both times, the rival's first, with what sleeps in the median frame."""
+        ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
+        return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}"
 
 
-def _p50(cell: Cell | None) -> float:
-    return math.nan if cell is None or cell.attempt is None else cell.attempt.p50
+def _time(cell: Cell | None) -> float:
+    return math.nan if cell is None or cell.attempt is None else cell.attempt.time
 
 
 def _run(cell: Cell | None) -> str:
@@ -169,21 +196,34 @@ class Table:
     astray: tuple[Attempt, ...] = field(default=())
 
     @cached_property
-    def compared(self) -> tuple[Block, ...]:
-        """Blocks in which every engine has words for the errors: only those make cases and profiles."""
+    def said(self) -> tuple[Block, ...]:
+        """Blocks in which every engine has words for the errors."""
         return tuple(block for block in self.blocks if not block.silent)
+
+    @cached_property
+    def compared(self) -> tuple[Block, ...]:
+        """Those of them without an avatar: only they make cases and profiles."""
+        return tuple(block for block in self.said if not block.avatar)
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
         """Every compared scene at every accuracy."""
+        return self._cases(self.compared)
+
+    @cached_property
+    def side_by_side(self) -> tuple[Case, ...]:
+        """The same of scenes with an avatar, which are compared by no rule."""
+        return self._cases([block for block in self.said if block.avatar])
+
+    def _cases(self, blocks: Sequence[Block]) -> tuple[Case, ...]:
         found = []
-        for block in self.compared:
+        for block in blocks:
             for level in range(len(LEVELS)):
                 reached = [cell for engine in self.engines if engine != OURS[0]
                            if (cell := block.cell(engine, level)) is not None and cell.attempt is not None]
                 ours = block.cell(OURS[0], level)
                 found.append(Case(block, level, ours if ours is not None and ours.attempt is not None else None,
-                                  min(reached, key=_p50, default=None)))
+                                  min(reached, key=_time, default=None)))
         return tuple(found)
 
     @property
@@ -194,21 +234,23 @@ class Table:
 
 def table(sweep: Sweep) -> Table:
     """The table of a sweep: scenes in the order of the file."""
-    tried = attempts(sweep.points)
+    tried, bases = attempts(sweep.points), bases_of(sweep.points)
+    avatars = {p.scenario for p in sweep.points if p.avatar or p.metric in FOLLOWING}
     blocks = []
     for scenario in dict.fromkeys(attempt.any_point.scenario for attempt in tried):
         here = [attempt for attempt in tried if attempt.any_point.scenario == scenario]
         metrics = dict.fromkeys(p.metric for p in sweep.points if p.scenario == scenario and counts(p.metric, p.unit))
         own = {engine: [a for a in here if a.any_point.engine == engine] for engine in sweep.engines}
-        lines = tuple(_line(engine, own[engine], here) for engine in own if own[engine])
+        basis, avatar = bases[scenario], scenario in avatars
+        lines = tuple(_line(engine, own[engine], here, basis, avatar) for engine in own if own[engine])
         silent = [p for p in sweep.points if p.scenario == scenario and p.state == "cannot-say" and not own[p.engine]]
         engines, unsaid = (tuple(dict.fromkeys(names)) for names in ([p.engine for p in silent], [p.metric for p in silent]))
-        blocks.append(Block(scenario, tuple(metrics), lines, engines, unsaid))
+        blocks.append(Block(scenario, tuple(metrics), lines, engines, unsaid, basis, avatar))
     astray = tuple(attempt for attempt in tried if attempt.strays and attempt.error <= LEVELS[0])
     return Table(tuple(blocks), sweep.engines, astray)
 
 
-def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt]) -> Line:
+def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis: Basis, avatar: bool) -> Line:
     base = next((a.any_point for a in here if a.any_point.run == BASE and a.measured), None)
     engines, cells = dict.fromkeys(a.any_point.engine for a in here), []
     for level in LEVELS:
@@ -218,62 +260,83 @@ def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt]) -> Lin
             cells.append(Cell(None, math.nan, strays=strays))
             continue
         named = [cheapest([a for a in here if a.any_point.engine == other], level) for other in engines]
-        best = found.p50 <= min(one.p50 for one in named if one is not None)
-        cells.append(Cell(found, math.nan if base is None else like_for_like(found.any_point, base), best, strays))
+        best = not avatar and not any(is_more(found.time, one.time) for one in named if one is not None)
+        times = math.nan if base is None or avatar else factor(found.any_point, base, basis)
+        cells.append(Cell(found, times, best, strays))
     measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
-    return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan))
+    return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried))
 
 
 def sentence(found: Table) -> str:
-    """Where a rival is cheaper than ours first, then what is not reached, then by how much ours is cheaper, like for like."""
+    """Of scenes without an avatar: where a rival is cheaper than ours first, then what is not reached, then by how much ours is
+    cheaper, like for like; then what stands side by side."""
     if not found.blocks:
         return "No error of this sweep is a length: there is no cheapest setting to name."
     cases, lost, parts = found.cases, found.lost, list[str]()
-    if lost:
-        said = tuple(
-            f"{case.where} ({_run(case.rival)} {quantity(_p50(case.rival), 'us')}, ours "
-            f"{'does not reach it' if case.ours is None else quantity(_p50(case.ours), 'us')})" for case in lost
-        )
-        parts.append(f"A rival is cheaper than ours in {len(lost)} of {count(len(cases), 'case')} (scene × accuracy): "
-                     f"{listed(said)}.")
-    elif cases:
-        parts.append(f"In none of {count(len(cases), 'case')} (scene × accuracy) is a setting measured of a rival cheaper than "
-                     "the cheapest of ours.")
+    if cases:
+        said = tuple(f"{case.where} ({case.times})" for case in lost)
+        parts.append(f"Of {count(len(cases), 'case')} without an avatar (scene × accuracy) a rival is cheaper in {len(lost)}"
+                     f"{f': {listed(said)}' if lost else ''}.")
     neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
-    parts += [f"Not reached by the settings measured of any engine: {listed(neither)}."] if neither else []
+    parts += [f"Not reached by any setting measured here of any engine: {listed(neither)}."] if neither else []
     alone = [case for case in cases if case.ours is not None and case.rival is None]
     if alone:
-        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that is not reached by the settings measured of "
-                     "another engine.")
-    return " ".join([*parts, *_factors(cases), *_tails(cases)])
+        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
+                     f"does: of {_tried(alone)}.")
+    return " ".join([*parts, *_factors(cases), *_beside(found)])
+
+
+def asleep(found: Table) -> list[str]:
+    """Both times of the cases in which what rests sleeps in the median frame, so that they have no factor."""
+    said: dict[str, list[str]] = {}
+    for case in found.cases:
+        if case.ours is not None and case.rival is not None and case.rival.factor != case.rival.factor:
+            said.setdefault(_asleep(case), []).append(case.where)
+    told = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
+    return [f"No factor where what rests sleeps in the median frame: {listed(told)}."] if told else []
+
+
+def _tried(cases: Sequence[Case]) -> str:
+    """How many settings of rivals were measured in the scenes of these cases."""
+    lines = [line for block in {case.block.scenario: case.block for case in cases}.values() for line in block.lines
+             if line.engine != OURS[0]]
+    return measured_of(sum(line.tried for line in lines), sum(line.planned for line in lines), "cell")
 
 
 def _factors(cases: Sequence[Case]) -> list[str]:
-    """By how much ours is cheaper where frames are alike, and where they are not."""
+    """By how much ours is cheaper where frames are alike."""
     both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None]
-    alike = [(factor, case) for factor, case in both if factor == factor]
+    alike = [(times, case) for times, case in both if times == times]
     parts = []
     if alike:
         (low, near), (high, far) = min(alike, key=lambda e: e[0]), max(alike, key=lambda e: e[0])
         parts.append(
             f"Where both reach it, the cheapest rival takes {_times(low)} ({near.where}, {_run(near.rival)}) to {_times(high)} "
-            f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where both tell them apart."
+            f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
         )
-    apart = tuple(f"{case.where}, {_run(case.rival)}" for factor, case in both if factor != factor)
-    if apart:
-        parts.append(f"One sleeps in its median frame and the other does not, so that no factor is given: {listed(apart)}.")
     return parts
 
 
-def _tails(cases: Sequence[Case]) -> list[str]:
-    """Where the rival that is cheapest in the median costs less than ours in the 95th percentile, and ours less in the median."""
-    said = []
-    for case in cases:
-        if case.ours is not None and case.rival is not None and not case.lost and case.ours.attempt and case.rival.attempt:
-            ours, theirs = case.ours.attempt.any_point.p95, case.rival.attempt.any_point.p95
-            if theirs < ours:
-                said.append(f"{case.where} ({_run(case.rival)} {quantity(theirs, 'us')}, ours {quantity(ours, 'us')})")
-    return [f"At the 95th percentile the same rival costs less than ours in {listed(tuple(said))}."] if said else []
+def _asleep(case: Case) -> str:
+    """Which of the two sleep in the median frame, with both medians, and the frames that move."""
+    assert case.ours is not None and case.rival is not None
+    mine, theirs = (cell.attempt.any_point for cell in (case.ours, case.rival) if cell.attempt is not None)
+    medians = f"{mine.run} {quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
+    sleep = "both sleep" if mine.is_asleep and theirs.is_asleep else "ours sleeps" if mine.is_asleep else f"{theirs.run} sleeps"
+    moving = f"{quantity(mine.p95, 'us')} and {quantity(theirs.p95, 'us')}"
+    return f"{sleep}: {medians}; in frames that move (95th percentile): {moving}"
+
+
+def _beside(found: Table) -> list[str]:
+    """What is said of scenes with an avatar: that they are not compared, and where a rival takes less time all the same."""
+    cases = found.side_by_side
+    if not cases:
+        return []
+    less = tuple(f"{case.where} ({case.times})" for case in cases if case.lost)
+    where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {listed(less)}" if less else (
+        "in none of them does a rival take less time")
+    return [f"With an avatar, in {count(len(cases), 'case')}, ours is kinematic and theirs has dynamics: times stand side by "
+            f"side below, without factor, rank or share; {where}."]
 
 
 def _times(factor: float) -> str:
@@ -308,8 +371,10 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
     for line in (line for line in lines if line.engine in engines):
         attempt = line.cells[index].attempt
         if attempt is not None:
-            said.append(f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
+            said.append(f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting})")
         else:
-            said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried ({line.at_best})")
+            said.append(f"{line.engine} by none of {line.measured} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
-    return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}."
+    beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
+    tail = "; 95th percentile, as what rests sleeps in the median frame" if block.basis is Basis.TAIL else ""
+    return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."

@@ -8,7 +8,7 @@ from pathlib import Path
 from reports.files import lines, number, times
 from reports.wording import MISSING, MOST_FACTOR, count, factor, figures, listed, quantity
 
-NEAREST, BESIDE = "nearest_free_scenes.csv", "beside.csv"
+FILES = NEAREST, BESIDE = "nearest_free_scenes.csv", "beside.csv"
 TIMES = 2.0
 """How many times as far from the user as the nearest free posture the one shown may be."""
 

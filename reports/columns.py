@@ -12,7 +12,7 @@ from scenarios.ranked import CLOSED_FORM, RANKED
 class Column:
     """One column: smaller is better in all. Values that differ by `same` (in `unit`) or less count as equal, as on the terminal;
     `floor` is the least value that two runs of one engine are told apart by. `stays_inside` columns cannot be won by leaving
-    the room; what is not `ranked` is shown and has no best."""
+    the room; what is not `ranked` is shown and has no best; values within a `share` of the smaller count as equal too."""
 
     key: str
     title: str
@@ -23,6 +23,7 @@ class Column:
     same: float
     stays_inside: bool = False
     ranked: bool = True
+    share: float = 0.0
 
 
 def _named(*names: str) -> Callable[[str], bool]:
@@ -37,7 +38,7 @@ def is_truth_error(metric: str) -> bool:
 def _column(key: str, title: str, unit: str, floor: float, meaning: str, *metrics: str) -> Column:
     """A column of `metrics`, which count as equal when the registry says so."""
     rule = RANKED[metrics[0]]
-    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside)
+    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside, share=rule.share)
 
 
 COLUMNS = (
@@ -55,6 +56,8 @@ COLUMNS = (
     _column("chatter", "frames in contact that shake", "%", 0.05, "share of the frames in contact in which a link goes to and "
             "fro, faster than 0.18 m/s (3 mm at 60 Hz), in 3 of the last 4 frames, while its target does not",
             "chatter_frames"),
+    _column("jitter", "jitter in contact", "m", 1e-6, "to-and-fro motion below that speed while the target rests or slides: of "
+            "the link that has most, the root mean square of what it takes back over frames in contact", "jitter_rms"),
     _column("limits", "angle beyond limits", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
             "joint_limit_excess_max", "reach_cone_excess_max"),
     _column("p50", "frame time, median", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
@@ -63,6 +66,10 @@ COLUMNS = (
     Column("python", "as called from Python", "us", 0.0, "the same median with the Python round the engine: our own, and "
            "round MuJoCo and PyBullet that of our adapters, which is why it ranks nothing", _named("frame_time_python_p50"), 0.0,
            ranked=False),
+    Column("slowest", "slowest frame timed", "us", 0.0, "the slowest of all frames of the scene that this engine was timed over, "
+           "each the least of its repeats; beside it which frames these are. Ours is timed over whole scenes, the others over as "
+           "many frames as there is time for, in which a slower one may be missed, so this ranks nothing here",
+           _named("frame_time_max"), 0.0, ranked=False),
     _column("p95", "frame time, 95th percentile", "us", 0.0, "time that 95 % of the frames stay below", "frame_time_p95"),
 )
 
@@ -84,11 +91,11 @@ def worst(rows: Sequence[Row]) -> Row | None:
     return max(rows, key=badness, default=None)
 
 
-def ratio_to_best(value: float | None, best: float | None, same: float = 0.0) -> float | None:
-    """`value` over `best`; 1 where they differ by `same` or less, infinite against a best of 0; None where either is missing or
-    not finite."""
+def ratio_to_best(value: float | None, best: float | None, same: float = 0.0, share: float = 0.0) -> float | None:
+    """`value` over `best`; 1 where they differ by `same`, or that `share` of the best, or less, infinite against a best of
+    0; None where either is missing or not finite."""
     if value is None or best is None or not (math.isfinite(value) and math.isfinite(best)):
         return None
-    if 0.0 <= value - best <= same:
+    if 0.0 <= value - best <= max(same, share * best):
         return 1.0
     return value / best if best > 0.0 else math.inf

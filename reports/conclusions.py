@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from avatarsim.settings import PostureSettings, meanings
 from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
 from reports.metric_words import words
@@ -18,7 +19,7 @@ OVERLAP_BOUND = 1e-6
 # Time of one frame [us] at 60 Hz, and at the 90 Hz of a headset.
 FRAME_60_HZ, FRAME_90_HZ = 1e6 / 60.0, 1e6 / 90.0
 # Parts of the names of settings [m] that hold bodies apart, ours among them, and what to call them.
-HOVERS = {"margin": "contact margin", "stand_off": "stand-off"}
+HOVERS = {"margin": "contact margin", "stand_off": "stand-off", "loose_margin": "contact margin of loose things"}
 # Stands in the first paragraph of page and summary.
 KINEMATIC = (
     "Our avatar is kinematic: the user's motion drives it. MuJoCo and PyBullet compute the dynamics of the whole articulated "
@@ -29,8 +30,8 @@ KINEMATIC = (
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
-    "What rests sleeps in our engine; in the tuned others it does not, as asleep it keeps what overlap it has: where all is at "
-    "rest, most of the difference in time is that, and the row mujoco/sleeping stands for it in scenes whose bodies are to rest."
+    "What rests sleeps in our engine; in the tuned others it is computed, and the row mujoco/sleeping stands beside them in "
+    "scenes whose bodies are to rest. Of a time in which what rests sleeps no factor is made."
 )
 
 
@@ -105,9 +106,10 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
 def time_summary(
     panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str,
     family_of: Mapping[str, str] = MappingProxyType({}), slowest_frames: Mapping[str, float] = MappingProxyType({}),
+    scenes: int = 0,
 ) -> str:
-    """What all panels of frame time together say about our run, its slowest frame [us] by scene first; a family of scenes is
-    counted where ours is fastest in all."""
+    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many
+    `scenes`); a family of scenes is counted where ours is fastest in all."""
     own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
     if not own:
         return f"No frame time of {ours} was measured."
@@ -118,21 +120,26 @@ def time_summary(
         if theirs:
             family = family_of.get(scene, scene)
             fastest[family] = fastest.get(family, True) and runs[ours][1] <= min(theirs)
-    text = slowest_sentence(slowest_frames, ours)
+    text = slowest_sentence(slowest_frames, ours, scenes)
     text += f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
     return text + (f"; it is the fastest in {sum(fastest.values())} of {families(len(fastest))}." if fastest else ".")
 
 
-def slowest_sentence(frames: Mapping[str, float], ours: str) -> str:
-    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, against what a headset allows."""
+def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) -> str:
+    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, of so many, against what a headset
+    allows, and what dearer frames cost that need not be in the run."""
     if not frames:
         return ""
     worst = max(frames, key=lambda scene: frames[scene])
     over = sum(not time <= FRAME_90_HZ for time in frames.values())
-    held = f"in all {len(frames)} scenes every frame fits into"
+    # what it does, before its values, is of no interest here
+    leaps = meanings(PostureSettings)["leap_search"].partition(". ")[2] + " "
+    of = f" of {count(scenes, 'scene')}" if scenes else ""
+    held = f"in each of the {len(frames)}{of} with such a figure every frame that was timed fits into"
     if over:
-        held = f"in {over} of {len(frames)} scenes a frame takes longer than"
-    return f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
+        held = f"in {over} of the {len(frames)}{of} with such a figure a frame takes longer than"
+    return (f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
+            f"What a leap into something may take, and how to avoid it: leap_search, {leaps}")
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:
@@ -155,6 +162,25 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
     return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
 
 
+def asleep_sentence(block: Block) -> str:
+    """Which engines of a scene sleep in the median frame, with their medians, and what frames that move take; "" where none
+    does."""
+    if not block.asleep:
+        return ""
+    places = {"median": "frame_time_p50", "tail": "frame_time_p95"}
+    times = {
+        line.run: {name: next((quantity(cell.value, "us") for cell in line.cells if cell.row and cell.row.metric == metric), "")
+                   for name, metric in places.items()} for line in block.lines if not line.tracker
+    }
+    medians = tuple(f"{run} {times[run]['median']}" for run in block.asleep if times.get(run, {}).get("median"))
+    tails = tuple(f"{run} {of['tail']}" for run, of in times.items() if of["tail"])
+    each = "both sleep" if len(medians) == 2 else "all sleep" if len(medians) > 2 else "one sleeps"
+    if not medians:
+        return ""
+    return (f"In the median frame {each}: {listed(medians, len(medians))}; no factor is made of medians here. In frames that "
+            f"move (95th percentile): {listed(tails, len(tails))}.")
+
+
 def ratio_sentence() -> str:
     """How factors read: where they end, and what stands beside a best of 0."""
     return (f"A factor is a value over the best of its scene and ends at ×{MOST_FACTOR:,.0f}; where the best is 0 there is none, "
@@ -174,7 +200,8 @@ def hover_notes(results: Results) -> tuple[str, ...]:
         span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
         scenes = len({note.scenario for note in results.engines if note.run == run})
         where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
-        said.append(f"{run} keeps a {kind} of {span}{where}: its links hover.")
+        what = "loose things stand apart" if kind == HOVERS["loose_margin"] else "its links hover"
+        said.append(f"{run} keeps a {kind} of {span}{where}: {what}.")
     return tuple(said)
 
 

@@ -19,7 +19,7 @@ def sentence(found: tuple[Large, ...]) -> str:
     if not found:
         return "No other engine has a figure of this size."
     causes = Counter("not yet explained" if one.why is None else one.why.cause.value for one in found)
-    order = sorted(causes, key=lambda cause: (cause != "not yet explained", cause != "our adapter", cause))
+    order = sorted(causes, key=lambda cause: (cause != "not yet explained", cause not in ("our adapter", "our setting"), cause))
     return f"{count(len(found), 'figure')}: {'; '.join(f'{causes[cause]} {cause}' for cause in order)}."
 
 

@@ -21,7 +21,7 @@ Flags = NDArray[np.bool_]
 FIGURE_7 = "hand_over_table"
 """The scene of Figure 7: a hand roams idle, slides over a table, pushes a ball."""
 METHODS = ("avatarsim/default", "avatarsim/paper")
-FILE, STAGES_FILE = "figure_7.csv", "figure_7_shares.csv"
+FILES = FILE, STAGES_FILE = "figure_7.csv", "figure_7_shares.csv"
 """What `scenarios.table_2` leaves in the run's folder."""
 MOST_POINTS = 240
 SEEN = 1e-6

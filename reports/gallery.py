@@ -43,7 +43,7 @@ def cards(results: Results, shown: Sequence[Block], verdict: Verdict, pictures: 
     said = _statuses(verdict)
     behind: dict[str, dict[str, None]] = defaultdict(dict)
     for loss in verdict.losses:
-        if loss.kind in ("behind", "outside"):
+        if loss.kind == "behind":
             behind[loss.scene][words(loss.what)] = None
     return tuple(
         Card(block.scene, block.title, results.family(block.scene), *said.get(block.scene, ("none", "no bound of the gate")),

@@ -7,7 +7,22 @@ TERMS = (
     ("deepest overlap shown", "How far two bodies are in one another at most, over all states shown, by the judge."),
     ("frames in contact that shake", "Share of the frames in contact in which a link goes to and fro, faster than 0.18 m/s, in 3 "
      "of the last 4 frames, while its target does not turn back."),
-    ("displacement taken back", "What a link moved in one frame and took back in the next while its target did not turn back."),
+    ("displacement taken back", "What a link moved in one frame and took back in the next while its target did not turn back: "
+     "the smaller of the two. The largest to and fro is the largest of it."),
+    ("jitter in contact", "To-and-fro motion below what counts as shaking, 3 mm a frame at 60 Hz (0.18 m/s): the root mean "
+     "square, over frames in contact in which a link's target rests or slides below that speed, of the displacement taken back, "
+     "at most 3 mm, and 0 in frames without any; of the link that has most."),
+    ("jump", "What a link or the root moves in one frame more than its user does. Of our root it ends at a cap, steps x "
+     "move_cap (0.3 m as set), which is reached where an avatar that was held back catches up."),
+    ("turn", "What a joint, or a body without joints as a whole (the rigid hand of thin_wall_hand), turns in one frame more than "
+     "its user does."),
+    ("trap", "The user's own posture is free, or the trunk is held off by what it is clear of, and the shown avatar is not there "
+     "and has come no nearer for trapped_frames frames. Status: trapped."),
+    ("wall between", "A trap in which something that is no link stands between the shown trunk and the user's. Status: walled."),
+    ("leap", "A frame in which the user moves farther than the steps of a frame go (0.3 m as set), such as a teleport; it is "
+     "followed in that frame, as far as the way is free."),
+    ("untied", "Limbs that hold each other while the user's posture is free are let go by one stated jump that crosses nothing "
+     "fixed. Status: resyncs."),
     ("roughness of motion", "95th percentile of the third differences of link places, shown over target; 1 is as smooth as the "
      "user."),
     ("frames far from a free user without a status", "The target has been free for half a second, a link is more than 10 cm off, "

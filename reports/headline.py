@@ -29,8 +29,8 @@ ROOMS = "motion not tuned for, worst of {} rooms"
 IN_ROOMS = ("overlap", "offset", "chatter")
 """Columns of the verdict table in those rows: times would be the worst of scenes that differ."""
 LEFT_OUT = (
-    "Joint limits are not in this table: the other engines have no word for the swing cone and the twist of a ball joint, and "
-    "three limited hinges in its place limit other angles; the report has the figures."
+    "Joint limits are not in this table: our adapters make ball joints, for whose swing cone and twist the other engines have no "
+    "word, and three limited hinges in their place limit other angles; the report has the figures."
 )
 """Why a measure of the verdict table is missing here. With hinges at angles a and b across the limb, the twist about it is off
 by 2 atan(tan(a / 2) tan(b / 2)), 19 degrees at 45, and the second hinge locks at 90 degrees, inside the cone of a shoulder."""
@@ -86,7 +86,8 @@ def _shown(results: Results) -> list[Figure]:
     """Every everyday scene, or every scene of a run without any; then the rooms of unseen motions as one."""
     found = [figure for block in blocks(results) if block.scene in results.everyday or not results.everyday
              for figure in _figures(block, tuple(MEASURES))]
-    rooms = {row.scenario for row in results.rows if row.scenario.startswith(PREFIX)}
+    rooms = {row.scenario for row in results.rows if row.scenario.startswith(PREFIX)
+             and results.family(row.scenario) == row.scenario}
     return found + (_figures(together(results, rooms, ROOMS.format(len(rooms))), IN_ROOMS) if rooms else [])
 
 

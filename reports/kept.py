@@ -1,6 +1,5 @@
 """What a run keeps of a scene beside its figures: what the scene looks like, and what every engine showed in it."""
 
-import json
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json
+from avatarsim.regular_file import parsed_json, read_json
 from scenarios import array_file
 from scenarios.record import misfit
 
@@ -88,8 +87,8 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list
 def _shown(path: Path, run: str, overlaps: Path) -> Shown:
     stored = array_file.read(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
     try:
-        version = json.loads(str(stored["meta"]))["schema_version"]
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        version = parsed_json(str(stored["meta"]), f"meta of recording {path}", WHOLE)["schema_version"]
+    except (KeyError, TypeError) as error:
         raise InvalidFile(f"recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
     if version != RECORDING_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{RECORDING_SCHEMA}; run again")

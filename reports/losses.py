@@ -85,6 +85,8 @@ def at(results: Results, one: Behind, ours: str) -> str:
 def same(metric: str) -> str:
     """The difference that counts as equal, as text."""
     rule = RANKED[metric]
+    if rule.share:
+        return f"{rule.share:.0%}"
     return limit(rule.same, METRICS[metric][0]) if rule.same and metric in METRICS else "none"
 
 

@@ -7,10 +7,13 @@ from reports.verdict import believed
 from reports.wording import limit
 from scenarios.measure.protocol import brief
 
+TIMED_OVER = ("frame_time_p50", "frame_time_max")
+"""Times beside which stands how many repeats of which frames they are over."""
+
 
 def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
-    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour; of a median time, how it was
-    taken."""
+    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour; of a median time and a
+    slowest frame, over which frames it was taken."""
     row = cell.row
     if row is None or row.value is None:
         return ("missing", "")
@@ -23,7 +26,7 @@ def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
         return ("held", "holds")
     if cell.unsaid:
         return ("how", f"not ranked: {cell.unsaid.partition(':')[0]}")
-    if row.metric != "frame_time_p50" or not row.note:
+    if row.metric not in TIMED_OVER or not row.note:
         return ("", "")
     # a line of its own for each part, as narrow as the column
     return ("how", re.sub(r"(?<![;,]) ", "\u00a0", brief(row.note).replace(" us", " µs")))

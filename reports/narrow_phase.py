@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
+from typing import Any
 
 from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import read_json, read_text
 from reports.files import DAMAGED, WHOLE
 from reports.wording import count, figures, listed, quantity
 
-ROWS, VERDICTS, ABOUT = "narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"
+FILES = ROWS, VERDICTS, ABOUT = "narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"
 MODES = ("cold", "coherent")
 OURS = "avatarsim"
 # Losses named in the sentence above the chart; the table has them all.
@@ -60,13 +60,25 @@ class Exactness:
 
 
 @dataclass(frozen=True)
+class Contender:
+    """One contender in its own words; a setting is (name, value, reason)."""
+
+    name: str
+    what: str
+    settings: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True)
 class NarrowPhase:
-    """All of it. `lines`: mode -> cells, lost ones first; `about`: the JSON file as it is."""
+    """All of it. `lines`: mode -> cells, lost ones first; `absent`: contender -> why it is not there; `about`: what else the JSON
+    file holds, as it is."""
 
     lines: Mapping[str, tuple[CellLine, ...]]
     engines: tuple[str, ...]
     libraries: Mapping[str, str]
     exactness: tuple[Exactness, ...]
+    contenders: tuple[Contender, ...]
+    absent: Mapping[str, str]
     about: Mapping[str, object]
 
 
@@ -76,17 +88,25 @@ def load(run_dir: Path) -> NarrowPhase | None:
         return None
     try:
         rows, verdicts = _table(run_dir / ROWS), _table(run_dir / VERDICTS)
-        about = cast(dict[str, object], read_json(run_dir / ABOUT, str(run_dir / ABOUT), WHOLE))
+        about: Any = read_json(run_dir / ABOUT, str(run_dir / ABOUT), WHOLE)
+        contenders = tuple(_contender(one) for one in about["engines"])
+        absent = {str(name): str(why) for name, why in about["absent"].items()}
         engines = tuple(dict.fromkeys(row["engine"] for row in rows))
         found: dict[tuple[str, ...], dict[str, Figure]] = {}
         for row in rows:
             found.setdefault(_where(row), {})[row["engine"]] = _figure(row)
         lines = {mode: tuple(_line(one, found[_where(one)]) for one in verdicts if one["mode"] == mode) for mode in MODES}
         exact = tuple(one for engine in engines if (one := _exactness(engine, [r for r in rows if r["engine"] == engine])))
-        return NarrowPhase(lines, engines, {row["engine"]: row["library"] for row in rows}, exact, dict(about))
+        libraries = {row["engine"]: row["library"] for row in rows}
+        return NarrowPhase(lines, engines, libraries, exact, contenders, absent, dict(about))
     except DAMAGED as error:
         raise InvalidFile(f"{ROWS}, {VERDICTS} or {ABOUT} in {run_dir}", f"{type(error).__name__}: {error}",
                           "whole files of one run of the benchmark") from error
+
+
+def _contender(one: Any) -> Contender:
+    settings = tuple((str(name), str(value), str(reason)) for name, (value, reason) in one["settings"].items())
+    return Contender(str(one["name"]), str(one["what"]), settings)
 
 
 def _table(path: Path) -> list[dict[str, str]]:

@@ -4,25 +4,31 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from reports import (
+    broad_phase,
     broad_phase_chart,
     closeness,
     convergence,
     effects,
     explained,
+    figure_7,
     first_contact,
     gallery,
     glossary,
     growth,
     judge,
+    law_map,
     law_map_chart,
     losses,
+    narrow_phase,
     paper_figures,
     stability,
     summary_charts,
+    sweep,
     sweep_chart,
+    table_2,
     table_2_chart,
     timing_words,
     tuned,
@@ -49,7 +55,7 @@ from reports.conclusions import (
 from reports.convergence import Converging
 from reports.courses import CourseCharts, over_all
 from reports.effects import Ablation
-from reports.extra_sections import made
+from reports.extra_sections import Section, drawn
 from reports.figure_7 import Trace
 from reports.gallery import Picture
 from reports.growth import Growth
@@ -78,6 +84,8 @@ from scenarios.behind import by_family
 from scenarios.native import COMPILED
 
 TEMPLATES = Path(__file__).parent / "templates"
+SHARED: Mapping[str, object] = {"quantity": quantity, "limit": limit, "count": count, "words_of": words}
+"""What templates of all sections know."""
 SHORT_COMMIT = 12
 """Characters of a commit's hash that are printed: enough to be the only one that begins so."""
 # Printed on every page, whatever the figures say.
@@ -91,7 +99,9 @@ FAIRNESS = (
     "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
     "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
-    "settings and reasons are listed above. A preset that is not in the table was not run.",
+    "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
+    "too, filterparent and autoreset are disabled, pairs excluded as the scene has them, and each link welded to its own mocap "
+    "body, with reasons under Settings.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 
@@ -165,15 +175,6 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
     which comes what is noticed here."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
     damage = [] if damage is None else damage
-    sections = (
-        made("narrow", extras.narrow, _narrow, damage) | made("broad", extras.broad, broad_phase_chart.section, damage)
-        | made("two", extras.two, table_2_chart.section, damage) | made("growth", extras.growth, growth.section, damage)
-        | made("effects", extras.ablation, effects.section, damage) | made("sweep", extras.sweep, sweep_chart.section, damage)
-        | made("converging", extras.converging, convergence.section, damage)
-        | made("law_map", extras.law_map, law_map_chart.section, damage)
-        | made("stability", extras.steady, stability.section, damage) | made("judge", extras.judge, judge.section, damage)
-        | made("has_close", extras.close, closeness.section, damage)
-    )
     shown, colours, order = (laid_out or layout(results, verdict))[:3]
     percentiles = time_percentiles(results)
     scripts = [source("gallery.js"), *([source("courses.js")] if courses else [])]
@@ -185,7 +186,8 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
         scenes_said=scenes_sentence(verdict),
-        loosest_said=loosest(verdict), answers=your_project.ANSWERS, glossary=glossary.TERMS,
+        loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
+        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.TERMS,
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
@@ -193,7 +195,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         ratio_sentence=ratio_sentence(), hover_notes=(*hover_notes(results), *filter(None, [gap_sentence(results)])),
         overlap_chart=summary_charts.overlaps(results, colours), overlap_summary=overlap_summary(results, verdict.gated),
         gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
-        gallery_js=source("gallery.js"), words_of=words,
+        gallery_js=source("gallery.js"),
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
         ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), results.families),
         policy=policy(scripts), courses_js=source("courses.js"),
@@ -201,12 +203,11 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **unseen.section(results, verdict.gated),
-        **paper_figures.section(results, extras.two, extras.figure_7),
         time_chart=summary_charts.times(percentiles, colours),
         time_summary=time_summary(percentiles, verdict.gated, results.families, {
             row.scenario: row.value for row in results.rows
             if row.run == verdict.gated and row.metric == "frame_time_max" and row.value is not None
-        }),
+        }, len({row.scenario for row in results.rows if row.run == verdict.gated})),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
@@ -214,9 +215,35 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         clock=timing_words.CLOCK, timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
-        quantity=quantity, limit=limit, ratio=ratio, count=count, disagreement=_disagreement(results, verdict),
-        **sections,
+        disagreement=_disagreement(results, verdict), ratio=ratio, **SHARED,
+        drawn=drawn(_sections(results, extras), _rendered, damage),
     )))
+
+
+def _sections(results: Results, extras: Extras) -> tuple[Section[Any], ...]:
+    """The sections that are made of files of their own; one that stands within another comes before it."""
+    papers = (extras.two, extras.figure_7) if extras.two or extras.figure_7 else None
+    return (
+        Section("narrow", "narrow_phase.html.j2", narrow_phase.FILES, extras.narrow, _narrow),
+        Section("broad", "broad_phase.html.j2", (broad_phase.ROWS,), extras.broad, broad_phase_chart.section),
+        Section("two", "table_2.html.j2", table_2.FILES, extras.two, table_2_chart.section),
+        Section("growth", "growth.html.j2", (growth.ROWS,), extras.growth, growth.section),
+        Section("effects", "effects.html.j2", (effects.FILE,), extras.ablation, effects.section),
+        Section("converging", "convergence.html.j2", (convergence.ROWS,), extras.converging, convergence.section),
+        Section("sweep", "sweep.html.j2", sweep.FILES, extras.sweep, sweep_chart.section),
+        Section("law_map", "law_map.html.j2", (law_map.ROWS,), extras.law_map, law_map_chart.section),
+        Section("stability", "stability.html.j2", (stability.ROWS,), extras.steady, stability.section),
+        Section("judge", "judge.html.j2", (judge.FILE,), extras.judge, judge.section),
+        Section("close", "closeness.html.j2", closeness.FILES, extras.close, closeness.section),
+        Section("paper", "paper.html.j2", (*table_2.FILES, *figure_7.FILES), papers,
+                lambda kept: paper_figures.section(results, *kept) | {"two": kept[0]},
+                lambda: paper_figures.section(results, None) | {"two": extras.two}),
+    )
+
+
+def _rendered(template: str, names: Mapping[str, object]) -> str:
+    """A section as text."""
+    return environment().get_template(template).render({**SHARED, **names})
 
 
 def _downloads(extras: Extras) -> tuple[str, ...]:

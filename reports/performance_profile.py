@@ -3,7 +3,8 @@
 import math
 from collections.abc import Mapping
 
-from reports.cheapest import Block, Table
+from reports.alike import level as level_times
+from reports.cheapest import Table
 from reports.wording import count, limit, listed
 from scenarios.sweep.accuracy import LEVELS
 
@@ -19,7 +20,7 @@ def profile(times: Mapping[str, Mapping[str, float]]) -> dict[str, Steps]:
             for scene in scenes}
     found = {}
     for engine, own in times.items():
-        factors = sorted(time / best[scene] for scene, time in own.items() if time > 0.0)
+        factors = sorted(_over(time, best[scene]) for scene, time in own.items() if time > 0.0)
         corners = {1.0: 0.0}
         for k, factor in enumerate(factors):
             corners[factor] = (k + 1) / len(scenes)
@@ -27,24 +28,19 @@ def profile(times: Mapping[str, Mapping[str, float]]) -> dict[str, Steps]:
     return found
 
 
+def _over(time: float, best: float) -> float:
+    """The factor to the fastest; 1 where the two are level."""
+    return 1.0 if level_times(time, best) else time / best
+
+
 def profiles(table: Table, level: float) -> dict[str, Steps]:
     """The profile of every engine at an accuracy [m], one of LEVELS, each scene with the cheapest setting of the engine there; a
-    scene whose errors one of them cannot say is left out."""
+    scene whose errors one of them cannot say is left out, and so is one with an avatar. Times are those by which the scene
+    compares: the same that make a figure bold and a case lost."""
     index = LEVELS.index(level)
-    times = {block.scenario: alike(block, index) for block in table.compared}
-    return profile({engine: {scene: own.get(engine, math.nan) for scene, own in times.items()} for engine in table.engines})
-
-
-def alike(block: Block, level: int) -> dict[str, float]:
-    """engine -> time [us] of its cheapest setting at the level with that index, the same for all: the median of frames in motion
-    where all tell them apart, the 95th percentile where one sleeps in its median frame and another does not, else the median."""
-    chosen = {line.engine: line.cells[level].attempt for line in block.lines}
-    points = {engine: attempt.any_point for engine, attempt in chosen.items() if attempt is not None}
-    if points and all(point.moving == point.moving for point in points.values()):
-        return {engine: point.moving for engine, point in points.items()}
-    if len({point.is_asleep for point in points.values()}) > 1:
-        return {engine: point.p95 for engine, point in points.items()}
-    return {engine: point.p50 for engine, point in points.items()}
+    return profile({
+        engine: {block.scenario: block.time(engine, index) for block in table.compared} for engine in table.engines
+    })
 
 
 def share_at(steps: Steps, factor: float) -> float:
@@ -59,4 +55,5 @@ def sentence(found: Mapping[str, Steps], level: float, scenes: int) -> str:
         f"{engine} {round(found[engine][-1][1] * scenes)} (fastest in {round(share_at(found[engine], 1.0) * scenes)})"
         for engine in order
     )
-    return f"Of {count(scenes, 'scene')}, {limit(level, 'm')} is reached by a setting measured in: {listed(said, len(said))}."
+    return (f"Of {count(scenes, 'scene')} without an avatar, {limit(level, 'm')} is reached by a setting measured in: "
+            f"{listed(said, len(said))}.")

@@ -64,7 +64,8 @@ def tolerances() -> str:
     said = []
     for column in COLUMNS:
         if column.key in SHOWN:
-            said.append(f"{column.title}: {limit(column.same, column.unit) if column.same else 'none'}")
+            equal = limit(column.same, column.unit) if column.same else f"{column.share:.0%}" if column.share else "none"
+            said.append(f"{column.title}: {equal}")
     return f"{BEST} Equal within: {'; '.join(said)}."
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from avatarsim.spatial import rotation
 from reports import mesh, packed
 from reports.kept import Array, Drawn, Shown
-from reports.moments import moments
+from reports.moments import Moment, moments, remarks
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -52,7 +52,11 @@ def replay(
     margin = AIR * (high - low) + 0.5
     box = low - margin, high + margin
     followed = list(range(len(scene.bodies) - links, len(scene.bodies))) if links else moving
-    near = _near(main.positions[:, followed], [reach[which[k]] for k in followed])
+    names = [str(body["name"]) for body in scene.bodies[len(scene.bodies) - links :]] if links else []
+    worst = {one.run: moments(one, (depths or {}).get(one.run), names) for one in engines}
+    # the user too is to be seen, who may be far from what is shown
+    seen = np.concatenate([main.positions[:, followed], main.raw_positions], axis=1)
+    near = _near(seen, [reach[which[k]] for k in followed] * (2 if links else 1))
     radius = float(0.5 * np.linalg.norm(high - low))
     ghost = _poses(main.raw_positions[::step], main.raw_orientations[::step], *box) if links else None
     return {
@@ -60,6 +64,7 @@ def replay(
         "stride": step, "low": box[0].tolist(), "high": box[1].tolist(),
         "focus": (0.5 * (low + high)).tolist(), "radius": radius,
         "followed": followed, "near": near, "follow": near < FAR * radius, "leader": engines.index(main),
+        "reach": [reach[which[k]] for k in followed], "opens": opening(engines, worst, main.run, step),
         "azimuth": azimuth(scene, shapes, which, main, 0.5 * (low + high), float(np.linalg.norm(high - low))),
         "meshes": [{"corners": packed.reals(points), "faces": packed.text(faces.astype(np.uint32))} for points, faces in shapes],
         "bodies": [{"name": body["name"], "role": body["role"], "mesh": which[k]} for k, body in enumerate(scene.bodies)],
@@ -71,7 +76,9 @@ def replay(
         "ghost": ghost,
         "runs": [
             {"run": one.run, **_poses(one.positions[::step][:, moving], one.orientations[::step][:, moving], *box),
-             "pairs": _pairs(one, step), "worst": _worst(one, step, (depths or {}).get(one.run)),
+             "pairs": _pairs(one, step),
+             "worst": [{"state": found.state // step, "said": found.said} for found in worst[one.run]],
+             "remarks": remarks(one, step),
              "broken": _broken(one, step, (depths or {}).get(one.run))} for one in engines
         ],
     }
@@ -127,9 +134,19 @@ def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
     return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
 
 
-def _worst(one: Shown, step: int, depth: Array | None) -> list[dict[str, object]]:
-    """The drawn states that stand for the worst of a run, and what is wrong in each."""
-    return [{"state": found.state // step, "said": found.said} for found in moments(one, depth)]
+def opening(engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int) -> dict[str, int]:
+    """The drawn states to open on: "ours", where our engine looks worst (its overlap, or else its largest jump or turn, or else
+    its largest displacement to and fro, or what else there is), and "others", the deepest overlap of the others. Without an entry
+    where there is no such moment."""
+    found = {}
+    own = worst.get(ours, ())
+    if own:
+        first = min(own, key=lambda one: (not one.overlap, "in one frame" not in one.said, "to and fro" not in one.said))
+        found["ours"] = first.state // step
+    pairs = [(depth, frame) for one in engines if one.run != ours for frame, _, _, depth in one.pairs]
+    if pairs:
+        found["others"] = max(pairs, key=lambda pair: (pair[0], -pair[1]))[1] // step
+    return found
 
 
 def _broken(one: Shown, step: int, depth: Array | None) -> list[int]:

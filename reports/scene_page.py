@@ -13,7 +13,7 @@ from reports.as_run import AsRun, as_run
 from reports.card_tables import labelled
 from reports.charts import Panel
 from reports.columns import COLUMNS
-from reports.conclusions import CAVEAT
+from reports.conclusions import CAVEAT, asleep_sentence
 from reports.courses import Course, charts, courses
 from reports.extra_sections import UNDRAWABLE
 from reports.gallery import Picture
@@ -27,6 +27,7 @@ from reports.tables import RAW_TRACKER, Block, engine_of
 from reports.thumbnail import telling, thumbnail
 from reports.verdict import Verdict, believed
 from reports.wording import count, limit, quantity, ratio
+from reports.your_project import grasped
 
 POINTS = 400
 """Points of a line of a scene's own charts: one per state up to seven seconds."""
@@ -60,7 +61,8 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 @dataclass(frozen=True, eq=False)
 class Kept:
     """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
-    settings in force; `damage` is a sentence for each file that could not be used, and is left out."""
+    settings in force; `damage` is a sentence for each file that could not be used, and is left out; `grasped` says where what
+    hands close on ends."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
@@ -69,6 +71,7 @@ class Kept:
     picture: Picture
     settings: Sequence[AsRun]
     damage: tuple[str, ...] = ()
+    grasped: str = ""
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -89,7 +92,7 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     except UNDRAWABLE as error:
         said = f"what was recorded cannot be drawn ({type(error).__name__}: {error})"
         return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said))
-    return Kept(scene, lines, dt, replayed, picture, settings, damage)
+    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)))
 
 
 def _readable(run_dir: Path, name: str, runs: Sequence[str], seed: int) -> tuple[Drawn | None, list[Shown], tuple[str, ...]]:
@@ -137,14 +140,15 @@ def page(
     replayed = found.replay or {}
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
-        block=block, damage=found.damage, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT, gated=gated,
+        block=block, damage=found.damage, grasped=found.grasped, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT,
+        gated=gated,
         believed=lambda row: believed(row, verdict.gated), cell_note=lambda cell: cell_note(cell, verdict.gated),
         quantity=quantity, limit=limit, ratio=ratio, count=count, words_of=words, panels=panels,
         policy=scripts.policy(sources), library=library, words=three_js.WORDS,
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
         replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
-        as_run=found.settings, charts=drawn_charts,
+        asleep_said=asleep_sentence(block), as_run=found.settings, charts=drawn_charts,
         courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),
     ))

@@ -1,9 +1,13 @@
 """summary.md: the run in the order in which a reviewer needs it. What we lose stands first."""
 
-from reports import losses
+from collections.abc import MutableSequence
+from functools import partial
+
+from reports import closeness, losses, table_2
 from reports.closeness import Closeness, near_sentence, pair_sentence
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, KINEMATIC, hover_notes, ratio_sentence
+from reports.extra_sections import tried
 from reports.load import Results
 from reports.markdown import code, escaped
 from reports.marked import cell_note
@@ -18,10 +22,12 @@ from scenarios.behind import by_family
 MOST_LOSSES = 20
 
 
-def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None) -> str:
-    """The document as Markdown text, ending in a newline."""
-    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict), escaped(loosest(verdict)),
-             *_troubles(verdict), *_losses(results, verdict)]
+def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None,
+            damage: MutableSequence[str] | None = None) -> str:
+    """The document as Markdown text, ending in a newline; to `damage` comes why `two` or `close` cannot be told."""
+    damage = [] if damage is None else damage
+    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict),
+             escaped(" · ".join(loosest(results, verdict))), *_troubles(verdict), *_losses(results, verdict)]
     shown = blocks(results, reading_order(results, verdict))
     if shown:
         hovering = escaped(" ".join(hover_notes(results)))
@@ -29,14 +35,22 @@ def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close
     else:
         parts.append("No row was measured: the filter matched nothing, or the run ended before its first scene.")
     if two:
-        parts += ["### Table 2 of the paper, and its Figure 8", markdown(two)]
-    if close and close.near:
-        parts += ["### Beside the nearest free posture", escaped(near_sentence(close.near))]
-    if close and close.pairs:
-        parts += [f"### Distance from the user beside {escaped(close.pairs[0].other)}", escaped(pair_sentence(close.pairs))]
+        parts += tried(table_2.FILES, partial(_paper, two), damage) or []
+    if close:
+        parts += tried(closeness.FILES, partial(_nearness, close), damage) or []
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
     parts.append(f"{escaped('; '.join(told))}." if told else "The results say nothing about where they come from.")
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _paper(two: Table2) -> list[str]:
+    return ["### Table 2 of the paper, and its Figure 8", markdown(two)]
+
+
+def _nearness(close: Closeness) -> list[str]:
+    near = ["### Beside the nearest free posture", escaped(near_sentence(close.near))] if close.near else []
+    heading = f"### Distance from the user beside {escaped(close.pairs[0].other)}" if close.pairs else ""
+    return [*near, heading, escaped(pair_sentence(close.pairs))] if close.pairs else near
 
 
 def _counts(verdict: Verdict) -> str:

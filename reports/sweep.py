@@ -1,17 +1,18 @@
 """Accuracy against time, from what `scenarios sweep` left in the run: points, fronts, and whether the promised ratios hold."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import read_json
+from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.files import WHOLE, lines, number
 from reports.wording import count, figures, limit, listed
 
-ROWS, ABOUT = "sweep.csv", "sweep.json"
+FILES = ROWS, ABOUT = "sweep.csv", "sweep.json"
 OURS = ("avatarsim", "default")
 OVERLAP = "residual_overlap_max"
 SLEEPS = 0.5
@@ -26,7 +27,8 @@ class Point:
     `reached`: the error that counts as none. `front`: all, own or empty. `base` is the preset beneath the setting, `options` its
     text to copy, `native` the engine's own words for it, `repeats` and `frames` what its times stand on, 0 where the file does
     not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and `at_rest` the median of either kind [us];
-    `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s]."""
+    `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s]; `avatar`: whether the scene has one, which
+    is kinematic in ours and dynamic in the others."""
 
     scenario: str
     engine: str
@@ -51,6 +53,7 @@ class Point:
     at_rest: float = math.nan
     sleeps: bool = False
     step: float = math.nan
+    avatar: bool = False
 
     @property
     def family(self) -> str:
@@ -78,16 +81,6 @@ class Point:
         return max(self.error, self.reached) if self.state == "measured" and not math.isnan(self.error) else math.nan
 
 
-def like_for_like(point: Point, base: Point) -> float:
-    """How many times the time of `base` a frame of `point` takes, like for like: by medians of frames in motion where both have
-    one; nan where one of the two sleeps in its median frame and the other computes what rests."""
-    if point.moving == point.moving and base.moving == base.moving:
-        return point.moving / base.moving
-    if point.is_asleep != base.is_asleep:
-        return math.nan
-    return point.p50 / base.p50
-
-
 @dataclass(frozen=True)
 class Rivalry:
     """What the others reach in one scene and error. `better`: settings as fast and as accurate as ours. `ratios`: for each of
@@ -105,23 +98,30 @@ class Rivalry:
 
     @cached_property
     def better(self) -> tuple[Point, ...]:
-        """Settings of others that are at least as fast and at least as accurate, fastest first."""
-        ours = self.ours
+        """Settings of others that are as accurate and at least as fast, fastest first."""
+        ours, basis = self.ours, basis_of(self.points)
         if ours is None:
             return ()
-        found = [p for p in self.points if p.engine != OURS[0] and p.p50 <= ours.p50 and p.floored <= ours.floored]
-        return tuple(sorted(found, key=lambda p: p.p50))
+        found = [p for p in self.points if p.engine != OURS[0] and time_by(p, basis) > 0.0 and p.floored <= ours.floored
+                 and not is_more(time_by(p, basis), time_by(ours, basis))]
+        return tuple(sorted(found, key=lambda p: time_by(p, basis)))
+
+    @cached_property
+    def avatar(self) -> bool:
+        """Whether the scene has an avatar: times then stand side by side, and no ratio is promised."""
+        return any(p.avatar for p in self.points)
 
     @cached_property
     def ratios(self) -> tuple[tuple[Point, float] | None, ...]:
-        """One entry per row of RATIOS; of overlap only."""
+        """One entry per row of RATIOS; of overlap only, and in no scene with an avatar."""
         ours, found = self.ours, list[tuple[Point, float] | None]()
-        if ours is None or self.metric != OVERLAP:
+        if ours is None or self.metric != OVERLAP or self.avatar:
             return ()
+        basis = basis_of(self.points)
         for most, _ in RATIOS:
-            near = [p for p in self.points if p.engine != OURS[0] and p.floored <= most and p.p50 > 0.0]
-            best = min(near, key=lambda p: p.p50, default=None)
-            found.append(None if best is None else (best, like_for_like(best, ours)))
+            near = [p for p in self.points if p.engine != OURS[0] and p.floored <= most and time_by(p, basis) > 0.0]
+            best = min(near, key=lambda p: time_by(p, basis), default=None)
+            found.append(None if best is None else (best, factor(best, ours, basis)))
         return tuple(found)
 
     @property
@@ -140,7 +140,7 @@ class Rivalry:
             if entry is not None and entry[1] < least:
                 time = f"takes ×{figures(entry[1])}, not ×{least:g}"
                 parts.append(f"{entry[0].run} leaves at most {limit(most, 'm')} and {time}")
-        return "; ".join(parts) or "holds"
+        return "; ".join(parts) or ("an avatar: times side by side" if self.avatar else "holds")
 
     @cached_property
     def front(self) -> tuple[Point, ...]:
@@ -203,43 +203,71 @@ def _point(row: Mapping[str, str]) -> Point:
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
         row.get("base") or "", row.get("options") or "", int(row.get("repeats") or 0), int(row.get("frames") or 0),
-        row.get("native") or "", sleeps=bool(int(row.get("sleeps") or 0)), **told,
+        row.get("native") or "", sleeps=bool(int(row.get("sleeps") or 0)), avatar=bool(int(row.get("avatar") or 0)), **told,
     )
 
 
 def conclusion(sweep: Sweep) -> str:
-    """Whether the ratios of speed hold, what fails first."""
-    known = [r for r in sweep.rivalries if r.ours is not None]
+    """Whether the ratios of speed hold, what fails first. Of scenes with an avatar nothing is said but what they are."""
+    known = [r for r in sweep.rivalries if r.ours is not None and not r.avatar]
     if not known:
-        return "Ours was not measured: nothing can be said."
+        return "Ours was not measured in a scene without an avatar: nothing can be said of ratios."
     beaten = [r for r in known if r.better]
     parts = []
+    others = f"{_settings(p for r in known for p in r.points if p.engine != OURS[0])} of other engines"
     if beaten:
-        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run})" for r in beaten)
-        parts.append(f"Another engine is both as fast and as accurate as ours in {listed(names)}.")
+        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run}{_by_tail(r)})" for r in beaten)
+        parts.append(f"Without an avatar another engine is both as fast and as accurate as ours in {listed(names)}.")
     else:
-        parts.append(f"No setting of another engine is both as fast and as accurate as ours in {_scenes(known)}.")
+        parts.append(f"Without an avatar none of {others} is both as fast and as accurate as ours, in {_scenes(known)}.")
     overlaps = [r for r in known if r.ratios]
     for k, (most, least) in enumerate(RATIOS):
-        reached = [(r, entry) for r in overlaps if (entry := r.ratios[k]) is not None]
-        entries = [(r, entry) for r, entry in reached if entry[1] == entry[1]]
-        short = [(r, entry) for r, entry in entries if entry[1] < least]
-        promised = f"at least {least:g} times faster than any that leaves at most {limit(most, 'm')}"
-        if short:
-            names = tuple(f"{r.scenario} (×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
-            parts.append(f"Ours is not {promised} in {listed(names)}.")
-        elif entries:
-            low = min(entries, key=lambda e: e[1][1])
-            where = f"{low[0].scenario}, {low[1][0].run}"
-            parts.append(f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({where}).")
-        else:
-            said = "not reached by the settings measured of another engine"
-            said = "reached only by engines that are awake where ours sleeps: no factor is given" if reached else said
-            parts.append(f"An overlap of at most {limit(most, 'm')} is {said}.")
+        parts.append(_promise(overlaps, k, most, least))
     parts += [f"In these ratios ours is {'/'.join(OURS)}."] if overlaps else []
     missing = [r.scenario for r in sweep.rivalries if r.ours is None]
     parts += [f"Ours was not measured in {listed(tuple(dict.fromkeys(missing)))}."] if missing else []
-    return " ".join(parts)
+    return " ".join(filter(None, parts))
+
+
+def _by_tail(rivalry: Rivalry) -> str:
+    """What is compared where it is not a median."""
+    return ", in frames that move" if basis_of(rivalry.points) is Basis.TAIL else ""
+
+
+def _promise(overlaps: Sequence[Rivalry], k: int, most: float, least: float) -> str:
+    """Whether the ratio with index `k` of RATIOS holds; "" without a scene of which it is promised."""
+    reached = [(r, entry) for r in overlaps if (entry := r.ratios[k]) is not None]
+    entries = [(r, entry) for r, entry in reached if entry[1] == entry[1]]
+    short = [(r, entry) for r, entry in entries if entry[1] < least]
+    promised = f"at least {least:g} times faster than any measured that leaves at most {limit(most, 'm')}"
+    if short:
+        names = tuple(f"{r.scenario} (×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
+        return f"Ours is not {promised} in {listed(names)}."
+    if entries:
+        low = min(entries, key=lambda e: e[1][1])
+        return f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({low[0].scenario}, {low[1][0].run})."
+    if not overlaps:
+        return ""
+    if reached:
+        return f"An overlap of at most {limit(most, 'm')} is reached only where something sleeps in the median frame: no factor."
+    return (f"An overlap of at most {limit(most, 'm')} is reached by none of "
+            f"{_settings(p for r in overlaps for p in r.points if p.engine != OURS[0])} of other engines.")
+
+
+def _settings(points: Iterable[Point]) -> str:
+    """How many settings in scenes were measured, and how many were planned where that is more."""
+    states: dict[tuple[str, str], bool] = {}
+    for point in points:
+        if point.state != "cannot-say":
+            place = point.scenario, point.run
+            states[place] = states.get(place, False) or point.state != "not-measured"
+    measured = sum(states.values())
+    return measured_of(measured, len(states), "cell")
+
+
+def measured_of(measured: int, planned: int, noun: str) -> str:
+    """"7 settings measured here (of 15 planned)"."""
+    return f"{count(measured, noun)} measured here" + (f" (of {planned} planned)" if planned > measured else "")
 
 
 def _scenes(rivalries: list[Rivalry]) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from reports import beaten, ladders
-from reports.cheapest import BASE, PROFILED, Block, Table, astray, at_level, silence, table
+from reports.cheapest import BASE, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
@@ -236,8 +236,8 @@ def one_line(block: Block) -> str:
     index, said = LEVELS.index(1e-3), []
     for line in block.lines:
         attempt = line.cells[index].attempt
-        said.append(f"{line.engine} not by {count(line.tried, 'setting')} tried" if attempt is None else
-                    f"{line.engine} {quantity(attempt.p50, 'us')} ({attempt.any_point.setting})")
+        said.append(f"{line.engine} by none of {line.measured}" if attempt is None else
+                    f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting})")
     return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
@@ -260,15 +260,13 @@ def section(sweep: Sweep) -> dict[str, object]:
     """What the section is made of."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
-    # what is lost is read first
     said = [cheapest_sentence(found), conclusion(sweep)]
-    said = said[::-1] if lost and not found.lost else said
     return {
         "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
-        "cheapest_notes": [*silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
+        "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
     }

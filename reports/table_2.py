@@ -14,7 +14,7 @@ from reports.wording import MISSING, count, figures, limit, listed, quantity
 
 Array = NDArray[np.float64]
 
-TABLE, TRACE = "table_2.csv", "figure_8.csv"
+FILES = TABLE, TRACE = "table_2.csv", "figure_8.csv"
 OURS, METHODS = "avatarsim/default", ("avatarsim/default", "avatarsim/paper")
 PRINTED = "printed in the paper"
 P50, P99 = 30.0, 100.0

@@ -2,9 +2,11 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
+from reports.asleep import asleep, sleepers
 from reports.columns import COLUMNS, Column, is_truth_error, ratio_to_best, truth_metric, worst
 from reports.load import Results, Row
 from scenarios.sayable import Unsaid
@@ -57,6 +59,8 @@ class Block:
     lines: tuple[Line, ...]
     truth: str | None
     ceiling: float | None
+    asleep: tuple[str, ...] = ()
+    """Engines and presets that sleep in the median frame: of medians no factor is made then."""
 
 
 def gated_run(rows: Iterable[Row]) -> str:
@@ -71,7 +75,9 @@ def blocks(results: Results, first: Sequence[str] = ()) -> tuple[Block, ...]:
     for row in results.rows:
         grouped[row.scenario].append(row)
     ours = gated_run(results.rows)
-    return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours, results.unsaid) for s in dict.fromkeys(order))
+    sleeping = sleepers(results)
+    return tuple(_block(s, grouped[s], results.titles.get(s, ""), ours, results.unsaid, sleeping.get(s, {}))
+                 for s in dict.fromkeys(order))
 
 
 def together(results: Results, scenes: Container[str], title: str) -> Block:
@@ -80,19 +86,23 @@ def together(results: Results, scenes: Container[str], title: str) -> Block:
     return _block(title, rows, title, gated_run(results.rows), results.unsaid)
 
 
-def _block(scene: str, rows: list[Row], title: str, ours: str, unsaid: Unsaid) -> Block:
+def _block(
+    scene: str, rows: list[Row], title: str, ours: str, unsaid: Unsaid, sleeping: Mapping[str, float] = MappingProxyType({}),
+) -> Block:
     truth = truth_metric(rows)
     runs: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         runs[row.run].append(row)
     found = {run: [_worst_in(own, column, truth) for column in COLUMNS] for run, own in runs.items()}
     rivals = {run: rows for run, rows in found.items() if run == ours or engine_of(run) not in (RAW_TRACKER, engine_of(ours))}
-    best = [_best(column, rivals, index, unsaid) for index, column in enumerate(COLUMNS)]
+    # a time in which one sleeps says how much rests: nothing is best in it, and no factor is made of it
+    best = [None if asleep(sleeping, column.key) else _best(column, rivals, index, unsaid)
+            for index, column in enumerate(COLUMNS)]
     lines = [
         _line(run, runs[run], found[run], best, ours, unsaid) for run in sorted(runs, key=lambda run: _order(run, ours))
     ]
     overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
-    return Block(scene, title, tuple(lines), truth, max(overlap, default=None))
+    return Block(scene, title, tuple(lines), truth, max(overlap, default=None), asleep(sleeping, "p50"))
 
 
 def engine_of(run: str) -> str:
@@ -151,7 +161,7 @@ def _line(
     for column, row, least in zip(COLUMNS, found, best, strict=True):
         value = row.value if row else None
         why = _why(row, unsaid) if row and not tracker else ""
-        ratio = None if tracker or why else ratio_to_best(value, least, column.same)
+        ratio = None if tracker or why else ratio_to_best(value, least, column.same, column.share)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
         unranked = sibling or (column.stays_inside and left_room(found))
         best_here = ratio is not None and ratio <= 1.0 and not unranked

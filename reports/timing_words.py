@@ -32,17 +32,20 @@ def protocol(provenance: Mapping[str, object]) -> str:
         "stands how many repeats and frames there were. Medians and 95th percentiles are over the repeats and frames that every "
         f"engine of the scene had; a 99th percentile and a slowest frame are over all that an engine had, from {repeats} x "
         f"{tail} frames on, and not given where they would lie below a 95th percentile that is over fewer. Where at "
-        f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one."
+        f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one. The engine "
+        "that the gate covers is timed over whole scenes (of long ones the first quarter of a minute): its slowest frame is that "
+        "of the scene, however short the window is by which engines are compared."
     )
 
 
 CLOCK = (
     "What the clock covers: engine only is read round the engine's own calls and nothing else. In ours these are the stages of "
-    "a frame (posture, motion, coupling); in MuJoCo and PyBullet mj_step and stepSimulation, called from Python once per step "
-    "of the preset, the clock read before and after each call and the readings of a frame added up. Not in it: in ours checking "
-    "and copying the tracker's sample and handing out the result; in MuJoCo and PyBullet checking, limiting and interpolating "
-    "the target, writing mocap poses or controls, reading poses. As called from Python is the whole call of a frame with all of "
-    "that; in two of three engines it is our adapter's time, so it is shown and not ranked.",
+    "a frame (posture, motion, coupling); in MuJoCo one call of mj_step for all steps of a frame where nothing is led, else, and "
+    "in PyBullet (stepSimulation), one call per step of the preset, the clock read before and after each call and the readings "
+    "of a frame added up: what a pair of readings costs itself stands under Provenance, times the steps of a frame. Not in it: "
+    "in ours checking and copying the tracker's sample and handing out the result; in MuJoCo and PyBullet checking, limiting "
+    "and interpolating the target, writing mocap poses or controls, reading poses. As called from Python is the whole call of "
+    "a frame with all of that; in two of three engines it is our adapter's time, so it is shown and not ranked.",
     "At home: make bench measures your machine, python -m scenarios bench --filter NAME one scene. What comes before the first "
     "frame (import, load) is in no frame time: bench has it as warmup in its results.csv, python -m scenarios.first_frame has "
     "load and first frame of every scene.",
@@ -59,6 +62,10 @@ def machine(provenance: Mapping[str, object]) -> str:
         said.append(f"the clock was {now:.0f} MHz ({highest})")
     if others >= 0.0:
         said.append(f"other work kept {figures(others)} processors busy")
+    reading = _number(found.get("reading_ns"))
+    if reading >= 0.0:
+        said.append(f"a pair of clock readings with nothing between them came to {reading:.0f} ns, once a frame and stage in "
+                    f"ours, once a frame in MuJoCo where nothing is led, else once a step, 16 to 64 in tuned presets")
     means = {when: found.get(f"load_{when}") for when in ("before", "after")}
     loads = [f"{mean[0]:g} {when}" for when, mean in means.items() if isinstance(mean, list) and mean]
     said += [f"the load average of a minute was {' and '.join(loads)}"] if loads else []

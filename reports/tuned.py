@@ -19,13 +19,15 @@ TIMED = "us"
 
 @dataclass(frozen=True)
 class Figure:
-    """One figure of one scene, larger with the tuned settings than with the defaults; as text, and by how many times."""
+    """One figure of one scene, larger with the tuned settings than with the defaults; as text, and by how many times, infinite
+    where the default's is 0; `severity` orders them, and is finite where the figure is."""
 
     scene: str
     measure: str
     default: str
     tuned: str
     factor: float
+    severity: float
 
 
 @dataclass(frozen=True)
@@ -64,8 +66,10 @@ def _tuning(engine: str, shown: Sequence[Block]) -> Tuning:
             better += first > second + column.same
             if second > first + column.same:
                 measure = column.title if column.key != "truth" or block.truth is None else words(block.truth)
-                worse.append(Figure(block.scene, measure, _said(before), _said(after), second / max(first, column.floor)))
-    worse.sort(key=lambda figure: -figure.factor)
+                times_as_large = second / first if first > 0.0 else math.inf
+                worse.append(Figure(block.scene, measure, _said(before), _said(after), times_as_large,
+                                    second / max(first, column.floor)))
+    worse.sort(key=lambda figure: -figure.severity)
     return Tuning(engine, compared, better, tuple(worse), median(times) if times else math.nan)
 
 

@@ -29,19 +29,28 @@ class Measure:
 
 
 OVERLAP, CHATTER, REVERSAL, SLOWEST = "residual_overlap_max", "chatter_frames", "reversal_p95", "frame_time_max"
+ROUGH, LIMITS, FARTHEST = "jerk_ratio", "joint_limit_excess_max", "tracker_offset_max"
+LINK_JUMP, ROOT_JUMP, TO_AND_FRO = "link_jump_max", "root_jump_max", "reversal_max"
 MEASURES = (
     Measure(OVERLAP, "deepest overlap shown", "m", 1e-6),
     Measure(CHATTER, "frames in contact that shake", "%", 0.05),
+    Measure("jitter_rms", "jitter in contact", "m", 1e-5),
     Measure(REVERSAL, "displacement taken back, p95", "m", 1e-4),
-    Measure("jerk_ratio", "roughness, over the user's", "", 0.05),
+    Measure(TO_AND_FRO, "largest to and fro", "m", 1e-3),
+    Measure(LINK_JUMP, "jump of a link", "m", 1e-3),
+    Measure(ROOT_JUMP, "jump of the root", "m", 1e-3),
+    Measure(ROUGH, "roughness, over the user's", "", 0.05),
     Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
-    Measure("tracker_offset_max", "farthest from the user", "m", 1e-3),
-    Measure("silent_offset_frames", "frames far from a free user without a status", "frames", 0.5),
-    Measure("joint_limit_excess_max", "beyond joint limits", "deg", math.inf),
+    Measure(FARTHEST, "farthest from the user", "m", 1e-3),
+    Measure("silent_offset_frames", "far from a free user, no status", "frames", 0.5),
+    Measure(LIMITS, "beyond joint limits", "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
 SHAKES = MEASURES[1]
+WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
+         TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}"}
+"""Metrics whose largest figure stands at the top of the page, and how it is said there."""
 BEST = "/tuned"
 """How runs of other engines with their best settings end: they stand beside ours, everything else in a fold."""
 SAID = {"trapped": "in a trap", "walled": "with a wall between", "resyncs": "jumps that untied limbs", "crossings": "crossings",
@@ -76,7 +85,7 @@ class Line:
 @dataclass(frozen=True)
 class Unseen:
     """All lines, ours first in each room; the promises that ours broke; the seeds; what they were drawn from, "" if not said; by
-    room what ours said of itself, in counts above 0."""
+    room what ours said of itself, in counts above 0; the rooms that are variants of another, such as at another frame rate."""
 
     ours: str
     lines: tuple[Line, ...]
@@ -84,11 +93,17 @@ class Unseen:
     seeds: tuple[int, ...]
     origin: str
     told: tuple[tuple[str, tuple[tuple[str, float], ...]], ...] = ()
+    variants: frozenset[str] = frozenset()
 
     @property
     def rooms(self) -> tuple[str, ...]:
         """Names of the rooms without their prefix."""
         return tuple(dict.fromkeys(line.room for line in self.lines))
+
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """The rooms that are no variant of another: those that sentences count."""
+        return tuple(room for room in self.rooms if room not in self.variants)
 
     def line(self, room: str, run: str) -> Line | None:
         """The line of one engine in one room."""
@@ -123,6 +138,7 @@ def unseen(results: Results, ours: str) -> Unseen | None:
         tuple(_broken(row) for row in rows if row.run == ours and row.metric in PROMISED and _breaks(row)),
         tuple(dict.fromkeys(row.seed for row in rows)), str(results.provenance.get(ORIGIN, "")),
         tuple((scene.removeprefix(PREFIX), _told(grouped[scene, ours])) for scene in order if (scene, ours) in grouped),
+        frozenset(scene.removeprefix(PREFIX) for scene in order if results.family(scene) != scene),
     )
 
 
@@ -158,7 +174,7 @@ def losses(found: Unseen) -> tuple[str, ...]:
     for measure in MEASURES:
         behind: list[tuple[float, str, str]] = []
         compared = 0
-        for room in found.rooms:
+        for room in found.asked:
             own, best = found.line(room, found.ours), found.best(room, measure)
             if own is None or best is None:
                 continue
@@ -221,17 +237,51 @@ def source(found: Unseen) -> str:
 
 
 def verdict_sentence(found: Unseen) -> str:
-    """One sentence for the top of the page: how ours looks on these motions, beside the best other engine."""
-    told = f"On motions that nothing was tuned for, {found.ours}"
-    shown = [(figure, line.room) for line in found.lines if line.run == found.ours and (figure := line.of(CHATTER)) is not None]
+    """At the top of the page: what ours keeps on these motions, and its worst figures beside the best other engine there."""
+    told = f"In the {count(len(found.asked), 'room')} of motions that nothing was tuned for"
+    if not any(line.of(CHATTER) is not None for line in found.lines if line.run == found.ours):
+        return f"{told}, {found.ours} has no figure."
+    kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
+        f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
+    said = [sentence for metric, words in WORST.items() if (sentence := _worst(found, metric, words))]
+    said += [sentence for sentence in (_worst(found, CHATTER, "up to {} of the frames in contact shake"),) if sentence]
+    return " ".join(filter(None, [f"{told}, {kept}; but {', '.join(said)}.", smoother(found)]))
+
+
+def _worst(found: Unseen, metric: str, words: str) -> str:
+    """Our largest figure of a metric with its room and the best other engine's figure there; "" where there is none."""
+    measure = next(one for one in MEASURES if one.metric == metric)
+    shown = [(figure, line.room) for line in found.lines if line.run == found.ours and (figure := line.of(metric)) is not None]
     if not shown:
-        return f"{told} has no figure."
+        return ""
     # a figure that is no number is the worst
     figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf)
-    best = found.best(room, SHAKES)
-    beside = f"; the best other engine there in {quantity(best[0], '%')}, {best[1]}" if best else ""
-    promises = f"breaks {count(len(found.broken), 'promise')}" if found.broken else "keeps its promises"
-    return f"{told} {promises}, and shakes in up to {quantity(figure, '%')} of the frames in contact (room {room}{beside})."
+    best = found.best(room, measure)
+    beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
+    return f"{words.format(quantity(figure, measure.unit))} ({room}{beside})"
+
+
+def smoother(found: Unseen) -> str:
+    """In how many rooms another engine, by its smoothest preset there, is smoother than ours, and how far that engine bends
+    joints beyond their limits meanwhile; of the engine that is so most often, "" where none is."""
+    rough = next(one for one in MEASURES if one.metric == ROUGH)
+    rooms: dict[str, dict[str, Line]] = {}
+    for line in found.lines:
+        own, figure = found.line(line.room, found.ours), line.of(ROUGH)
+        mine = own.of(ROUGH) if own else None
+        aside = line.room not in found.asked or line.outside or engine_of(line.run) == engine_of(found.ours)
+        if aside or figure is None or mine is None or not figure < mine - rough.same:
+            continue
+        best = rooms.setdefault(engine_of(line.run), {})
+        before = best.get(line.room)
+        if before is None or figure < (before.of(ROUGH) or 0.0):
+            best[line.room] = line
+    if not rooms:
+        return ""
+    engine, lines = max(rooms.items(), key=lambda pair: len(pair[1]))
+    bent = [angle for line in lines.values() if (angle := line.of(LIMITS)) is not None and math.isfinite(angle)]
+    price = f", with joints up to {quantity(max(bent), 'deg')} beyond their limits" if bent and max(bent) > 0.0 else ""
+    return f"{engine} is smoother in {len(lines)} of {count(len(found.asked), 'room')}{price}."
 
 
 def worst_first(found: Unseen) -> list[Line]:
@@ -270,7 +320,8 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (
-            ("", cell_rows([line for line in ordered if line.run == ours or line.run.endswith(BEST)], ours)),
-            ("Every engine and preset", cell_rows(ordered, ours)),
+            ("", cell_rows([line for line in ordered if line.room in found.asked
+                            and (line.run == ours or line.run.endswith(BEST))], ours)),
+            ("Every engine, preset and frame rate", cell_rows(ordered, ours)),
         ),
     }

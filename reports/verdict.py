@@ -18,11 +18,16 @@ PROMISED = {
 """What holds whatever the scene and the motion, by metric."""
 AVATAR = "tracker_offset_rms"
 """A metric that every scene with an avatar has, and no other."""
-LOOKS = ("root_jump_max", "pose_jump_max", "still_frames", "tracker_offset_rms", "tracker_offset_rms_free", "chatter_frames")
+LOOKS = (
+    "link_jump_max", "root_jump_max", "pose_jump_max", "reversal_max", "reversal_p95", "chatter_frames", "jitter_rms",
+    "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
+)
 """Metrics of how motion looks; where one has a bound, that says less than a promise does."""
+HARDLY = 0.5
+"""Share of the figures of how motion looks below which it is said beside the verdict that they have no bound."""
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
-# one did that passed through what it should have met, which is no merit.
-KINDS = ("failed", "above bound", "behind", "outside")
+# one that passed through what it should have met is passed over where that could win.
+KINDS = ("failed", "above bound", "behind")
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,7 @@ class Verdict:
     """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
     and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended,
     `rivals` False when no other engine brought a number; `scenes` counts the scenes of the run by what became of the gated run in
-    them, one word each."""
+    them, one word each; `looks`: how many of our figures of how motion looks have a bound, and of how many."""
 
     gated: str
     held: tuple[Row, ...]
@@ -64,6 +69,7 @@ class Verdict:
     exit_code: int
     finished: bool
     rivals: bool
+    looks: tuple[int, int] = (0, 0)
 
     @property
     def word(self) -> str:
@@ -94,8 +100,15 @@ class Verdict:
         if len(parts) == 1 and self.held and not self.failed:
             promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.held)]
             kept = f", among them what is promised everywhere: {', '.join(promised)}" if promised else ""
-            return f"All {count(total, 'bound')} of {self.gated} held{kept}." if total > 1 else "The one bound held."
-        return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + "."
+            held = f"All {count(total, 'bound')} of {self.gated} held{kept}" if total > 1 else "The one bound held"
+            return f"{held}{self.but}."
+        return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + f"{self.but}."
+
+    @property
+    def but(self) -> str:
+        """That most figures of how motion looks have no bound; "" where most have one, or there are none."""
+        bounded, of = self.looks
+        return f"; how motion looks is hardly bounded ({bounded} of {of:,} figures)" if bounded < HARDLY * of else ""
 
 
 def believed(row: Row, ours: str) -> str:
@@ -137,7 +150,13 @@ def verdict(results: Results) -> Verdict:
         _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
         _states(results, ours, failed), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
+        (sum(row.bound is not None for row in _looks(results, ours)), len(_looks(results, ours))),
     )
+
+
+def _looks(results: Results, ours: str) -> list[Row]:
+    """Our figures of how motion looks."""
+    return [row for row in results.rows if row.run == ours and row.metric in LOOKS and row.value is not None]
 
 
 STATES = ("held", "failed", "crashed", "refused", "not measured")
@@ -208,8 +227,7 @@ def _compared(lost: Lost) -> Loss:
     theirs = ", ".join(f"{run} {quantity(value, row.unit)}" for run, value in found.rivals)
     return Loss(
         row.scenario, row.metric, quantity(found.value, row.unit),
-        theirs + ("; it left the allowed side" if found.outside else ""),
-        "outside" if found.outside else "behind", found.severity, beside(found),
+        theirs, "behind", found.severity, beside(found),
     )
 
 
@@ -223,21 +241,36 @@ def scenes_sentence(verdict_: Verdict) -> str:
             "refusal and got it counts as refused.")
 
 
-def loosest(verdict_: Verdict) -> str:
-    """The widest bound on each measure of how motion looks, with our largest figure under it; "" without such bounds."""
-    rows = [row for row in verdict_.held + verdict_.ceiling + verdict_.failed if row.bound is not None]
-    said = []
+def loosest(results: Results, verdict_: Verdict) -> tuple[str, ...]:
+    """A line for each measure of how motion looks: in how many scenes with an avatar it has a bound, the widest of these and our
+    largest figure under one, and our largest figure where it has none."""
+    rows = _looks(results, verdict_.gated)
+    scenes, said = {row.scenario for row in rows}, []
     for metric in LOOKS:
         own = [row for row in rows if row.metric == metric]
-        if own:
-            widest = max(row.bound for row in own if row.bound is not None)
-            worst_ = max(own, key=lambda row: row.value if row.value is not None and math.isfinite(row.value) else math.inf)
-            said.append(f"{words(metric)} {limit(widest, own[0].unit)} (largest {quantity(worst_.value, worst_.unit)}, "
-                        f"{worst_.scenario})")
-    if not said:
-        return ""
-    return (f"How motion looks is bounded loosely, and not at all where nothing was tuned for it. The widest bounds: "
-            f"{'; '.join(said)}.")
+        bounds = [(row.bound, row) for row in own if row.bound is not None]
+        free = [row for row in own if row.bound is None]
+        if not own:
+            continue
+        where = "bounded nowhere"
+        if bounds:
+            under = _largest([row for _, row in bounds])
+            widest = limit(max(bound for bound, _ in bounds), under.unit)
+            bounded = len({row.scenario for _, row in bounds})
+            where = (f"bounded in {bounded} of {count(len(scenes), 'scene')} with an avatar, by {widest} at most, largest there "
+                     f"{quantity(under.value, under.unit)} ({under.scenario})")
+        most = _largest(free) if free else None
+        beyond = ""
+        if most:
+            beyond = f"; largest without a bound {quantity(most.value, most.unit)} ({most.scenario})" if most.value else (
+                "; 0 wherever there is no bound")
+        said.append(f"{words(metric)}: {where}{beyond}")
+    return tuple(said)
+
+
+def _largest(rows: list[Row]) -> Row:
+    """The row with the largest figure; one that is no number is larger than any."""
+    return max(rows, key=lambda row: row.value if row.value is not None and math.isfinite(row.value) else math.inf)
 
 
 def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:

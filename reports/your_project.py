@@ -1,8 +1,33 @@
-"""Support matrix: what a project that would use the engine asks first, each answered yes, no or not measured, with the facts."""
+"""Support matrix: what a project that would use the engine asks first, each answered yes, no or not measured, with the facts.
 
+Figures are those of the run."""
+
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from avatarsim.settings import PostureSettings, meanings
+from reports.growth import Growth
+from reports.load import Results, Row
+from reports.metric_words import words
+from reports.tables import RAW_TRACKER
+from reports.wording import count, figures, listed, quantity
+
 YES, NO, PARTLY, UNMEASURED = "yes", "no", "partly", "not measured"
+ABSENT = "not measured in this run"
+"""Stands for the figure of a longer run."""
+DESKTOP, HEADSET = 60.0, 90.0
+"""Frames per second for which the defaults were chosen, and of a headset."""
+COUNT_FRAMES = ("stuck_frames", "search_after", "trapped_frames", "trapped_jump", "walled_jump")
+"""Settings that are a number of frames: times that are shorter at a higher rate."""
+PER_FRAME = ("steps", "work", "search_work", "leap_search")
+"""Settings that say how much happens in a frame: speeds that are higher at a higher rate."""
+NOT_FOR = (
+    "a binding for C, Unity, Unreal or OpenXR (there is Python alone)", "scenery that moves, such as lifts and doors",
+    "things that appear or vanish while a scene runs", "triangle meshes as they are (shapes are convex pieces)",
+    "a grip that attaches a thing to a hand (nothing is held by more than contact)",
+)
+"""What a project may need and does not get; each has its row among the answers."""
 
 
 @dataclass(frozen=True)
@@ -14,20 +39,121 @@ class Answer:
     facts: str
 
 
-ANSWERS = (
-    Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.pieces MESH makes them and bounds "
-           "how far pieces and mesh are apart."),
-    Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A link "
-           "that is moved by a tracker stops at what it meets instead of pushing through it."),
-    Answer("Several avatars", YES, "Each with its own tracker; make bench goes up to 100."),
-    Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and reach "
-           "cones, described in Python; there is no importer for formats of avatars or motion."),
-    Answer("Grabbing", PARTLY, "Things are pushed and held by contact alone; nothing attaches a thing to a hand."),
-    Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
-    Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
-    Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
-    Answer("Large worlds", YES, "make bench goes up to 20,000 objects, most of them at rest, and 1,000 contacts."),
-    Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),
-    Answer("Licence", YES, "Apache-2.0."),
-)
-"""In the order in which they are asked."""
+def not_for() -> str:
+    """What stands in open text: for which projects this is nothing."""
+    return f"Not for you if you need {'; '.join(NOT_FOR)}."
+
+
+def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[Answer, ...]:
+    """All questions, in the order in which they are asked."""
+    return (
+        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.pieces MESH makes them and "
+               "bounds how far pieces and mesh are apart."),
+        Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
+               "link that is moved by a tracker stops at what it meets instead of pushing through it."),
+        Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
+        Answer("A user who leaps (teleports)", YES, leaps(results, ours)),
+        Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {leap_cost()}"),
+        Answer("Other frame rates than 60 Hz", PARTLY, rates(results)),
+        Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
+        Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
+               "reach cones, described in Python; there is no importer for formats of avatars or motion."),
+        Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
+               "at its surface and press with the spring of equation 6 alone, one contact a link. "
+               f"{grasped(results.rows) or f'How far such a thing falls is {ABSENT}.'}"),
+        Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
+        Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
+        Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
+        Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
+               f"{grown(growth, ours, 'contacts')}"),
+        Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),
+        Answer("Licence", YES, "Apache-2.0."),
+    )
+
+
+def _figures(results: Results, run: str, metric: str) -> list[tuple[float, str]]:
+    """(figure, scene) of a run, where it has one that is a number."""
+    return [(row.value, row.scenario) for row in results.rows
+            if row.run == run and row.metric == metric and row.value is not None and math.isfinite(row.value)]
+
+
+def walls(results: Results, ours: str) -> str:
+    """What becomes of an avatar whose user goes through a wall, and how often that was in this run."""
+    found = sorted(((number, scene) for number, scene in _figures(results, ours, "walled") if number > 0.0), reverse=True)
+    seen = listed(tuple(f"{quantity(number, 'frames')} frames in {scene}" for number, scene in found), 4)
+    return (
+        "The avatar stays on its side and waits as long as a wall is between; with joints it is led around where a way is found, "
+        "a hand without joints never is (around: 2 leads it too). The status says walled, or trapped where nothing fixed is "
+        f"between. In this run: {seen or 'no frame'}. To be shown at the user all the same, through the wall, set walled_jump or "
+        "trapped_jump to the frames of patience (0: never)."
+    )
+
+
+def leaps(results: Results, ours: str) -> str:
+    """How leaps are followed, and where this run has them."""
+    found = [(number, scene) for number, scene in _figures(results, ours, "leaps") if number > 0.0]
+    seen = listed(tuple(f"{quantity(number, 'frames')} in {scene}" for number, scene in found))
+    return (f"In the frame of the leap, as far as the way there is free. Other frames move a root by steps x move_cap = "
+            f"{quantity(_budget(), 'm')} at most beside what its user did, so catching up shows as jumps of that size. Leaps in "
+            f"this run: {seen or 'none'}.")
+
+
+def _budget() -> float:
+    """The motion budget of a frame [m]."""
+    return PostureSettings().steps * PostureSettings().move_cap
+
+
+def slowest(results: Results, ours: str) -> str:
+    """The slowest frame of the run, over how many of its scenes, and how many of these are over the frame of a headset."""
+    found, scenes = _figures(results, ours, "frame_time_max"), {row.scenario for row in results.rows if row.run == ours}
+    if not found:
+        return f"The slowest frame is {ABSENT}."
+    time, scene = max(found)
+    over = sum(not time <= 1e6 / HEADSET for time, _ in found)
+    longer = f"in {count(over, 'of them') if over > 1 else 'one of them'} a frame takes longer than 11.1 ms" if over else (
+        "in each of these every frame that was timed fits into 11.1 ms")
+    return (f"Slowest frame measured: {quantity(time, 'us')}, in {scene}, over {len(found)} of {count(len(scenes), 'scene')}; "
+            f"{longer}.")
+
+
+def leap_cost() -> str:
+    """What the dearest frames cost, in the words of the setting that buys or avoids them."""
+    return f"A user who leaps into something is dearest. leap_search: {meanings(PostureSettings)['leap_search']}"
+
+
+def rates(results: Results) -> str:
+    """At which rates scenes with an avatar were measured, and which defaults mean something else at 90 Hz."""
+    avatars = {row.scenario for row in results.rows if row.metric == "tracker_offset_rms" and row.engine != RAW_TRACKER}
+    hertz = sorted(round(1.0 / dt) for scene, dt in results.frame_times.items() if scene in avatars and dt > 0.0)
+    seen = listed(tuple(f"{hertz.count(rate)} at {rate} Hz" for rate in dict.fromkeys(hertz)))
+    values = PostureSettings()._asdict()
+    times = ", ".join(f"{name} {values[name]} ({figures(values[name] / DESKTOP)} s at 60 Hz, {figures(values[name] / HEADSET)} s "
+                      "at 90 Hz)" for name in COUNT_FRAMES if values[name])
+    never = ", ".join(name for name in COUNT_FRAMES if not values[name])
+    way = _budget()
+    return (
+        f"Scenes with an avatar were measured at: {seen or ABSENT}. Defaults were chosen at 60 Hz. These count frames, and mean "
+        f"shorter times at a higher rate: {times}; and {never} once set. These are per frame, and mean higher speeds and more "
+        f"work a second: {', '.join(f'{name} {values[name]}' for name in PER_FRAME)}; steps x move_cap is "
+        f"{figures(way * DESKTOP)} m/s at 60 Hz and {figures(way * HEADSET)} m/s at 90 Hz. Times the rate over 60, or divided by "
+        "it, they are what they were."
+    )
+
+
+def grasped(rows: Iterable[Row]) -> str:
+    """Where what hands close on ends, engine by engine; "" without such figures."""
+    found = [row for row in rows if row.metric == "grasped_fall_end" and row.engine != RAW_TRACKER]
+    if not found:
+        return ""
+    told = "; ".join(f"{row.run} {quantity(row.value, row.unit)}" for row in found)
+    return (f"In {found[0].scenario}, the {words('grasped_fall_end')}: {told}; 0 is where it stood, as it does where nothing "
+            "touches it.")
+
+
+def grown(growth: Growth | None, ours: str, grows: str) -> str:
+    """The largest size of a kind that this run timed, with its 95th percentile; or that it timed none, and what would."""
+    points = [one for one in growth.points if (one.grows, one.run) == (grows, ours) and one.p95 > 0.0] if growth else []
+    if not points:
+        return f"Frames with many {grows} are {ABSENT}; make bench times them."
+    most = max(points, key=lambda one: (one.size, one.p95))
+    return f"{most.size:,} {grows} ({most.mode}): {quantity(most.p95, 'us')} at the 95th percentile."

@@ -33,7 +33,7 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--engine", nargs="+", action="extend", default=[], metavar="NAME", help="engines; all by default")
     names = "scenes whose name matches, several patterns with commas; otherwise all, in bench and ablate the everyday ones"
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
-    shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all by default")
+    shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help="presets; all but those on request by default")
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
     own = f"rows of your own: tables [engine.name] of `preset` to begin from and settings, as in {own_settings.EXAMPLE}"
     shared.add_argument("--settings", type=path_option, metavar="FILE.toml", help=own)

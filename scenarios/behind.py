@@ -19,9 +19,9 @@ from scenarios.sayable import Unsaid
 
 BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
-    "engine is ranked. Values that differ by no more than the resolution of their metric are level. An engine that left the "
-    "allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine has no words for (under "
-    "Settings: cannot say) is not ranked for it, neither for it nor against it."
+    "engine is ranked. Values that differ by no more than the resolution of their metric are level, times within 10 %. An "
+    "engine that left the allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine "
+    "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it."
 )
 """The rule in words, printed beside every table that names a best."""
 POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})
@@ -49,15 +49,13 @@ class Figure(Protocol):
 @dataclass(frozen=True)
 class Behind:
     """One metric of one scene in which `rivals` (run, value) beat our row, whose `value` stands here, all at size 1; `factor` is
-    ours over theirs, infinite where theirs is 0 or ours is no number; `severity` is finite where ours is: it orders losses.
-    `outside` if every rival ahead of us left the allowed side of the scene."""
+    ours over theirs, infinite where theirs is 0 or ours is no number; `severity` is finite where ours is: it orders losses."""
 
     row: Figure
     value: float | None
     rivals: tuple[tuple[str, float], ...]
     factor: float
     severity: float
-    outside: bool
 
     @property
     def best(self) -> float:
@@ -121,20 +119,19 @@ def rivals(rows: Iterable[Figure], ours: str) -> dict[str, float]:
 
 def _behind(row: Figure, measured: Mapping[str, float], rule: Ranked, left: set[str], scale: float) -> Behind | None:
     """How far `row` is behind the best of those `measured`, all at size 1; None if it is level or better. `left` are runs that
-    left the scene, `scale` the size of its world."""
+    left the scene, which are passed over where that could win; `scale` the size of its world."""
     own, power = at_size_1(row.value, row.unit, scale), scale ** POWERS.get(row.unit, 0)
     theirs = {run: value / power for run, value in measured.items()}
     # a figure that ours has not got, or that is no number, is worse than any
     mine = own if own is not None and math.isfinite(own) else math.inf
-    ahead = {run: value for run, value in theirs.items() if value < mine - rule.same}
+    ahead = {run: value for run, value in theirs.items() if rule.less(value, mine) and not (rule.stays_inside and run in left)}
     if not ahead:
         return None
-    inside = {run: value for run, value in ahead.items() if not (rule.stays_inside and run in left)}
-    least = min((inside or ahead).values())
-    best = tuple((run, value) for run, value in (inside or ahead).items() if value == least)
+    least = min(ahead.values())
+    best = tuple((run, value) for run, value in ahead.items() if value == least)
     base = max(least, rule.same)
     factor, severity = mine / least if least > 0.0 else math.inf, mine / base if base > 0.0 else math.inf
-    return Behind(row, own, best, factor, severity, not inside)
+    return Behind(row, own, best, factor, severity)
 
 
 def _size(one: Behind) -> float:

@@ -87,21 +87,21 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     missing = [name for name in names if name in offered and offered[name].trouble]
     presets: dict[str, list[tuple[str, OwnSettings | None]]] = {}
     for name, offer in offered.items():
-        listed = [preset for preset in offer.presets if preset in (asked.preset or offer.presets)]
+        listed = list(offer.chosen(asked.preset))
         listed = listed[:1] if first_preset_only and not asked.preset else listed
         rows = [row for row in own if row.engine == name]
         for row in rows:
-            if row.name in offer.presets:
+            if row.name in offer.all_presets:
                 raise InvalidInput(f"name of a row in {asked.settings}", row.name, f"none of {name}'s own presets")
-            if offer.presets and row.base not in offer.presets:
-                raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.presets)
+            if offer.presets and row.base not in offer.all_presets:
+                raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.all_presets)
         presets[name] = [(preset, None) for preset in listed] + [(row.name, row) for row in rows]
     if asked.settings and found:
         tried([row for row in own if row.engine in presets and row.engine not in missing], next(iter(found)), asked.settings,
               asked.jobs)
     known_variants = {variant for name in names for variant in VARIANTS.get(name, {})}
     if asked.preset and found and not missing and not any(presets.values()) and not known_variants & set(asked.preset):
-        offered_presets = {p for offer in offered.values() for p in offer.presets}
+        offered_presets = {p for offer in offered.values() for p in offer.all_presets}
         raise UnknownName("preset", ", ".join(asked.preset), offered_presets | known_variants)
     jobs, ready = [], []
     for scene in found:

@@ -10,6 +10,7 @@ hashes of its last frames are compared with those of processes that ran one scen
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from scenarios.engines import GATED
 from scenarios.job import Job
 from scenarios.machine import Meter
 from scenarios.measure.protocol import REPEATS, TAIL_FRAMES
@@ -40,7 +41,8 @@ def glance(
 ) -> list[Clocked]:
     """Time all `jobs` of one scene of `length` frames, as `rounds` says for what a frame of each `costs` [s] and for the frame in
     which the user `meets` something; of an everyday scene all, `at_length`. Loading is done side by side."""
-    plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs) if at_length else rounds(costs, length, meets)
+    gated = [(job.engine, job.preset) == GATED for job in jobs]
+    plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs) if at_length else rounds(costs, length, meets, gated)
     return timed_pass(
         jobs, True, frames=[each.frames for each in plan], repeats=[each.repeats for each in plan],
         seats=[seats.at(job.run) for job in jobs], meter=meter, firsts=[each.first for each in plan],
@@ -55,16 +57,20 @@ class Round(NamedTuple):
     frames: int
 
 
-def rounds(costs: Sequence[float], length: int, meets: int = 0) -> list[Round]:
+def rounds(costs: Sequence[float], length: int, meets: int = 0, gated: Sequence[bool] = ()) -> list[Round]:
     """What is timed of each engine of a scene. All have the same window, by which they are compared: what fits into a SLICE, with
     the frame in which the user `meets` something in it. Those of which TAIL_FRAMES take little have that many, those of which the
-    whole scene takes little have all of it, and those of which a repeat takes little have REPEATS."""
+    whole scene takes little have all of it, and those of which a repeat takes little have REPEATS. The `gated` engine has REPEATS
+    of the whole scene, since its slowest frame is to be the slowest of all: that takes it two seconds in a hundred scenes."""
     tail, whole = min(length, TAIL_FRAMES), min(length, MOST_FRAMES)
     cost = sum(costs)
     same = min(tail, max(LEAST, round(SLICE / cost))) if cost > 0.0 else tail
     first = max(0, min(meets - same // BEFORE, whole - same))
     plan = []
-    for each in costs:
+    for each, promised in zip(costs, gated or [False] * len(costs), strict=True):
+        if promised:
+            plan.append(Round(REPEATS, 0, whole))
+            continue
         if each * whole <= CHEAP:
             begins, frames = 0, whole
         elif each * tail <= CHEAP:

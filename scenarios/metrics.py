@@ -49,11 +49,16 @@ METRICS: dict[str, tuple[str, str]] = {
     "still_frames": ("%", "frames in which the tracker moves more than 1 mm and nothing shown of the avatar moves"),
     "pose_jump_max": ("deg", "largest change of a joint from frame to frame beyond the tracker's own largest"),
     "root_jump_max": ("m", "largest way of a free root from frame to frame beyond the tracker's own"),
+    "link_jump_max": ("m", "largest way of a link origin from frame to frame beyond its own target's"),
     "chatter_frames": ("%", "share of the frames in contact (raw posture not free, or a shown link at most 5 mm from what it may "
                        "not overlap) in which a link shakes: in 3 of the last 4 frames its origin moved faster than 0.18 m/s (3 "
                        "mm at 60 Hz) against its motion of the frame before, as fast, and its target did not turn back"),
     "reversal_p95": ("m", "95th percentile over frames in contact of the largest displacement that a link took back while its "
                      "target did not turn back: the smaller of the two displacements"),
+    "reversal_max": ("m", "the largest such displacement of any frame, in contact or not"),
+    "jitter_rms": ("m", "of the link that has most: root mean square, over frames in contact in which its target moves slower "
+                   "than 0.18 m/s (rests or slides), of the displacement taken back, where none was 0, where it was faster than "
+                   "that 3 mm at 60 Hz: to-and-fro motion below what counts as shaking"),
     "contact_gap_p50": ("m", "median, over the states in which a link is within 5 mm of what it may not overlap, of that "
                         "distance, an overlap counting as 0: how far an avatar that touches seems to hover; in everyday scenes"),
     "jerk_ratio": ("", "95th percentile of the third differences of link origins, shown over target; a target below 20 m/s^3 "
@@ -63,13 +68,16 @@ METRICS: dict[str, tuple[str, str]] = {
     "energy_added_max": ("J", "largest gain of kinetic energy that nothing explains: of a frame with no driven link near, of an "
                          "impact, links included"),
     "lift_energy_max": ("J", "largest potential energy of a frame gained by being moved up without the velocity for it"),
+    "lift_height_max": ("m", "the largest height of such a lift of one body in one frame"),
+    "grasped_fall_end": ("m", "how far below its first place a thing that a hand grasps is at the end: 0 on its pedestal or in "
+                         "the hand, more where it slipped out and fell"),
     "not_finite_frames": ("frames", "states shown in which something is nan or infinite"),
     "frame_time_p50": ("us", "median time of a rendered frame, engine only, each frame the least of its repeats, over the "
                        "repeats and frames that every engine of the scene had"),
     "frame_time_p95": ("us", "the same, 95th percentile"),
     "frame_time_p99": ("us", "99th percentile of all frames that this engine had, each the least of its repeats; only from "
                        f"{REPEATS} x {TAIL_FRAMES} frames on"),
-    "frame_time_max": ("us", "the same, slowest frame"),
+    "frame_time_max": ("us", "the same, slowest frame; of a scene that was timed whole from any number of frames on"),
     "frame_time_raw_p50": ("us", "median over the frames of frame_time_p50 in every one of its repeats, disturbances included"),
     "frame_time_raw_p95": ("us", "the same, 95th percentile"),
     "frame_time_raw_p99": ("us", "99th percentile over the frames of frame_time_p99 in every repeat, disturbances included"),
@@ -78,6 +86,8 @@ METRICS: dict[str, tuple[str, str]] = {
     "frame_time_moving_p50": ("us", "frame_time_p50 over frames in which a body or link moves faster than "
                               f"{1e3 * STILL:g} mm/s, where there are {PHASE_FRAMES} of these and of the others"),
     "frame_time_resting_p50": ("us", "the same over the other frames"),
+    "resting_frames": ("%", "share of those frames in which nothing moves faster: an engine that sleeps when all rests does "
+                       "so in the median frame from half of them on"),
     "warmup": ("s", f"import, load and the first {WARM_FRAMES} frames in a fresh process"),
     "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
     "resyncs": ("", "jumps that untied limbs"),

@@ -13,11 +13,17 @@ from scenarios.metrics import FAMILIES, METRICS
 class Ranked:
     """`same`: values that differ by no more, in the metric's own unit, count as equal; 0 in a list of losses stands at it too.
     `stays_inside`: an engine that left the allowed side of a scene cannot be best in it. `may_lack`: too few timed frames give
-    no value, which says nothing about the engine: a row without one is not ranked; any other missing figure is the worst."""
+    no value, which says nothing about the engine: a row without one is not ranked; any other missing figure is the worst.
+    `share`: values that differ by no more than this share of the smaller count as equal too."""
 
     same: float
     stays_inside: bool = False
     may_lack: bool = False
+    share: float = 0.0
+
+    def less(self, one: float, other: float) -> bool:
+        """Whether `one` is better than `other`, and not level with it."""
+        return one < other - self.same and one * (1.0 + self.share) < other
 
 
 CLOSED_FORM = 1e-4
@@ -27,6 +33,8 @@ LENGTH, ANGLE, SHARE, FRAMES = 1e-5, 1e-3, 0.05, 0.5
 """[m], [deg], [%] and [frames] below which nothing in a shown motion can be told apart."""
 ENERGY = 1e-6
 """[J]: a ball of 0.1 kg lifted by a micrometre. Smaller ranks rounding, larger hides what overlap removal adds."""
+TIME = 0.1
+"""Share by which two times may differ and are level: by so much the same frames differ from run to run."""
 RATIO = 1e-9
 """Drift of a conserved quantity as a share of it: below is the rounding of some hundred frames."""
 
@@ -47,11 +55,14 @@ RANKED: dict[str, Ranked] = {
     "silent_offset_frames": Ranked(FRAMES, stays_inside=True),
     "chatter_frames": Ranked(SHARE, stays_inside=True),
     "reversal_p95": Ranked(LENGTH, stays_inside=True),
+    "reversal_max": Ranked(LENGTH, stays_inside=True),
+    "jitter_rms": Ranked(LENGTH, stays_inside=True),
     "jerk_ratio": Ranked(0.01, stays_inside=True),
     "still_frames": Ranked(0.5, stays_inside=True),
     "halted_frames": Ranked(FRAMES),
     "pose_jump_max": Ranked(ANGLE, stays_inside=True),
     "root_jump_max": Ranked(LENGTH, stays_inside=True),
+    "link_jump_max": Ranked(LENGTH, stays_inside=True),
     "joint_limit_excess_max": Ranked(ANGLE, stays_inside=True),
     "reach_cone_excess_max": Ranked(ANGLE, stays_inside=True),
     "joint_gap_max": Ranked(1e-6),
@@ -70,10 +81,10 @@ RANKED: dict[str, Ranked] = {
     "energy_drift_max": Ranked(RATIO),
     "energy_gain_max": Ranked(RATIO),
     "energy_added_max": Ranked(ENERGY),
-    "lift_energy_max": Ranked(ENERGY),
+    "lift_height_max": Ranked(1e-6),
     "rest_energy_end": Ranked(ENERGY),
-    **{f"frame_time_{name}": Ranked(0.0) for name in ("p50", "p95")},
-    **{f"frame_time_{name}": Ranked(0.0, may_lack=True) for name in ("p99", "max")},
+    **{f"frame_time_{name}": Ranked(0.0, share=TIME) for name in ("p50", "p95")},
+    **{f"frame_time_{name}": Ranked(0.0, may_lack=True, share=TIME) for name in ("p99", "max")},
 }
 """In the order in which a reader of losses wants them: what is seen first, then what is felt, then what is computed."""
 
@@ -82,7 +93,8 @@ KINDS: dict[str, tuple[str, ...]] = {
     "distance from the user": (
         "tracker_offset_rms_free", "tracker_offset_rms", "tracker_angle_rms_free", "tracker_angle_rms", "silent_offset_frames"),
     "smoothness": (
-        "chatter_frames", "reversal_p95", "jerk_ratio", "still_frames", "halted_frames", "pose_jump_max", "root_jump_max"),
+        "chatter_frames", "jitter_rms", "reversal_p95", "reversal_max", "jerk_ratio", "still_frames", "halted_frames",
+        "pose_jump_max", "root_jump_max", "link_jump_max"),
     "limits": ("joint_limit_excess_max", "reach_cone_excess_max", "joint_gap_max"),
     "time": ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max"),
 }
@@ -96,10 +108,13 @@ UNRANKED: dict[str, str] = {
     "ratio_standing_max": "here larger is better; the number of fallen towers ranks the same towers",
     "status_frames": "how much an engine says of its own frames: to be silent would win; what is wrong with the frames is ranked",
     "contact_gap_p50": "a body that is inside what it touches keeps no gap: to overlap would win; overlap is ranked",
+    "lift_energy_max": "the height of the lift ranks it; the same height is a thousand times the energy under a heavy body",
+    "grasped_fall_end": "what a hand never reached stays as high as what it holds: to meet nothing would win",
     "free_frames": "a property of the scene and its tracker, the same for every engine",
     **{name: _RAW for name in ("frame_time_raw_p50", "frame_time_raw_p95", "frame_time_raw_p99", "frame_time_raw_max")},
     **{f"frame_time_{phase}_p50": "a part of the median frame time, in frames that need not be the same for every engine"
        for phase in ("moving", "resting")},
+    "resting_frames": "what an engine shows at rest, not how well; what it costs is ranked as time",
     "frame_time_python_p50": "what it adds to the time of MuJoCo and PyBullet is this project's own adapter; it is shown "
                              "beside engine-only time",
     "warmup": "once per process, and most of it is the import of a package",

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import parsed_json
 from scenarios import array_file
 from scenarios.files import plain, write_whole
 
@@ -130,9 +131,9 @@ def load(path: Path) -> Recording:
 def about(stored: NDArray[np.str_] | None, path: Path) -> tuple[dict[str, object], object]:
     """A recording's meta, and the version of the layout."""
     try:
-        meta = json.loads(str(stored))
+        meta = parsed_json(str(stored), f"meta of recording {path}", "what this runner wrote")
         return meta, meta.pop("schema_version")
-    except (ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
+    except (KeyError, AttributeError, TypeError) as error:
         raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", "what this runner wrote") from error
 
 

@@ -67,12 +67,15 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
         frames.append(engine.load(scene, settings, scenario.dt))
         about["settings"] = dict(engine.settings_as_run())
         native.write(engine, folder, job)
+        keeps = native.keeps_steps(engine, job, scenario.everyday)
         spent = []
         for sample in samples:
             begun = perf_counter()
             frames.append(engine.advance(sample, scenario.dt))
             spent.append(perf_counter() - begun)
         about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
+        if keeps:
+            native.write_steps(engine, folder, job)
     except MissingPackage as error:
         return Outcome(job, "not-measured", str(error), about=about)
     except StartOverlaps as error:

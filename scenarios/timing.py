@@ -7,7 +7,7 @@ from math import nan
 import numpy as np
 
 from scenarios.job import Job
-from scenarios.machine import Meter, clock, load_average
+from scenarios.machine import Meter, clock, load_average, reading_ns
 from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.measure.timing import Shared, Timed
 from scenarios.seat import Repeat, Seat
@@ -128,7 +128,7 @@ def timing_facts(meter: Meter) -> dict[str, object]:
     others = None if meter.others is None else round(meter.others, 3)
     return {
         "repeats": REPEATS, "warm_frames": WARM_FRAMES, "tail_frames": TAIL_FRAMES, "phase_frames": PHASE_FRAMES,
-        "load_after": load_average(), "busy_elsewhere": others, **clock(),
+        "load_after": load_average(), "busy_elsewhere": others, "reading_ns": reading_ns(), **clock(),
     }
 
 

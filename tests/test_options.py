@@ -111,6 +111,13 @@ def test_seeds_and_flags_of_numpy_will_do() -> None:
     assert Settings(seed=np.int64(3), record_inside=np.bool_(True)).seed == 3
 
 
+def test_a_seed_of_a_narrow_kind_is_the_number_that_it_says() -> None:
+    plain, narrow = AvatarsimEngine(), AvatarsimEngine()
+    plain.load(SCENE, Settings("paper", seed=5), DT)
+    narrow.load(SCENE, Settings("paper", seed=np.int8(5)), DT)
+    assert type(Settings(seed=np.int8(5)).seed) is int and plain.snapshot() == narrow.snapshot()
+
+
 @pytest.mark.parametrize("settings", [None, {}, {"preset": "default"}, "default"])
 def test_a_scene_is_loaded_with_settings(settings: object) -> None:
     with pytest.raises(InvalidInput, match="settings to load a scene with is .*; valid: Settings"):

@@ -16,7 +16,7 @@ from avatarsim.compile_ahead import part_scene
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.frame import Frames
-from avatarsim.rehearsal import undone
+from avatarsim.rehearsal import REHEARSALS, Undo
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
@@ -26,7 +26,7 @@ from tests.posture.little_worlds import at
 from tests.stability.hostile import DT
 
 TOGETHER = part_scene("together")[0]
-PRESETS = ("default", "paper")
+PRESETS = ("default", "ik", "paper")
 SCENES = {
     "an avatar and a ball": TOGETHER,
     "an avatar that removes no overlap": replace(TOGETHER, narrow=("overlap_removal",)),
@@ -71,11 +71,63 @@ def test_a_frame_that_is_undone_leaves_every_bit_as_it_was(name: str, preset: st
     for sample in lively(SCENES[name], 8):
         frames.frame(sample, DT)
     before = state(frames.parts())
-    with undone(frames.parts()):
-        for sample in lively(SCENES[name], 12):
-            frames.frame(sample, DT)
-        assert state(frames.parts()) != before
+    undo = Undo(frames.parts())
+    for sample in lively(SCENES[name], 12):
+        frames.frame(sample, DT)
+    assert state(frames.parts()) != before
+    undo()
     assert state(frames.parts()) == before
+
+
+@pytest.mark.parametrize(("name", "preset"), CASES)
+def test_a_frame_run_again_and_again_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
+    """At load, and amid contacts: the same frame changes the same words, whatever ran before."""
+    frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
+    for sample in lively(SCENES[name], 22):
+        before = state(frames.parts())
+        undo = Undo(frames.parts())
+        frames.frame(sample, DT)
+        undo.keep_what_changed()
+        undo()
+        assert state(frames.parts()) == before
+        for _ in range(3):
+            frames.frame(sample, DT)
+            assert state(frames.parts()) != before
+            undo()
+            assert state(frames.parts()) == before
+        frames.frame(sample, DT)
+
+
+def test_only_what_changed_is_written_again() -> None:
+    """Writing all of it would leave the caches full of what no frame looks at."""
+    world = build(TOGETHER)
+    undo = Undo((world,))
+    changed, other = (array.ravel()[:1] for array in (world.poses.position, world.velocities.linear))
+    was = changed.tobytes()
+    changed[0] = np.nan
+    undo.keep_what_changed()
+    other[0] = 5.0
+    undo()
+    assert changed.tobytes() == was and other[0] == 5.0
+
+
+def test_load_rehearses_until_the_frame_is_warm(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where all kernels are in memory: ten times more, of a frame that is short."""
+    engine, ran, whole = AvatarsimEngine(), [0.0], Frames.frame
+    engine.load(TOGETHER, Settings(), DT)
+
+    def counted(self: Frames, sample: TrackerSample, dt: float) -> None:
+        ran.append(self.time)
+        whole(self, sample, dt)
+
+    monkeypatch.setattr(Frames, "frame", counted)
+    monkeypatch.setattr("avatarsim.simulator.ENOUGH", np.inf)
+    record = engine.load(TOGETHER, Settings(), DT)
+    assert ran == [0.0] * (REHEARSALS + 2) and record.shown.time == 0.0
+    monkeypatch.setattr("avatarsim.simulator.ENOUGH", 0.0)
+    del ran[1:]
+    engine.load(TOGETHER, Settings(), DT)
+    assert len(ran) == 3
 
 
 @pytest.mark.parametrize(("name", "preset"), CASES)
@@ -105,8 +157,9 @@ def test_no_part_of_a_frame_gets_a_dictionary(name: str, preset: str) -> None:
     for _ in range(40):
         Frames(build(SCENES["a ball alone"]), preset, Chosen(), 3, record=False, time_stages=False)
     frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
-    with undone(frames.parts()):
-        frames.frame(SCENES[name].first_sample, DT)
+    undo = Undo(frames.parts())
+    frames.frame(SCENES[name].first_sample, DT)
+    undo()
     for part in frames.parts():
         assert not any(type(held) is dict for held in gc.get_referents(part)), type(part)
 

@@ -1,14 +1,13 @@
-"""Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson 1974,
-chapter 23), from where projected Gauss-Seidel has come.
+"""Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson
+1974, chapter 23), from where projected Gauss-Seidel has come.
 
-Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they come no
-nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
+Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they
+come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
 """
 
 from math import sqrt
 
-from avatarsim.ik.constraints import along_row
-from avatarsim.ik.state import Avatars, ConstraintRows, IkScratch
+from avatarsim.ik.state import ConstraintRows
 from avatarsim.kernel import kernel
 
 SOFTNESS = 1e-9
@@ -26,38 +25,30 @@ MET = 1e-3
 
 
 @kernel
-def finish(avatars: Avatars, tolerance: float, rows_out: ConstraintRows, scratch_out: IkScratch) -> bool:
-    """From the present multipliers to those of the solution; if it does not get there multipliers and point are left as they were."""
-    r, s = rows_out, scratch_out
-    for k in range(r.count[0]):
+def finish(tolerance: float, rows_out: ConstraintRows) -> bool:
+    """From the present multipliers to those of the solution; if it does not get there they are left as they were."""
+    r = rows_out
+    for k in range(r.used[0]):
         r.before[k] = r.multiplier[k]
-        r.residual[k] = along_row(avatars, k, s.point, r.weighted, r) - r.bound[k]
-    done = find_active(avatars, tolerance, r)
-    for k in range(r.count[0]):
-        if not done:
-            r.multiplier[k] = r.before[k]
-        elif r.multiplier[k] != r.before[k]:
-            change = r.multiplier[k] - r.before[k]
-            for side in range(2):
-                avatar = r.owner[k, side]
-                if avatar >= 0:
-                    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-                        s.point[j] += change * r.weighted[k, j]
-    return done
+    if find_active(tolerance, r):
+        return True
+    for k in range(r.used[0]):
+        r.multiplier[k] = r.before[k]
+    return False
 
 
 @kernel
-def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) -> bool:
+def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
     """The same, but that multipliers and residuals are anywhere if it does not get there."""
     r, size, done = rows_out, 0, 0
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if r.multiplier[k] > 0.0:
             if size == r.active.shape[0]:
                 return False
             r.active[size] = k
             size += 1
     for _ in range(CHANGES):
-        if not extend(avatars, done, size, r):
+        if not extend(done, size, r):
             return False
         solve_change(size, r)
         share, first = 1.0, -1
@@ -67,7 +58,7 @@ def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) ->
                 return False
             if here + share * r.change[i] < 0.0:
                 share, first = -here / r.change[i], i
-        change_multipliers(avatars, size, share, r)
+        change_multipliers(size, share, r)
         done = size
         if first >= 0:
             r.multiplier[r.active[first]] = 0.0
@@ -77,7 +68,7 @@ def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) ->
             done = first
             continue
         worst, found = -MET * tolerance, -1
-        for k in range(r.count[0]):
+        for k in range(r.used[0]):
             if r.multiplier[k] == 0.0 and r.residual[k] < worst:
                 worst, found = r.residual[k], k
         if found < 0:
@@ -90,37 +81,25 @@ def find_active(avatars: Avatars, tolerance: float, rows_out: ConstraintRows) ->
 
 
 @kernel
-def gram(avatars: Avatars, k: int, q: int, rows: ConstraintRows) -> float:
-    """weighted[k] . weighted[q], over the degrees of avatars that both rows are of."""
-    total = 0.0
-    for side in range(2):
-        avatar = rows.owner[k, side]
-        if avatar >= 0 and (rows.owner[q, 0] == avatar or rows.owner[q, 1] == avatar):
-            for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-                total += rows.weighted[k, j] * rows.weighted[q, j]
-    return total
-
-
-@kernel
-def change_multipliers(avatars: Avatars, size: int, share: float, rows_out: ConstraintRows) -> None:
+def change_multipliers(size: int, share: float, rows_out: ConstraintRows) -> None:
     """Go a share of the change, and bring the residuals of all rows up to date."""
     r = rows_out
     for i in range(size):
         k, step = r.active[i], share * r.change[i]
         r.multiplier[k] = max(0.0, r.multiplier[k] + step)
-        for q in range(r.count[0]):
-            r.residual[q] += gram(avatars, k, q, r) * step
+        for q in range(r.used[0]):
+            r.residual[q] += r.gram[k, q] * step
 
 
 @kernel
-def extend(avatars: Avatars, done: int, size: int, rows_out: ConstraintRows) -> bool:
+def extend(done: int, size: int, rows_out: ConstraintRows) -> bool:
     """Cholesky's factor of the active rows' Gram matrix from row `done` on, of its diagonal the inverse; whether it has one."""
     f = rows_out.factor
     for i in range(done, size):
         k = rows_out.active[i]
-        rest = rows_out.stiffness[k] * (1.0 + SOFTNESS)
+        rest = rows_out.gram[k, k] * (1.0 + SOFTNESS)
         for j in range(i):
-            t = gram(avatars, k, rows_out.active[j], rows_out)
+            t = rows_out.gram[k, rows_out.active[j]]
             for e in range(j):
                 t -= f[i, e] * f[j, e]
             t *= f[j, j]

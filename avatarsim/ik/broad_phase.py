@@ -1,6 +1,7 @@
 """Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
 
-Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands are the connected components (union by the least number).
+Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands
+are the connected components (union by the least number).
 """
 
 from math import inf
@@ -77,36 +78,21 @@ def forget_near(state_out: IkState) -> None:
 
 
 @kernel
-def grow_box(
-    skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, state: IkState, scratch_out: IkScratch
-) -> None:
-    """Box of an avatar, grown by what the budget lets its root move, and by the mean reach of a link, which may swing."""
-    box, root = scratch_out.swept_avatars, avatars.first_link[avatar]
-    far = state.budget.move[root] + state.tracking.reach[avatar]
-    for k in range(3):
-        box[avatar, k], box[avatar, 3 + k] = inf, -inf
-    for b in range(skel.first + root, skel.first + avatars.first_link[avatar + 1]):
-        for k in range(3):
-            box[avatar, k] = min(box[avatar, k], poses.hulls[b, k] - far)
-            box[avatar, 3 + k] = max(box[avatar, 3 + k], poses.hulls[b, 3 + k] + far)
-
-
-@kernel
-def form_islands(skel: Skeleton, avatars: Avatars, poses: Poses, state_out: IkState, scratch_out: IkScratch) -> None:
+def form_islands(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch_out: IkScratch) -> None:
     """Number the islands by the least avatar in each, and list their members one after the other.
 
-    An island decides which avatars may push each other; that none gets into another is proved in each step against all of them."""
-    island, s, count = state_out.tracking.island, scratch_out, avatars.first_link.shape[0] - 1
+    An island decides which avatars may push each other in this frame; that none gets into another is proved in each step against
+    all of them."""
+    island, s, count, touching = state_out.tracking.island, scratch_out, avatars.first_link.shape[0] - 1, state_out.touching
     for avatar in range(count):
         island[avatar] = avatar
-        if count > 1:
-            grow_box(skel, avatars, avatar, poses, state_out, s)
-    for avatar in range(count):
-        for other in range(avatar):
-            if island[avatar] != island[other] and boxes_meet(s.swept_avatars, avatar, other):
-                old, new = max(island[avatar], island[other]), min(island[avatar], island[other])
-                for k in range(count):
-                    island[k] = new if island[k] == old else island[k]
+    for k in range(touching.used[0]):
+        link, other = geo.body[touching.pair[k, 0]] - skel.first, geo.body[touching.pair[k, 1]] - skel.first
+        if other >= 0 and island[avatars.avatar[link]] != island[avatars.avatar[other]]:
+            old = max(island[avatars.avatar[link]], island[avatars.avatar[other]])
+            new = min(island[avatars.avatar[link]], island[avatars.avatar[other]])
+            for avatar in range(count):
+                island[avatar] = new if island[avatar] == old else island[avatar]
     listed = 0
     for first in range(count):
         if island[first] == first:

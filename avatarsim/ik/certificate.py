@@ -1,8 +1,8 @@
 """Certificate of a step: proof that a pair of pieces is apart at both ends and passed through nothing in between.
 
 For a pair there is a direction n, fixed in the world or carried by one of the two, along which it is apart at the shown state and
-at the trial: a separating axis. Support functions are convex, so the pair stays apart along n while vertices move straight from one
-end to the other. The gap along a direction proves separation whatever proposed it: GJK (Gilbert, Johnson and Keerthi 1988)
+at the trial: a separating axis. Support functions are convex, so the pair stays apart along n while vertices move straight from
+one end to the other. The gap along a direction proves separation whatever proposed it: GJK (Gilbert, Johnson and Keerthi 1988)
 proposes, two supports decide. Every test is written so that a NaN fails it.
 """
 

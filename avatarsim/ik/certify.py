@@ -24,10 +24,12 @@ def certify(
     is_adding: failing pairs and limits get rows; is_soft: which ask for no more gap than there was.
     """
     s, failed = scratch_out, 0
-    s.failed.count[0] = 0
+    s.failed.used[0] = 0
     for m in range(first, last):
         avatar = s.members[m]
         state_out.tracking.has_failed[avatar] = 0
+        if state_out.tracking.is_certified[avatar] > 0:
+            continue
         beyond = check_limits(skel, avatars, avatar, posture, is_adding, s)
         if is_no_pose(skel, avatars, avatar, s):
             beyond += 1
@@ -42,7 +44,7 @@ def certify(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_link[avatar], avatars.first_link[avatar + 1]
-        for link in range(low, high):
+        for link in range(low, high if state_out.tracking.is_certified[avatar] == 0 else low):
             body = skel.first + link
             for n in range(state_out.near_count[avatar]):
                 other = state_out.near[avatar, n]
@@ -53,9 +55,14 @@ def certify(
                 if boxes_meet(s.swept_links, body, other) and may_meet(geo.wanted, body, other):
                     failed += certify_bodies(geo, skel, avatars, settings, poses, body, other, is_adding, is_soft, state_out, s)
         for other in range(avatars.first_link.shape[0] - 1):
-            if other > avatar or (other < avatar and s.is_active[other] == 0):
+            is_new = state_out.tracking.is_certified[avatar] == 0 or (
+                s.is_active[other] > 0 and state_out.tracking.is_certified[other] == 0
+            )
+            if is_new and (other > avatar or (other < avatar and s.is_active[other] == 0)):
                 one, two = min(avatar, other), max(avatar, other)
                 failed += certify_avatars(geo, skel, avatars, settings, poses, one, two, is_adding, is_soft, state_out, s)
+    for m in range(first, last):
+        state_out.tracking.is_certified[s.members[m]] = 1 - state_out.tracking.has_failed[s.members[m]]
     return failed
 
 
@@ -94,9 +101,9 @@ def certify_bodies(
             if holds:
                 continue
             failed += 1
-            k = s.failed.count[0]
+            k = s.failed.used[0]
             if k < s.failed.pair.shape[0]:
-                s.failed.pair[k, 0], s.failed.pair[k, 1], s.failed.count[0] = a, b, k + 1
+                s.failed.pair[k, 0], s.failed.pair[k, 1], s.failed.used[0] = a, b, k + 1
             state_out.tracking.has_failed[avatars.avatar[body - skel.first]] = 1
             if other >= skel.first:
                 state_out.tracking.has_failed[avatars.avatar[other - skel.first]] = 1

@@ -4,8 +4,8 @@ from math import inf
 
 from avatarsim.collide.gjk import closest_points
 from avatarsim.collide.support import support
-from avatarsim.ik.certificate import EXACT, axis_at, keep_nearest, nearest_direction
-from avatarsim.ik.pair_cache import slot_of
+from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
+from avatarsim.ik.pair_cache import axis_at, slot_of
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching
 from avatarsim.kernel import kernel
 from avatarsim.settings import IkSettings
@@ -30,7 +30,9 @@ def clear_row(avatars: Avatars, k: int, rows_out: ConstraintRows) -> None:
 
 
 @kernel
-def add_lever(skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Rows, k: int, jacobian_out: Rows) -> None:
+def add_lever(
+    skel: Skeleton, body: int, sign: float, n: Vec3, point: Vec3, poses: Poses, axes: Rows, k: int, jacobian_out: Rows
+) -> None:
     """Add to row k how a point of a link moves along n, times sign."""
     link = body - skel.first
     while link >= 0:
@@ -63,7 +65,8 @@ def is_solved_for(geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: in
 
 @kernel
 def add_contact(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, missing: float, poses: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, missing: float,
+    poses: Poses,
     axes: Rows, step: Array, scratch_out: IkScratch,
 ) -> None:
     """Append the condition J (x' - x) >= missing [m]: from step x on, pieces a and b move apart along n by so much.
@@ -71,7 +74,7 @@ def add_contact(
     x is zero for poses of the shown state and the trial step for those of the trial.
     """
     r = scratch_out.rows
-    k = r.count[0]
+    k = r.used[0]
     if k == r.bound.shape[0]:
         scratch_out.counts[DROPPED] += 1
         return
@@ -89,7 +92,7 @@ def add_contact(
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.multiplier[k] = CONTACT, a, b, 0.0
     r.bound[k] = missing + along_row(avatars, k, step, r.jacobian, r)
     scratch_out.counts[ROWS] += 1
-    r.count[0] = k + 1
+    r.used[0] = k + 1
 
 
 @kernel
@@ -154,10 +157,10 @@ def add_touching(
 ) -> None:
     """Begin the rows of an island anew, with those at the shown state of every pair that was in contact lately.
 
-    A pair is never asked to recover more than it must: what is nearer than `stand_off` may stay there, so that standing still obeys
-    every row; only what is near to being refused is asked to part, and softly not even that."""
-    touching, scratch_out.rows.count[0], scratch_out.rows.ready[0] = state_out.touching, 0, 0
-    for k in range(touching.count[0]):
+    A pair is never asked to recover more than it must: what is nearer than `stand_off` may stay there, so that standing still
+    obeys every row; only what is near to being refused is asked to part, and softly not even that."""
+    touching, scratch_out.rows.used[0], scratch_out.rows.ready[0] = state_out.touching, 0, 0
+    for k in range(touching.used[0]):
         a, b = touching.pair[k, 0], touching.pair[k, 1]
         if not is_solved_for(geo, skel, avatars, a, b, scratch_out):
             continue
@@ -177,27 +180,28 @@ def add_touching(
 def touch(a: int, b: int, touching_out: Touching) -> None:
     """Note that a pair is in contact now."""
     t = touching_out
-    for k in range(t.count[0]):
+    for k in range(t.used[0]):
         if t.pair[k, 0] == a and t.pair[k, 1] == b:
             t.age[k] = 0
             return
-    k = t.count[0]
+    k = t.used[0]
     if k < t.age.shape[0]:
-        t.pair[k, 0], t.pair[k, 1], t.age[k], t.count[0] = a, b, 0, k + 1
+        t.pair[k, 0], t.pair[k, 1], t.age[k], t.used[0] = a, b, 0, k + 1
 
 
 @kernel
 def keep_touching(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch: IkScratch) -> None:
-    """After a step of an island: pairs whose rows were active are in contact; those that were not for IDLE_STEPS are forgotten."""
+    """After a step of an island: pairs whose rows were active are in contact; those that were not for IDLE_STEPS are
+    forgotten."""
     t, rows = state_out.touching, scratch.rows
-    for k in range(rows.count[0]):
+    for k in range(rows.used[0]):
         if rows.kind[k] == CONTACT and rows.multiplier[k] > 0.0:
             touch(rows.pair[k, 0], rows.pair[k, 1], t)
     kept = 0
-    for k in range(t.count[0]):
+    for k in range(t.used[0]):
         if is_solved_for(geo, skel, avatars, t.pair[k, 0], t.pair[k, 1], scratch):
             t.age[k] += 1
         if t.age[k] <= IDLE_STEPS:
             t.pair[kept, 0], t.pair[kept, 1], t.age[kept] = t.pair[k, 0], t.pair[k, 1], t.age[k]
             kept += 1
-    t.count[0] = kept
+    t.used[0] = kept

@@ -24,18 +24,18 @@ def foresee(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
     is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> bool:
-    """Carry the links of members first .. last to the trial, their shapes not; whether a limit or a pair in contact would be refused
-    there, which then has one more row."""
-    s, before = scratch_out, scratch_out.rows.count[0]
+    """Carry the links of members first .. last to the trial, their shapes not; whether a limit or a pair in contact would be
+    refused there, which then has one more row."""
+    s, before = scratch_out, scratch_out.rows.used[0]
     for m in range(first, last):
         check_limits(skel, avatars, s.members[m], posture, True, s)
         carry_avatar(skel, avatars, s.members[m], posture, s.step, s.trial, s.axes)
-    for k in range(state.touching.count[0]):
+    for k in range(state.touching.used[0]):
         a, b = state.touching.pair[k, 0], state.touching.pair[k, 1]
         # between links the direction that keeps them apart turns with them
         if owner_of(geo, skel, avatars, a, s) >= 0 and owner_of(geo, skel, avatars, b, s) < 0:
             foresee_pair(geo, skel, avatars, settings, poses, a, b, is_soft, state, s)
-    return bool(s.rows.count[0] > before)
+    return bool(s.rows.used[0] > before)
 
 
 @kernel

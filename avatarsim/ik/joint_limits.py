@@ -21,7 +21,8 @@ LIMIT = int(RowKind.LIMIT)
 def check_limits(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, is_adding: bool, scratch_out: IkScratch
 ) -> int:
-    """Number of balls of an avatar that the step takes beyond their limits; a row for each limit broken if rows are being added."""
+    """Number of balls of an avatar that the step takes beyond their limits; a row for each limit broken if rows are being
+    added."""
     beyond = 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         if skel.kind[link] == BALL and has_cone(skel, link):
@@ -64,7 +65,7 @@ def add_limit_rows(
 def add_turn_row(avatar: int, d: int, direction: Vec3, missing: float, scratch_out: IkScratch) -> None:
     """Append: the ball at degrees d .. d + 3 turns along `direction` (its axes at the trial) by at least `missing` from there."""
     r, step = scratch_out.rows, scratch_out.step
-    k = r.count[0]
+    k = r.used[0]
     if k == r.bound.shape[0]:
         scratch_out.counts[DROPPED] += 1
         return
@@ -80,4 +81,4 @@ def add_turn_row(avatar: int, d: int, direction: Vec3, missing: float, scratch_o
         bound += direction[i] * step[d + i]
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = LIMIT, d, -1, bound, 0.0
     scratch_out.counts[ROWS] += 1
-    r.count[0] = k + 1
+    r.used[0] = k + 1

@@ -56,15 +56,13 @@ def place_avatar(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, p
 
 @kernel
 def try_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, posture: Posture, first: int, last: int, scratch_out: IkScratch
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, scratch_out: IkScratch
 ) -> None:
-    """The trial: members first .. last displaced by the step."""
+    """The trial: an avatar displaced by the step, shapes and all."""
     s = scratch_out
-    for m in range(first, last):
-        avatar = s.members[m]
-        carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
-        place_avatar(geo, skel, avatars, avatar, s.trial)
-    s.counts[FORWARDS] += last - first
+    carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
+    place_avatar(geo, skel, avatars, avatar, s.trial)
+    s.counts[FORWARDS] += 1
 
 
 @kernel

@@ -9,6 +9,7 @@ from avatarsim.ik.pair_cache import make_pair_cache
 from avatarsim.ik.state import (
     ACTIVE_CAP,
     COUNT_NAMES,
+    ROWS_MOST,
     ROWS_PER_AVATAR,
     TOUCHING_PER_AVATAR,
     TRACKING,
@@ -85,17 +86,18 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> tu
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
     """The state of avatars that have stood still at `posture` so far, with axes (nd, 3) there."""
-    nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(reach)
+    nl, na = len(skel.kind), len(reach)
     driven = len(geo.body) - int(geo.first_shape[skel.first])
     tracking = np.zeros(na, TRACKING).view(Tracking)
     tracking["reach"], tracking["island"] = reach, np.arange(na)
     pairs = TOUCHING_PER_AVATAR * na
+    # a target that begins where the avatar does has not leapt there
+    before, own = (Posture(*(array.copy() for array in posture)) for _ in range(2))
     state = IkState(
-        # a target that begins where the avatar does has not leapt there
-        tracking, *(Posture(*(array.copy() for array in posture)) for _ in range(2)), zeros(nl, 3), zeros(nl),
-        make_contacts(ROWS_PER_AVATAR * na),
+        tracking, before, own, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
-        indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(*(zeros(nl) for _ in Budget._fields)),
+        indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(zeros(nl), zeros(nl), zeros(nl), zeros(nl),
+        zeros(2)),
     )
     forget_near(state)
     return state
@@ -104,17 +106,18 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
 def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
     """Room for the model of a step."""
     return Objective(
-        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3), zeros(nl, 3),
-        zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3),
+        zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
     )
 
 
 def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
     """Room for the rows of a step."""
-    m = ROWS_PER_AVATAR * (len(avatars.first_link) - 1)
+    m = min(ROWS_PER_AVATAR * (len(avatars.first_link) - 1), ROWS_MOST)
     return ConstraintRows(
-        indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m), zeros(m),
-        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(ACTIVE_CAP, ACTIVE_CAP), indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
+        indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m),
+        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(m, m), np.zeros(1, dtype=np.bool_), zeros(ACTIVE_CAP, ACTIVE_CAP),
+        indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
     )
 
 
@@ -123,7 +126,8 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
-        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars, nl, nd),
+        zeros(na, 6), zeros(nd), zeros(nd), zeros(nd), zeros(nd), indices(na), indices(na), make_objective(avatars,
+        nl, nd),
         make_rows(avatars, nd), Failed(indices(1), indices(TOUCHING_PER_AVATAR * na, 2)), make_scratch(),
         indices(len(COUNT_NAMES)), zeros(kept, nl, 12),
     )

@@ -1,8 +1,8 @@
 """Motion budget: how far joints and roots may move in a frame, beyond what the target itself moves.
 
-A rate limit (slew rate): what the target moved in this frame plus a catch-up speed times the frame time. A person sees a limb that
-turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: whoever holds still is shown no limb
-that wanders; what converges at all has then long arrived.
+A rate limit (slew rate): what the target moved in this frame plus a catch-up speed times the frame time. A person sees a limb
+that turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: whoever holds still is
+shown no limb that wanders; what converges at all has then long arrived.
 """
 
 from avatarsim.ik.kinematics import parts_of
@@ -13,8 +13,13 @@ from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
 
 AT_REST = 0.06
-"""[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion: a millimetre in a frame of 1/60 s,
-what a hand that is held still trembles."""
+"""[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion: a millimetre in a frame of 1/60
+s, what a hand that is held still trembles."""
+
+
+SLACK = 0.15
+"""Share of the catch-up motion by which a ball or a root may leave its budget in a QP before a plane cuts that off: each is one
+more solve. What still exceeds it is shortened at the end."""
 
 
 @kernel
@@ -22,9 +27,11 @@ def open_budget(
     skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, speed: float, clipped: Array, own: Array,
     budget_out: Budget,
 ) -> None:
-    """Fill an avatar's budget. clipped, own (nd): motion of the clipped target and of the tracker in this frame, of which the smaller
-    counts: beyond a cone a small turn of the tracker may send the clipped one around it; speed [rad/s or m/s]: low-passed, of the fastest target."""
+    """Fill an avatar's budget. clipped, own (nd): motion of the clipped target and of the tracker in this frame, of which the
+    smaller counts: beyond a cone a small turn of the tracker may send the clipped one around it; speed [rad/s or m/s]:
+    low-passed, of the fastest target."""
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
+    b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, clipped)
         _, turned_by_own = parts_of(skel, link, own)
@@ -67,16 +74,19 @@ def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out
 
 
 @kernel
-def keep_budget(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, loose: float, step_out: Array) -> None:
-    """Shorten a step (nd) to what is left of the budget, and a share `loose` more: root and joints each by a factor of their own."""
-    b, most = budget, 1.0 + loose
+def keep_budget(
+    skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, has_slack: bool, step_out: Array
+) -> None:
+    """Shorten a step (nd) to what is left of the budget, or to its slack beyond: root and joints each by a factor of their
+    own."""
+    b, slack = budget, 1.0 if has_slack else 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step_out)
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
         if skel.kind[link] == FREE:
-            scale_by(d, d + 3, share_of(most * (b.move[link] - b.moved[link]), moved), step_out)
+            scale_by(d, d + 3, share_of(b.move[link] - b.moved[link] + slack * b.slack[0], moved), step_out)
             d += 3
-        scale_by(d, last, share_of(most * (b.turn[link] - b.turned[link]), turned), step_out)
+        scale_by(d, last, share_of(b.turn[link] - b.turned[link] + slack * b.slack[1], turned), step_out)
 
 
 @kernel

@@ -2,15 +2,17 @@
 
     f = sum_i h(|o_i - o_i*|) + 1/2 sum_j w |a_j - a_j*|^2,   h(r) = r^2 / 2 up to d, d (r - d / 2) beyond
 
-To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w each,
-so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L without
-fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
-(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See docs/posture.md.
+To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w
+each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
+without fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See
+docs/posture.md.
 """
 
 from math import sqrt
 
-from avatarsim.ik.state import Avatars, IkState, Objective
+from avatarsim.ik.kinematics import parts_of
+from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
@@ -18,13 +20,18 @@ from avatarsim.world.geometry import Array, Poses
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 LOSS_RADIUS = 0.4
-"""Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs stretch
-to the target and angles are lost; smaller: origins are farther from the target than they need be."""
+"""Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs
+stretch to the target and angles are lost; smaller: origins are farther from the target than they need be."""
 
 
 @kernel
-def locate(skel: Skeleton, avatars: Avatars, avatar: int, target: Posture, objective_out: Objective) -> None:
-    """Origins and rotations of the links at the target posture: forward kinematics without shapes."""
+def locate(
+    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, objective_out: Objective
+) -> None:
+    """Origins and rotations of the links at the tracker's posture, once a frame: forward kinematics without shapes."""
+    if tracking_out.is_located[avatar] > 0:
+        return
+    tracking_out.is_located[avatar], target = 1, tracker
     origins, frames = objective_out.origin, objective_out.frame
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind, parent = skel.kind[link], skel.parent[link]
@@ -54,11 +61,13 @@ def draw_near(
 ) -> None:
     """Draw a target whose root is farther than the loss radius from the shown one to that distance, all link origins with it.
 
-    A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder than one that is
-    near: limbs do not stretch after it."""
+    A target beyond a wall, or one that the avatar is still on its way to, is then followed in its posture, and pulls no harder
+    than one that is near: limbs do not stretch after it."""
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
-    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar]
+    # what the target has just moved is followed in full
+    moved, _ = parts_of(skel, first, c.own)
+    far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar] + moved
     share = 1.0 - d / far if far > d else 0.0
     for link in range(first, avatars.first_link[avatar + 1]):
         put_row(c.aim, link, sub(row(c.origin, link), scale(way, share)))
@@ -85,7 +94,9 @@ def model(
 ) -> None:
     """Gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
-    The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not overshoot."""
+    The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not
+    overshoot."""
+    locate(skel, avatars, avatar, state.own, state.tracking, objective_out)
     draw_near(skel, avatars, avatar, state, poses, objective_out)
     gather(skel, avatars, avatar, state, poses, objective_out)
     fall(skel, avatars, avatar, state.axes, objective_out)
@@ -99,7 +110,8 @@ def model(
 
 @kernel
 def stretch(force: Vec3, arm: Vec3) -> float:
-    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link turns."""
+    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link
+    turns."""
     return norm(force) * norm(arm)
 
 
@@ -241,13 +253,3 @@ def solve_down(avatars: Avatars, first: int, last: int, factor: Array, vector_ou
             left -= factor[k, d] * vector_out[path[k, d]]
         vector_out[k] = left / factor[k, deep]
 
-
-@kernel
-def multiply(avatars: Avatars, first: int, last: int, factor: Array, vector: Array, product_out: Array) -> None:
-    """product = L vector, for degrees first .. last."""
-    path, depth = avatars.path, avatars.depth
-    for k in range(first, last):
-        total = 0.0
-        for d in range(depth[k] + 1):
-            total += factor[k, d] * vector[path[k, d]]
-        product_out[k] = total

@@ -24,10 +24,10 @@ EMPTY = -1
 
 
 class PairCache(NamedTuple):
-    """key (n) of the pair in a slot, or EMPTY; used (n) step in which it was last asked for; axis (n, 3) the direction that last held,
-    out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state, right if axis_step (n) is
-    the present one; normal (n, 3), gap (n) nearest direction and gap at the shown state, right if gap_step (n) is the present one;
-    step (1): number of the present step; pieces (1): how many there are."""
+    """key (n) of the pair in a slot, or EMPTY; used (n) step in which it was last asked for; axis (n, 3) the direction that last
+    held, out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state, right if
+    axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap at the shown state, right if gap_step (n)
+    is the present one; step (1): number of the present step; pieces (1): how many there are."""
 
     key: Index
     used: Index
@@ -47,7 +47,8 @@ def make_pair_cache(driven: int, pieces: int) -> PairCache:
     while n < SLOTS_PER_PIECE * driven:
         n *= 2
     return PairCache(
-        np.full(n, EMPTY, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n), np.full(n, -1, dtype=np.int64),
+        np.full(n, EMPTY, dtype=np.int64), np.zeros(n, dtype=np.int64), np.zeros((n, 3)), np.zeros(n), np.full(n, -1,
+        dtype=np.int64),
         np.zeros((n, 3)), np.zeros(n), np.full(n, -1, dtype=np.int64), np.zeros(1, dtype=np.int64),
         np.full(1, pieces, dtype=np.int64),
     )
@@ -65,13 +66,13 @@ def slot_of(cache_out: PairCache, a: int, b: int) -> int:
         at = (place + probe) & mask
         if c.key[at] == key:
             c.used[at] = now
-            return at
+            return int(at)
         age = -1 if c.key[at] == EMPTY else c.used[at]
         if age < oldest:
             oldest, found = age, at
     c.key[found], c.used[found], c.axis_step[found], c.gap_step[found] = key, now, -1, -1
     put_row(c.axis, found, (0.0, 0.0, 0.0))
-    return found
+    return int(found)
 
 
 @kernel

@@ -1,9 +1,9 @@
 """Strictly convex QP of a step: min 1/2 |x - p|_M^2 such that J x >= bound, low <= x <= high.
 
-With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson 1974,
-chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the corners of a
-foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it. Bounds join as unit
-rows only when they are violated, since most of them never are.
+With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson
+1974, chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the
+corners of a foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it.
+Bounds join as unit rows only when they are violated, since most of them never are.
 """
 
 from math import sqrt
@@ -11,8 +11,8 @@ from math import sqrt
 from avatarsim.ik.active_set import finish
 from avatarsim.ik.constraints import along_row, clear_row
 from avatarsim.ik.motion_budget import keep_budget
-from avatarsim.ik.objective import multiply, solve_down, solve_up
-from avatarsim.ik.state import SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
+from avatarsim.ik.objective import solve_down, solve_up
+from avatarsim.ik.state import PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.kernel import kernel
 from avatarsim.world.skeleton import FREE, Skeleton
 
@@ -30,10 +30,6 @@ MULTIPLIER_CAP = 1e4
 BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
 """Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
 
-LOOSE = 0.15
-"""Share by which a joint of several degrees may exceed its budget before it gets a plane that cuts that off: each is one more
-solve. What still exceeds it by more is shortened at the end."""
-
 OUTSIDE = 1e-9
 """[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
 
@@ -43,102 +39,114 @@ def solve_qp(
     skel: Skeleton, avatars: Avatars, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch
 ) -> None:
     """The step of members first .. last from the model of each, the rows, and the bounds; `tolerance` [m] ends the sweeps."""
-    s = scratch_out
-    r, factor = s.rows, s.objective.factor
-    set_step(avatars, first, last, s)
+    s, r = scratch_out, scratch_out.rows
+    for m in range(first, last):
+        for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
+            s.step[j] = s.objective.newton[j]
     add_broken_bounds(skel, avatars, first, last, state, s)
     for _ in range(BOUND_ROUNDS):
         transform(avatars, s)
-        reset_point(avatars, first, last, s)
-        s.counts[SWEEPS] += sweep(avatars, r, s, FIRST_SWEEPS, SWEEPS_MOST, tolerance)
-        for m in range(first, last):
-            low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
-            for j in range(low, high):
-                s.step[j] = s.point[j]
-            solve_down(avatars, low, high, factor, s.step)
+        find_residuals(avatars, s)
+        before = s.counts[SWEEPS]
+        s.counts[SWEEPS] += sweep(r, FIRST_SWEEPS, tolerance)
+        if not r.is_solved[0] and not finish(tolerance, r):
+            find_residuals(avatars, s)
+            s.counts[SWEEPS] += sweep(r, SWEEPS_MOST - FIRST_SWEEPS, tolerance)
+        s.counts[PRODUCTS] += (s.counts[SWEEPS] - before) * r.used[0] // 2
+        assemble(avatars, first, last, s)
         if add_broken_bounds(skel, avatars, first, last, state, s) == 0:
             break
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
-        keep_budget(skel, avatars, s.members[m], state.budget, LOOSE, s.step)
-
-
-@kernel
-def set_step(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
-    """Begin with the step to the least of the model."""
-    s = scratch_out
-    for m in range(first, last):
-        for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
-            s.step[j] = s.objective.newton[j]
+        keep_budget(skel, avatars, s.members[m], state.budget, True, s.step)
 
 
 @kernel
 def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
-    """Transform the rows that came since this was last done: weighted = L^-T J^T, in the coordinates y."""
+    """Transform the rows that came since this was last done, weighted = L^-T J^T, and extend the Gram matrix by them."""
     s, r = scratch_out, scratch_out.rows
-    for k in range(r.ready[0], r.count[0]):
-        stiffness = 0.0
+    for k in range(r.ready[0], r.used[0]):
         for side in range(2):
             avatar = r.owner[k, side]
-            if avatar < 0:
-                continue
-            low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
-            for j in range(low, high):
-                r.weighted[k, j] = r.jacobian[k, j]
-            solve_up(avatars, low, high, s.objective.factor, r.weighted[k])
-            for j in range(low, high):
-                stiffness += r.weighted[k, j] * r.weighted[k, j]
-        r.stiffness[k] = stiffness
-    r.ready[0] = r.count[0]
+            if avatar >= 0:
+                low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+                for j in range(low, high):
+                    r.weighted[k, j] = r.jacobian[k, j]
+                solve_up(avatars, low, high, s.objective.factor, r.weighted[k])
+        s.counts[PRODUCTS] += k + 3
+        for q in range(k + 1):
+            r.gram[k, q] = r.gram[q, k] = product_of(avatars, k, q, r)
+    r.ready[0] = r.used[0]
 
 
 @kernel
-def reset_point(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
-    """y = L p + sum of weighted rows times their multipliers."""
-    s, r = scratch_out, scratch_out.rows
-    for m in range(first, last):
-        low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
-        multiply(avatars, low, high, s.objective.factor, s.objective.newton, s.point)
-    for k in range(r.count[0]):
-        if r.multiplier[k] > 0.0:
-            press(avatars, k, r.multiplier[k], r, s)
-
-
-@kernel
-def press(avatars: Avatars, k: int, by: float, rows: ConstraintRows, scratch_out: IkScratch) -> None:
-    """Move the point by a change of a row's multiplier."""
-    point = scratch_out.point
+def product_of(avatars: Avatars, k: int, q: int, rows: ConstraintRows) -> float:
+    """weighted[k] . weighted[q], over the degrees of avatars that both rows are of."""
+    total = 0.0
     for side in range(2):
         avatar = rows.owner[k, side]
-        if avatar >= 0:
+        if avatar >= 0 and (rows.owner[q, 0] == avatar or rows.owner[q, 1] == avatar):
             for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-                point[j] += by * rows.weighted[k, j]
+                total += rows.weighted[k, j] * rows.weighted[q, j]
+    return total
 
 
 @kernel
-def sweep(
-    avatars: Avatars, rows_out: ConstraintRows, scratch_out: IkScratch, first: int, most: int, tolerance: float
-) -> int:
+def find_residuals(avatars: Avatars, scratch_out: IkScratch) -> None:
+    """The residual of row k is J_k x - bound_k with x = p + M^-1 J^T multipliers."""
+    r = scratch_out.rows
+    scratch_out.counts[PRODUCTS] += 2 * r.used[0]
+    for k in range(r.used[0]):
+        total = along_row(avatars, k, scratch_out.objective.newton, r.jacobian, r) - r.bound[k]
+        for q in range(r.used[0]):
+            total += r.gram[k, q] * r.multiplier[q]
+        r.residual[k] = total
+
+
+@kernel
+def sweep(rows_out: ConstraintRows, most: int, tolerance: float) -> int:
     """Projected Gauss-Seidel on the multipliers until a sweep changes no row by `tolerance` [m]; the number of sweeps."""
-    r, point = rows_out, scratch_out.point
+    r, gram, multiplier, residual = rows_out, rows_out.gram, rows_out.multiplier, rows_out.residual
+    r.is_solved[0] = False
     for done in range(most):
         change = 0.0
-        for k in range(r.count[0]):
-            residual = along_row(avatars, k, point, r.weighted, r) - r.bound[k]
-            before = r.multiplier[k]
-            if before == 0.0 and residual >= 0.0:
+        for k in range(r.used[0]):
+            before = multiplier[k]
+            if before == 0.0 and residual[k] >= 0.0:
                 continue
-            after = min(max(0.0, before - residual / (r.stiffness[k] + SOFTNESS)), MULTIPLIER_CAP)
-            if after != before:
-                r.multiplier[k] = after
-                press(avatars, k, after - before, r, scratch_out)
-                change = max(change, abs(after - before) * r.stiffness[k])
+            after = min(max(0.0, before - residual[k] / (gram[k, k] + SOFTNESS)), MULTIPLIER_CAP)
+            step = after - before
+            if step != 0.0:
+                multiplier[k] = after
+                change = max(change, abs(step) * gram[k, k])
+                for q in range(r.used[0]):
+                    residual[q] += gram[k, q] * step
         if change < tolerance:
-            return done + 1
-        if done + 1 == first and finish(avatars, tolerance, r, scratch_out):
+            r.is_solved[0] = True
             return done + 1
     return most
+
+
+@kernel
+def assemble(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
+    """x = p + L^-1 (sum of weighted rows times their multipliers)."""
+    s, r, step = scratch_out, scratch_out.rows, scratch_out.step
+    for m in range(first, last):
+        for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
+            step[j] = 0.0
+    for k in range(r.used[0]):
+        push = r.multiplier[k]
+        for side in range(2 if push > 0.0 else 0):
+            avatar = r.owner[k, side]
+            if avatar >= 0:
+                for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+                    step[j] += push * r.weighted[k, j]
+    for m in range(first, last):
+        low, high = avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]
+        solve_down(avatars, low, high, s.objective.factor, step)
+        for j in range(low, high):
+            step[j] += s.objective.newton[j]
 
 
 @kernel
@@ -146,11 +154,11 @@ def add_broken_bounds(
     skel: Skeleton, avatars: Avatars, first: int, last: int, state: IkState, scratch_out: IkScratch
 ) -> int:
     """Rows for bounds and budgets that the step breaks; their number."""
-    s, r, added = scratch_out, scratch_out.rows, 0
+    s, r, b, added = scratch_out, scratch_out.rows, state.budget, 0
     for m in range(first, last):
         avatar, more = s.members[m], 0
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            if r.count[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
+            if r.used[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
                 break
             is_below, is_above = s.step[j] < s.low[j] - OUTSIDE, s.step[j] > s.high[j] + OUTSIDE
             sign = 1.0 if is_below else -1.0
@@ -161,35 +169,36 @@ def add_broken_bounds(
         for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
             d, end = skel.first_dof[link], skel.first_dof[link + 1]
             if skel.kind[link] == FREE:
-                added += add_budget(avatars, avatar, d, d + 3, state.budget.move[link] - state.budget.moved[link], s)
+                added += add_budget(avatars, avatar, d, d + 3, b.move[link] - b.moved[link], b.slack[0], s)
                 d += 3
             if end > d + 1:
-                added += add_budget(avatars, avatar, d, end, state.budget.turn[link] - state.budget.turned[link], s)
+                added += add_budget(avatars, avatar, d, end, b.turn[link] - b.turned[link], b.slack[1], s)
     return added
 
 
 @kernel
-def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, scratch_out: IkScratch) -> int:
-    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they go."""
+def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, slack: float, scratch_out: IkScratch) -> int:
+    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they
+    go."""
     s, r, square, left = scratch_out, scratch_out.rows, 0.0, max(left, 0.0)
     for j in range(first, last):
         square += s.step[j] * s.step[j]
-    far, k = sqrt(square), r.count[0]
-    if not (far > left * (1.0 + LOOSE) + OUTSIDE) or k == r.bound.shape[0]:
+    far, k = sqrt(square), r.used[0]
+    if not (far > left + slack + OUTSIDE) or k == r.bound.shape[0]:
         return 0
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
     clear_row(avatars, k, r)
     for j in range(first, last):
         r.jacobian[k, j] = -s.step[j] / far
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BUDGET, first, -1, -left, 0.0
-    r.count[0] = k + 1
+    r.used[0] = k + 1
     return 1
 
 
 @kernel
 def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
     """Whether one of the rows is the lower (sign 1) or upper (-1) bound of degree j."""
-    for k in range(rows.count[0]):
+    for k in range(rows.used[0]):
         if rows.kind[k] == BOUND and rows.pair[k, 0] == j and rows.jacobian[k, j] == sign:
             return True
     return False
@@ -198,9 +207,9 @@ def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
 @kernel
 def add_bound(avatars: Avatars, avatar: int, j: int, sign: float, bound: float, rows_out: ConstraintRows) -> None:
     """Append the condition sign x_j >= bound."""
-    r, k = rows_out, rows_out.count[0]
+    r, k = rows_out, rows_out.used[0]
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
     clear_row(avatars, k, r)
     r.jacobian[k, j] = sign
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BOUND, j, -1, bound, 0.0
-    r.count[0] = k + 1
+    r.used[0] = k + 1

@@ -11,7 +11,7 @@ from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
-ARRIVED = 2e-2
+ARRIVED = 3e-2
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
 
 
@@ -33,6 +33,7 @@ def begin_frame(
     if dt > 0.0:
         s.counts[:] = 0
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
+        state.tracking.share[:] = dt / (dt + settings.damping_time)
 
 
 @kernel
@@ -42,7 +43,7 @@ def solve(
 ) -> None:
     """Bring the posture towards the target by certified steps within what is left of the frame's budget."""
     s, state = scratch_out, state_out
-    form_islands(skel, avatars, poses_out, state, s)
+    form_islands(geo, skel, avatars, state, s)
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1
@@ -55,7 +56,7 @@ def solve(
             moved = sqp_step(
                 geo, skel, avatars, settings, posture_out, poses_out, first, last, most_work, state, s
             )
-            if moved < ARRIVED or work_done(s) >= most_work:
+            if moved < ARRIVED or have_arrived(first, last, state, s) or work_done(s) >= most_work:
                 break
         first = last
 
@@ -66,3 +67,12 @@ def activate(first: int, last: int, scratch_out: IkScratch) -> None:
     scratch_out.is_active[:] = 0
     for m in range(first, last):
         scratch_out.is_active[scratch_out.members[m]] = 1
+
+
+@kernel
+def have_arrived(first: int, last: int, state: IkState, scratch: IkScratch) -> bool:
+    """Whether members first .. last are all at the tracker's posture."""
+    for m in range(first, last):
+        if state.tracking.has_arrived[scratch.members[m]] == 0:
+            return False
+    return True

@@ -22,7 +22,7 @@ def names_pieces(geo: Geometry, skel: Skeleton, pairs: NDArray[np.int64]) -> boo
 def state_is_sound(geo: Geometry, skel: Skeleton, avatars: Avatars, state: IkState) -> bool:
     """Whether all that the state names is there: pairs in contact, bodies in reach, islands."""
     for listed, room in ((state.contacts, len(state.contacts.pair)), (state.touching, len(state.touching.pair))):
-        count = int(listed.count[0])
+        count = int(listed.used[0])
         if not 0 <= count <= room or not names_pieces(geo, skel, listed.pair[:count]):
             return False
     islands = state.tracking["island"]

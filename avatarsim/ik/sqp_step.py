@@ -1,8 +1,8 @@
 """One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
 
 A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. What is
-still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is cut alone
-leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
+still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is
+cut alone leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
 """
 
 from avatarsim.ik.active_forces import forget_forces, note_forces
@@ -26,9 +26,9 @@ from avatarsim.ik.state import (
     STEPS,
     SWEEPS,
     Avatars,
-    Budget,
     IkScratch,
     IkState,
+    Objective,
     RowKind,
 )
 from avatarsim.ik.target import largest
@@ -40,7 +40,7 @@ from avatarsim.world.skeleton import Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
 
-BACK_OFF, BACK_OFFS = 0.5, 6
+BACK_OFF, BACK_OFFS = 0.25, 3
 """Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
 
 
@@ -74,7 +74,7 @@ def sqp_step(
         )
         if failed == 0:
             break
-        for k in range(s.failed.count[0]):
+        for k in range(s.failed.used[0]):
             touch(s.failed.pair[k, 0], s.failed.pair[k, 1], state.touching)
         if work_done(s) > most_work:
             s.counts[OUT_OF_WORK] += 1
@@ -101,6 +101,7 @@ def try_qp(
             if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
                 break
         for m in range(first, last):
+            state_out.tracking.is_certified[s.members[m]] = 0
             place_avatar(geo, skel, avatars, s.members[m], s.trial)
         s.counts[FORWARDS] += last - first
         is_last = round_ == settings.corrections or work_done(s) > most_work
@@ -123,30 +124,43 @@ def choose_step(
     if state.tracking.has_model[s.members[first]] == 0:
         is_legal = True
         for m in range(first, last):
-            straight_step(skel, avatars, s.members[m], state.budget, s)
+            straight_step(skel, avatars, s.members[m], state, s)
             is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
         if is_legal and not breaks_rows(avatars, s):
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
-            state.tracking.has_model[s.members[m]] = 1
+            damp(avatars, s.members[m], state.tracking.share[s.members[m]], s.objective)
+            state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
     solve_qp(skel, avatars, first, last, tolerance, state, s)
 
 
 @kernel
-def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, scratch_out: IkScratch) -> None:
-    """The tangent error, each joint and root as far along its own as the budget lets it go."""
-    step = scratch_out.step
+def damp(avatars: Avatars, avatar: int, share: float, objective_out: Objective) -> None:
+    """Take a share of the Newton step, and the target's own motion for the rest."""
+    o = objective_out
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        step[j] = scratch_out.objective.error[j]
-    keep_budget(skel, avatars, avatar, budget, 0.0, step)
+        o.newton[j] = share * o.newton[j] + (1.0 - share) * o.own[j]
+
+
+@kernel
+def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
+    """The tangent error, each joint and root as far along its own as the budget lets it go."""
+    step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        step[j] = error[j]
+    keep_budget(skel, avatars, avatar, state_out.budget, False, step)
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        if step[j] != error[j]:
+            arrives = 0
+    state_out.tracking.has_arrived[avatar] = arrives
 
 
 @kernel
 def breaks_rows(avatars: Avatars, scratch: IkScratch) -> bool:
     """Whether the step breaks a row."""
     r = scratch.rows
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if not (along_row(avatars, k, scratch.step, r.jacobian, r) >= r.bound[k]):
             return True
     return False
@@ -169,16 +183,19 @@ def back_off(
     s.counts[BACKED] += 1
     for k in range(BACK_OFFS + last - first):
         for m in range(first, last):
-            if state_out.tracking.has_failed[s.members[m]] > 0:
+            avatar = s.members[m]
+            if state_out.tracking.has_failed[avatar] > 0:
+                state_out.tracking.has_arrived[avatar], state_out.tracking.is_certified[avatar] = 0, 0
                 if k >= BACK_OFFS:
                     s.counts[HELD] += 1
-                scale_step(avatars, s.members[m], BACK_OFF if k < BACK_OFFS else 0.0, s.step)
-        try_step(geo, skel, avatars, posture, first, last, s)
+                scale_step(avatars, avatar, BACK_OFF if k < BACK_OFFS else 0.0, s.step)
+                try_step(geo, skel, avatars, avatar, posture, s)
         if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
             return
     for m in range(first, last):
+        state_out.tracking.has_arrived[s.members[m]] = 0
         scale_step(avatars, s.members[m], 0.0, s.step)
-    try_step(geo, skel, avatars, posture, first, last, s)
+        try_step(geo, skel, avatars, s.members[m], posture, s)
 
 
 @kernel
@@ -187,20 +204,20 @@ def note_contacts(
 ) -> None:
     """Keep the active contacts of an island, and what they press on its links with: for the next step, and for the coupling."""
     c, r, kept = state_out.contacts, scratch.rows, 0
-    for k in range(c.count[0]):
+    for k in range(c.used[0]):
         if not is_solved_for(geo, skel, avatars, c.pair[k, 0], c.pair[k, 1], scratch):
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = c.pair[k, 0], c.pair[k, 1], c.multiplier[k]
             put_row(c.normal, kept, row(c.normal, k))
             kept += 1
     for m in range(first, last):
         forget_forces(avatars, scratch.members[m], state_out)
-    for k in range(r.count[0]):
+    for k in range(r.used[0]):
         if r.kind[k] == CONTACT and r.multiplier[k] > 0.0 and kept < c.multiplier.shape[0]:
             c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = r.pair[k, 0], r.pair[k, 1], r.multiplier[k]
             put_row(c.normal, kept, row(r.normal, k))
             kept += 1
-    c.count[0] = kept
-    note_forces(geo, skel, r, state_out)
+    c.used[0] = kept
+    note_forces(geo, skel, avatars, r, state_out)
 
 
 @kernel
@@ -213,6 +230,8 @@ def adopt(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+        for j in range(low, high):
+            s.objective.own[j] = 0.0
         moved = largest(s.step, low, high)
         most = max(most, moved)
         if moved == 0.0:

@@ -1,7 +1,7 @@
 """State of the posture solver: what stays from frame to frame, and the working memory of one frame.
 
-All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, lie beside
-each other: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
+All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, lie
+beside each other: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
 """
 
 from enum import IntEnum
@@ -18,10 +18,11 @@ from avatarsim.world.skeleton import Posture
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
-ROWS_PER_AVATAR = 96
-"""Most constraint rows of one island per avatar in it; more are counted as dropped, and the certificate refuses what they would
-have prevented."""
+ROWS_PER_AVATAR, ROWS_MOST = 96, 768
+"""Most constraint rows of an island, per avatar in the scene and in all; more are counted as dropped, and the certificate refuses
+what they would have prevented."""
 
 TOUCHING_PER_AVATAR = 64
 """Most pairs per avatar that have a row before anything fails; a pair that does not fit gets one when it fails."""
@@ -58,8 +59,9 @@ class Mode(IntEnum):
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("speed", "f8"), ("stalled", "f8"), ("since", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"),
-        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("has_model", "i8"), ("has_moved", "i8"),
+        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("since", "f8"), ("objective", "f8"),
+        ("distance", "f8"), ("reach", "f8"), ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"),
+        ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
     ],
     align=True,
 )
@@ -71,6 +73,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
 
     mode: NDArray[np.int64]
     """A Mode."""
+    share: Array
+    """Share of the Newton step that a step takes."""
     speed: Array
     """[1/s] of the target, low-passed over the settle time: the fastest of its joints [rad/s] and roots [m/s]."""
     stalled: Array
@@ -89,10 +93,14 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """1 if the tracker's posture keeps all limits."""
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
+    is_certified: Index
+    """1 if nothing of this avatar failed at this very trial, so that only what the others have changed is looked at again."""
     has_model: Index
     """1 if the model of this step, with its metric, is at hand."""
-    has_moved: Index
-    """1 if the target or the avatar moved in this frame."""
+    is_located: Index
+    """1 if the link origins of the tracker's posture are at hand."""
+    has_arrived: Index
+    """1 if the last step ended at the tracker's posture."""
 
 
 tracking_in = table_of(Tracking, TRACKING)
@@ -101,8 +109,8 @@ tracking_in = table_of(Tracking, TRACKING)
 
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
-    the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared angle,
-    0 for translations; inverse_weight (nd) 1 / mean squared motion of the vertices that a degree moves, for `coupling`."""
+    the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared
+    angle, 0 for translations; inverse_weight (nd) 1 / mean squared motion of the vertices that a degree moves, for `coupling`."""
 
     first_link: Index
     first_dof: Index
@@ -115,20 +123,21 @@ class Avatars(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what was
-    used of these along the path so far."""
+    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what
+    was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
 
     turn: Array
     move: Array
     turned: Array
     moved: Array
+    slack: Array
 
 
 class Contacts(NamedTuple):
-    """The active contacts of the last solved step: count (1); pair (m, 2) pieces; normal (m, 3), out of the second into the first;
-    multiplier (m) [m], how hard the objective presses."""
+    """The active contacts of the last solved step: used (1) how many; pair (m, 2) pieces; normal (m, 3), out of the second into
+    the first; multiplier (m) [m], how hard the objective presses."""
 
-    count: Index
+    used: Index
     pair: Index
     normal: Array
     multiplier: Array
@@ -141,19 +150,19 @@ def make_contacts(room: int) -> Contacts:
 
 
 class Touching(NamedTuple):
-    """Pairs that were in contact lately, and so have a row in the next step before anything fails: count (1); pair (m, 2) pieces;
-    age (m) steps since the row was last active."""
+    """Pairs that were in contact lately, and so have a row in the next step before anything fails: used (1) how many; pair (m, 2)
+    pieces; age (m) steps since the row was last active."""
 
-    count: Index
+    used: Index
     pair: Index
     age: Index
 
 
 class IkState(NamedTuple):
-    """What stays from frame to frame. before, own: the clipped target and the tracker's posture of the last frame; force (nl, 3) what
-    the contacts press on each link with, bend (nl) [m^2] the inertia by which they bend the Lagrangian; near (na, nb) bodies that are
-    no links and in reach of an avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the degrees at
-    the shown posture."""
+    """What stays from frame to frame. before, own: the clipped target and the tracker's posture of the last frame; force (nl, 3)
+    what the contacts press on each link with, bend (nl) [m^2] the inertia by which they bend the Lagrangian; near (na, nb) bodies
+    that are no links and in reach of an avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the
+    degrees at the shown posture."""
 
     tracking: Tracking
     before: Posture
@@ -171,15 +180,17 @@ class IkState(NamedTuple):
 
 
 class Objective(NamedTuple):
-    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture; aim
-    (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; number, inertia (nl), first, pull, load
-    (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of the
-    metric; newton (nd) the step to the least of the model."""
+    """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture;
+    aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; own (nd) what of its own motion in
+    this frame is still to be followed; number, inertia (nl), first, pull, load
+    (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of
+    the metric; newton (nd) the step to the least of the model."""
 
     origin: Array
     frame: Array
     aim: Array
     error: Array
+    own: Array
     number: Array
     inertia: Array
     first: Array
@@ -193,13 +204,14 @@ class Objective(NamedTuple):
 
 
 class ConstraintRows(NamedTuple):
-    """Linear conditions J x >= bound of one step: count, ready (1 each) how many there are, and how many are transformed; kind (m) a
-    RowKind; pair (m, 2) pieces of a contact, or a degree and -1; owner (m, 2) avatars whose degrees a row is of, -1 for none;
-    jacobian (m, nd); weighted (m, nd) = L^-T J^T; stiffness (m) its squared length; multiplier, residual, before (m); normal (m, 3),
-    arm (m, 6) [m] from the origins of both bodies to the contact; active (a) the active rows, factor (a, a) of their Gram matrix,
-    change (a) of their multipliers."""
+    """Linear conditions J x >= bound of one step: used, ready (1 each) how many there are, and how many are transformed; kind
+    (m) a RowKind; pair (m, 2) pieces of a contact, or a degree and -1; owner (m, 2) avatars whose degrees a row is of, -1 for
+    none; jacobian (m, nd); weighted (m, nd) = L^-T J^T; multiplier, residual, before (m);
+    normal (m, 3), arm (m, 6) [m] from the origins of both bodies to the contact; gram (m, m) of the weighted rows; is_solved (1)
+    whether the sweeps came to an end; active (a) the active rows, factor (a, a) of
+    their Gram matrix, change (a) of their multipliers."""
 
-    count: Index
+    used: Index
     ready: Index
     kind: Index
     pair: Index
@@ -207,29 +219,31 @@ class ConstraintRows(NamedTuple):
     jacobian: Array
     weighted: Array
     bound: Array
-    stiffness: Array
     multiplier: Array
     residual: Array
     before: Array
     normal: Array
     arm: Array
+    gram: Array
+    is_solved: Flags
     factor: Array
     active: Index
     change: Array
 
 
 class Failed(NamedTuple):
-    """Pairs that failed at the last trial: count (1), pair (m, 2)."""
+    """Pairs that failed at the last trial: used (1) how many, pair (m, 2)."""
 
-    count: Index
+    used: Index
     pair: Index
 
 
 class IkScratch(NamedTuple):
     """Working memory of a frame. target: the clipped target; trial: poses of the step that is looked at, with axes (nd, 3);
-    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step, point (nd): bounds, the
-    step, and the step in the coordinates of the least-distance problem; still (nd) zero; members (na) avatars of the islands one
-    after the other, is_active (na) 1 for those of the island that is solved for; trail (K, nl, 12) positions [m] and rotations of links after each of the first K steps of a frame."""
+    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step (nd): bounds, and
+    the step; still (nd) zero; members (na) avatars of the islands
+    one after the other, is_active (na) 1 for those of the island that is solved for; trail (K, nl, 12) positions [m] and
+    rotations of links after each of the first K steps of a frame."""
 
     target: Posture
     trial: Poses
@@ -240,7 +254,6 @@ class IkScratch(NamedTuple):
     low: Array
     high: Array
     step: Array
-    point: Array
     still: Array
     members: Index
     is_active: Index
@@ -254,11 +267,12 @@ class IkScratch(NamedTuple):
 
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "bad_queries", "waiting", "out_of_work", "adopted", "islands", "planning", "following", "plan_work",
+    "bad_queries", "waiting", "out_of_work", "adopted", "islands", "products", "planning", "following", "plan_work",
 )
-"""What is counted in a frame; `held`: avatars whose step came to nothing; `plan_work`: work of searches, beside all else."""
+"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work of
+searches, beside all else."""
 
 (
-    QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK, ADOPTED,
-    ISLANDS, PLANNING, FOLLOWING, PLAN_WORK,
+    QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK,
+    ADOPTED, ISLANDS, PRODUCTS, PLANNING, FOLLOWING, PLAN_WORK,
 ) = range(len(COUNT_NAMES))

@@ -4,7 +4,6 @@ from math import exp
 
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
-from avatarsim.ik.objective import locate
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.kernel import kernel
 from avatarsim.posture.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
@@ -76,18 +75,19 @@ def meet_target(
 
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
     s, tracking, fastest = state_out, state_out.tracking, AT_REST if has_changed else 0.0
-    clipped, own, keeps = scratch_out.objective.error, scratch_out.step, exp(-dt / settings.settle_time)
+    clipped, own, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
         tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
         speed = largest(clipped, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
-        tracking.has_moved[avatar] = 1 if speed > 0.0 or has_changed else 0
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
         fastest = max(fastest, tracking.speed[avatar])
     for avatar in range(avatars.first_link.shape[0] - 1):
-        # what one avatar sets free another may hold
-        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
-        tangent_error(skel, avatars, avatar, s.own, tracker, own)
-        open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, own, s.budget)
+        # what one avatar sets free another may hold, so the fastest speaks for all
+        if tracking.is_legal[avatar] > 0:
+            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, clipped, s.budget)
+        else:
+            tangent_error(skel, avatars, avatar, s.own, tracker, own)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, own, s.budget)
         copy_posture(skel, avatars, avatar, scratch_out.target, s.before)
         copy_posture(skel, avatars, avatar, tracker, s.own)
-        locate(skel, avatars, avatar, tracker, scratch_out.objective)
+        tracking.is_located[avatar] = 0

@@ -11,7 +11,8 @@ from avatarsim.world.skeleton import Skeleton
 
 @kernel
 def list_active(geo: Geometry, skel: Skeleton, memory: Memory, contacts_out: Contacts) -> None:
-    """List the contact rows of the last step whose multiplier is above zero, each with the direction that now separates the pair."""
+    """List the contact rows of the last step whose multiplier is above zero, each with the direction that now separates the
+    pair."""
     rows, c, kept = memory.rows, contacts_out, 0
     for k in range(rows.size[COUNT]):
         if rows.pair[k, 0] < 0 or not (rows.multiplier[k] > 0.0):
@@ -20,4 +21,4 @@ def list_active(geo: Geometry, skel: Skeleton, memory: Memory, contacts_out: Con
         c.pair[kept, 0], c.pair[kept, 1], c.multiplier[kept] = a, b, rows.multiplier[k]
         put_row(c.normal, kept, axis_of(memory, a - geo.first_shape[skel.first], b))
         kept += 1
-    c.count[0] = kept
+    c.used[0] = kept

@@ -22,7 +22,7 @@ def hold(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: 
     v = velocities_out.linear
     for _ in range(ROUNDS):
         done = True
-        for k in range(contacts.count[0]):
+        for k in range(contacts.used[0]):
             a, other = contacts.pair[k, 0], contacts.pair[k, 1]
             if dynamics.role[geo.body[other]] == FIXED:
                 n, b = row(contacts.normal, k), geo.body[a]

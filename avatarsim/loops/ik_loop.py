@@ -52,9 +52,10 @@ NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
-    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go into
-    the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving` (nb): 1 for
-    bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles all of it.
+    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go
+    into the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving`
+    (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles
+    all of it.
     """
     o = opening(world)
     geometry, dynamics = opened_geometry(o), opened_dynamics(o)
@@ -68,7 +69,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     if answers:
         if coupled:
             give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
-        if not moving.any() or state.contacts.count[0] == 0:
+        if not moving.any() or state.contacts.used[0] == 0:
             return
         dt = 0.0
     elif coupled:
@@ -79,7 +80,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
         strike(skeleton, tracker, dt, velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     if dt > 0.0:
-        drop_paths(geometry, skeleton, avatars, posture, poses, plan, ghost, state, working)
+        drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
     aim_along_paths(skeleton, avatars, dt, posture, plan, state, working)
     solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
     if dt > 0.0:
@@ -126,9 +127,10 @@ class IkLoop:
         return {
             **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST), "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
-            "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "count": (0, MOST), "age": (0, MOST),
-            "mode": (min(Mode), max(Mode)), "island": (0, len(self.state.tracking)), "is_legal": (0, 1), "has_failed": (0, 1),
-            "has_model": (0, 1), "has_moved": (0, 1),
+            "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
+            "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
+            "has_failed": (0, 1), "is_certified": (0, 1),
+            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:

@@ -16,7 +16,7 @@ from avatarsim.ik.state import (
 from avatarsim.loops.opened_checked import opened_contacts
 from avatarsim.planner.state import Ghost, Plan, searches_in
 from avatarsim.settings import IkSettings
-from avatarsim.world.arena import Opening, cube, grid, index_grid, index_line, line, matrices, real, vectors, whole
+from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, real, vectors, whole
 from avatarsim.world.opened import opened_poses, opened_posture
 from avatarsim.world.view import opened
 
@@ -48,7 +48,7 @@ def opened_touching(o: Opening) -> Touching:
 @opened
 def opened_budget(o: Opening) -> Budget:
     """The next Budget."""
-    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0])
+    return Budget(line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0])
 
 
 @opened
@@ -64,7 +64,8 @@ def opened_state(o: Opening) -> IkState:
 def opened_objective(o: Opening) -> Objective:
     """The next Objective."""
     return Objective(
-        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], vectors(o)[0],
+        vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0],
+        vectors(o)[0],
         vectors(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0], grid(o)[0], line(o)[0],
     )
 
@@ -74,8 +75,8 @@ def opened_rows(o: Opening) -> ConstraintRows:
     """The next ConstraintRows."""
     return ConstraintRows(
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_grid(o)[0], grid(o)[0], grid(o)[0],
-        line(o)[0], line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], index_line(o)[0],
-        line(o)[0],
+        line(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], grid(o)[0], flag_line(o)[0], grid(o)[0],
+        index_line(o)[0], line(o)[0],
     )
 
 
@@ -84,7 +85,8 @@ def opened_working(o: Opening) -> IkScratch:
     """The next IkScratch."""
     return IkScratch(
         opened_posture(o), opened_poses(o), vectors(o)[0], grid(o)[0], grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0],
-        line(o)[0], line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0], index_grid(o)[0]),
+        line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0],
+        index_grid(o)[0]),
         scratch_at(index_line(o)[0]), index_line(o)[0], cube(o)[0],
     )
 
@@ -107,6 +109,6 @@ def opened_ghost(o: Opening) -> Ghost:
 def opened_ik_settings(o: Opening) -> IkSettings:
     """The next IkSettings."""
     return IkSettings(
-        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o),
+        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o),
         whole(o), whole(o),
     )

@@ -39,7 +39,7 @@ def press(
     A link that several bodies hold presses on the one that holds it back most. Of tracked, boxes of these links are made here.
     """
     pressed_out[:, :] = 0.0
-    for k in range(contacts.count[0]):
+    for k in range(contacts.used[0]):
         a, b = contacts.pair[k, 0], contacts.pair[k, 1]
         if dynamics.role[geo.body[b]] != SIMULATED:
             continue

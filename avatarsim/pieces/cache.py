@@ -16,9 +16,11 @@ import numpy as np
 
 from avatarsim.cache_entry import Damaged, read_entry, write_entry
 from avatarsim.cache_folder import bases, is_readable, is_writable
+from avatarsim.errors import InvalidFile
 from avatarsim.pieces.hausdorff import RESOLUTION, Deviation
 from avatarsim.pieces.mesh import Array, Mesh
 from avatarsim.pieces.wishes import Wishes
+from avatarsim.regular_file import parsed_json
 
 NAME = "avatarsim-pieces"
 """What the folder of answers is called wherever it lies."""
@@ -92,10 +94,10 @@ def _unpacked(data: bytes) -> Answer | None:
     """The answer in an entry; None if its layout is another."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as entry:
-            about = json.loads(str(entry["about"]))
+            about = parsed_json(str(entry["about"]), "entry", "what this cache wrote")
             hulls = tuple(np.split(entry["vertices"], np.cumsum(entry["counts"])[:-1]))
         return Answer(hulls, about["source"], Deviation(**about["deviation"]), tuple(about["repairs"]))
-    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile):
+    except (InvalidFile, ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile):
         return None
 
 

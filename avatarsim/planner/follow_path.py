@@ -46,8 +46,12 @@ def aim_along_path(
         place += 1
         get_node(skel, avatars, avatar, plan_out.path[avatar, place], plan_out, target)
     s.place[avatar] = place
-    state_out.tracking.is_legal[avatar] = 1
-    locate(skel, avatars, avatar, target, scratch_out.objective)
+    t = state_out.tracking
+    t.is_legal[avatar], t.is_located[avatar] = 1, 0
+    locate(skel, avatars, avatar, target, t, scratch_out.objective)
+    # the tracker's own motion does not lead along the path
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        scratch_out.objective.own[j] = 0.0
 
 
 @kernel

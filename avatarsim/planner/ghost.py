@@ -6,7 +6,7 @@ A step is one of the posture solver, towards any posture, so it slides along wha
 from avatarsim.ik.active_forces import forget_forces
 from avatarsim.ik.broad_phase import forget_near, sweep_boxes
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
-from avatarsim.ik.motion_budget import keep_budget
+from avatarsim.ik.motion_budget import SLACK, keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.pair_cache import forget_pairs
 from avatarsim.ik.progress import SLOWEST
@@ -96,7 +96,7 @@ def put_ghost(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, ghos
     carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
     place_avatar(geo, skel, avatars, avatar, g.poses)
     copy_poses(geo, skel, avatars, avatar, g.poses, g.scratch.trial)
-    g.state.touching.count[0], g.state.contacts.count[0] = 0, 0
+    g.state.touching.used[0], g.state.contacts.used[0] = 0, 0
     g.state.pairs.step[0] += 1
     forget_forces(avatars, avatar, g.state)
 
@@ -118,7 +118,8 @@ def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan,
 def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
     """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at hand."""
     g = ghost_out
-    locate(skel, avatars, avatar, g.aim, g.scratch.objective)
+    g.state.tracking.is_located[avatar] = 0
+    locate(skel, avatars, avatar, g.aim, g.state.tracking, g.scratch.objective)
     tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
     return value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
 
@@ -127,15 +128,19 @@ def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost
 def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
     """The target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound of
     every joint, each of them a row of the QP."""
-    g, s, b = ghost_out, ghost_out.scratch, ghost_out.state.budget
+    g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
+    move = STRIDE * t.reach[avatar]
+    b.slack[0], b.slack[1] = SLACK * move, SLACK * STRIDE
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        b.turn[link], b.move[link], b.turned[link], b.moved[link] = STRIDE, STRIDE * g.state.tracking.reach[avatar], 0.0, 0.0
+        b.turn[link], b.move[link], b.turned[link], b.moved[link] = STRIDE, move, 0.0, 0.0
     tangent_error(skel, avatars, avatar, g.posture, g.aim, s.step)
-    keep_budget(skel, avatars, avatar, b, 0.0, s.step)
+    keep_budget(skel, avatars, avatar, b, False, s.step)
     copy_posture(skel, avatars, avatar, g.posture, s.target)
     take_step(skel, avatars, avatar, s.step, s.target)
-    locate(skel, avatars, avatar, s.target, s.objective)
-    g.state.tracking.is_legal[avatar] = 1
+    t.is_located[avatar] = 0
+    locate(skel, avatars, avatar, s.target, t, s.objective)
+    # a whole Newton step: nothing that the ghost does is shown
+    t.is_legal[avatar], t.share[avatar] = 1, 1.0
 
 
 @kernel

@@ -77,4 +77,5 @@ def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSetting
     """Whether the ghost overlaps nothing and keeps its limits: then standing still is certified."""
     g = ghost_out
     g.scratch.step[:] = 0.0
+    g.state.tracking.is_certified[g.scratch.members[0]] = 0
     return certify(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, False, False, g.state, g.scratch) == 0

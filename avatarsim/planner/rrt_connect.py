@@ -59,7 +59,8 @@ def search(
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
     if s.phase[avatar] == GOAL:
-        locate(skel, avatars, avatar, tracker, g.scratch.objective)
+        g.state.tracking.is_located[avatar] = 0
+        locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
     elif s.at[avatar] >= 0:
         resume(geo, skel, avatars, avatar, plan_out, g)
     found = SEARCHING

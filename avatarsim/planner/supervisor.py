@@ -37,9 +37,13 @@ def supervise(
     """After the steps of a frame of dt [s]: progress, modes, and a slice of each search."""
     t, counts = state_out.tracking, scratch_out.counts
     for avatar in range(avatars.first_link.shape[0] - 1):
+        if t.has_arrived[avatar] > 0 and t.mode[avatar] != FOLLOW_PATH:
+            t.distance[avatar], t.stalled[avatar], t.since[avatar], t.mode[avatar] = 0.0, 0.0, 0.0, TRACK
+            continue
         if t.mode[avatar] == FOLLOW_PATH:
-            # its objective was that of the path
-            locate(skel, avatars, avatar, tracker, scratch_out.objective)
+            # what was located is the path's
+            t.is_located[avatar] = 0
+        locate(skel, avatars, avatar, tracker, t, scratch_out.objective)
         # the clipped target, whatever was followed
         tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
@@ -103,14 +107,15 @@ def follow_on(
 
 @kernel
 def drop_paths(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, posture: Posture, poses: Poses, plan: Plan, ghost_out: Ghost,
-    state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, tracker: Posture, posture: Posture, poses: Poses, plan: Plan,
+    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """As a frame begins: paths whose end is no nearer to the target than the avatar is are followed no more."""
     t, c, g = state_out.tracking, scratch_out.objective, ghost_out
     for avatar in range(avatars.first_link.shape[0] - 1):
         if t.mode[avatar] != FOLLOW_PATH:
             continue
+        locate(skel, avatars, avatar, tracker, t, c)
         tangent_error(skel, avatars, avatar, posture, scratch_out.target, c.error)
         here, _ = value_of(skel, avatars, avatar, state_out, poses, c)
         put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)

@@ -104,6 +104,7 @@ class Avatar:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
         least, most = pair(f"size_range of avatar {self.name}", self.size_range)
         low, high = (within(f"size_range of avatar {self.name} [m]", size, 0.0, math.inf) for size in (least, most))
+        object.__setattr__(self, "size_range", (low, high))
         if any(link.pieces for link in self.links):
             within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
 

@@ -155,7 +155,8 @@ def parts(value: object) -> ArrayLike:
 
 def listed(value: object) -> list[object]:
     """The parts of a vector; a value without parts is its own only part, which no shape fits."""
-    return list(value) if isinstance(value, Iterable) else [value]
+    # an array of no dimensions is iterable by its type alone
+    return list(value) if isinstance(value, Iterable) and not (isinstance(value, np.ndarray) and value.ndim == 0) else [value]
 
 
 def pair(thing: str, value: object) -> tuple[object, object]:

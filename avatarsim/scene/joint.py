@@ -68,9 +68,11 @@ class SwingTwist:
         object.__setattr__(self, "axis", unit_vector("swing axis", self.axis))
         object.__setattr__(self, "centre", unit_vector("swing centre", self.centre))
         within("swing limit [rad]", self.swing, 0.0, WIDEST_SWING)
-        low, high = pair("twist limits [rad]", self.twist)
-        if not within("lower twist limit [rad]", low, -PI, PI) <= within("upper twist limit [rad]", high, -PI, PI):
-            raise InvalidScene("twist limits (lower, upper) [rad]", self.twist, "lower at most upper")
+        lower, upper = pair("twist limits [rad]", self.twist)
+        twist = within("lower twist limit [rad]", lower, -PI, PI), within("upper twist limit [rad]", upper, -PI, PI)
+        if not twist[0] <= twist[1]:
+            raise InvalidScene("twist limits (lower, upper) [rad]", twist, "lower at most upper")
+        object.__setattr__(self, "twist", twist)
 
 
 @dataclass(frozen=True)

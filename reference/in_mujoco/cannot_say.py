@@ -19,9 +19,9 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
     if any(ball.limits for ball in balls):
         found["twist limits"] = (
-            "a ball joint limits its total rotation only; swing cones are said by tendons (tuned only, as no such "
-            "limit is documented); twist is limited in what the joint is asked for (tuned only), not in what contact "
-            "makes of it"
+            "our adapter makes ball joints, whose range limits their total rotation only; swing cones are said by tendons (tuned "
+            "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
+            "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"
         )
     if any(ball.cone for ball in balls):
         found["reach cones"] = "no spherical polygons: ignored"

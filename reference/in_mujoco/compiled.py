@@ -1,12 +1,14 @@
 """MJCF of a model as it is stepped: what was written into the compiled model goes back into its MjSpec, which MuJoCo writes as
 XML.
 
-The adapter sets stiffness after compilation, since that depends on the step. Numbers in the XML have as many digits as MuJoCo's
-writer
-gives them; how the tracker moves its mocap bodies and controls is no part of a model.
+The adapter sets stiffness after compilation, since that depends on the step. Numbers in the XML have 17 digits, so that a reader
+has the same doubles; how the tracker moves its mocap bodies and controls is no part of a model.
 """
 
-from collections.abc import Iterable, Mapping
+import ctypes
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -14,6 +16,11 @@ from numpy.typing import NDArray
 
 PAIRS_NAMED = 3
 """Different pairs of numbers that a setting spells out; the others are counted, and stand in the XML."""
+
+DIGITS = 17
+"""Significant digits of a number in the XML: with fewer a double does not come back as it was."""
+LIBRARY = "libmujoco.so*"
+"""Name of MuJoCo's library in its package, which has the number of digits for a setting that Python's interface leaves out."""
 
 Array = NDArray[np.float64]
 
@@ -44,7 +51,24 @@ def mjcf(spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData) -> str
     for key in list(spec.keys):
         spec.delete(key)
     spec.add_key(name="start", qpos=data.qpos, qvel=data.qvel, mpos=data.mocap_pos.ravel(), mquat=data.mocap_quat.ravel())
-    return str(spec.to_xml())
+    with written_digits(DIGITS):
+        return str(spec.to_xml())
+
+
+@contextmanager
+def written_digits(digits: int) -> Iterator[None]:
+    """Let MuJoCo write so many significant digits; where its library has another name, as many as it writes by itself."""
+    found = sorted(Path(mujoco.__file__).parent.glob(LIBRARY))
+    if not found:
+        yield
+        return
+    library = ctypes.CDLL(str(found[0]))
+    before = library._mjPRIVATE__get_xml_precision()
+    library._mjPRIVATE__set_xml_precision(digits)
+    try:
+        yield
+    finally:
+        library._mjPRIVATE__set_xml_precision(before)
 
 
 def resolved(model: mujoco.MjModel) -> Mapping[str, tuple[object, str]]:

@@ -9,14 +9,16 @@ from numpy.typing import NDArray
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
+from reference.in_mujoco import three_hinges
 from reference.in_mujoco.cannot_say import cannot_say
 from reference.in_mujoco.compiled import mjcf, resolved
 from reference.in_mujoco.laws import contact_laws
 from reference.in_mujoco.motors import Motors, Servo
-from reference.in_mujoco.presets import BETTER_ELSEWHERE, OPTIMISES, presets
+from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES, presets
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
@@ -48,6 +50,7 @@ class MujocoEngine:
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run |= EVERYWHERE
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
@@ -56,14 +59,31 @@ class MujocoEngine:
     def native(self) -> tuple[str, str]:
         """MJCF of what `load` made, settings written after compilation included."""
         head = (
-            f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}; steps per frame: "
-            f"{self._count}. Numbers have six digits. The tracker moves mocap bodies and controls in every step. -->\n"
+            f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}. A frame of "
+            f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame "
+            "time: none. Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday "
+            "scenes the file .steps.npz beside this one has them, and replay.py plays them. -->\n"
         )
         return "xml", head + mjcf(self._world.spec, self._model, self._data)
+
+    def keep_steps(self) -> None:
+        """From now on keep what the tracker's adapter tells MuJoCo in every step, for `steps_told`."""
+        self._kept.clear()
+        self._keeps = True
+
+    def steps_told(self) -> Mapping[str, Array]:
+        """What was told since `keep_steps`: mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
+        steps_per_frame; empty where nothing was led."""
+        if not self._kept:
+            return {}
+        places, turns, controls = (np.concatenate(part) for part in zip(*self._kept, strict=True))
+        return {"mocap_pos": places, "mocap_quat": turns, "ctrl": controls, "steps_per_frame": np.array(float(self._count))}
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the model, put everything at its first pose, show it."""
         mujoco.set_mju_user_warning(_quiet)
+        self._kept: list[tuple[Array, Array, Array]] = []
+        self._keeps = False
         self._settings, self._scene = settings, scene
         self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
@@ -73,7 +93,7 @@ class MujocoEngine:
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
             armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
-            planes=chosen["floors"].value == "planes",
+            planes=chosen["floors"].value == "planes", hinged=chosen["ball_joints"].value == "hinges",
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
@@ -111,25 +131,39 @@ class MujocoEngine:
         model, data, iterations = self._model, self._data, np.zeros_like(self._iterations)
         led, stepping, times = len(self._aimed) > 0, 0, list[float]()
         asked = None if self._motors is None else self._motors.asked(goals, self._step)
-        for k in range(self._count):
-            if led:
-                self._aim(positions[k], orientations[k])
-            if asked is not None:
-                data.ctrl[:] = asked[k]
+        if self._keeps and led:
+            controls = np.zeros((self._count, model.nu)) if asked is None else asked
+            self._kept.append((positions.copy(), orientations.copy(), controls.copy()))
+        if led or asked is not None or self._settings.record_inside:
+            for k in range(self._count):
+                if led:
+                    self._aim(positions[k], orientations[k])
+                if asked is not None:
+                    data.ctrl[:] = asked[k]
+                before = perf_counter_ns()
+                mujoco.mj_step(model, data)
+                stepping += perf_counter_ns() - before
+                iterations += self._iterations
+                self._elapsed += self._step
+                if self._settings.record_inside or k == self._count - 1:
+                    self._reading.read(len(times))
+                    times.append(self._elapsed)
+            counts = {"steps": self._count, "iterations": int(iterations.sum()), "contacts": int(data.ncon)}
+        else:
+            # as its own user would: all steps of the frame in one call, between which nothing is told or asked
             before = perf_counter_ns()
-            mujoco.mj_step(model, data)
-            stepping += perf_counter_ns() - before
-            iterations += self._iterations
-            self._elapsed += self._step
-            if self._settings.record_inside or k == self._count - 1:
-                self._reading.read(len(times))
-                times.append(self._elapsed)
+            mujoco.mj_step(model, data, self._count)
+            stepping = perf_counter_ns() - before
+            for _ in range(self._count):
+                self._elapsed += self._step
+            self._reading.read(0)
+            times.append(self._elapsed)
+            counts = {"steps": self._count, "contacts": int(data.ncon)}
         inside = self._reading.snapshots(times)
         shown, angles = inside[-1], self._angles()
         stages = {}
         if self._settings.time_stages:
             stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
-        counts = {"steps": self._count, "iterations": int(iterations.sum()), "contacts": int(self._data.ncon)}
         return FrameRecord(shown, angles, counts, self._statuses(), stages, inside if self._settings.record_inside else ())
 
     def close(self) -> None:
@@ -163,6 +197,11 @@ class MujocoEngine:
             data.qpos[q : q + 3], data.qpos[q + 3 : q + 7] = start.positions[k], rotation.normalised(start.rotations[k])
         for k, q in zip(*world.balls, strict=True):
             data.qpos[q : q + 4] = rotation.normalised(start.rotations[k])
+        for k, q in zip(*world.hinged, strict=True):
+            link = self._scene.links[k]
+            assert isinstance(link.joint, Ball) and link.joint.limits is not None
+            turn = rotation.normalised(start.rotations[k])
+            data.qpos[q : q + 3] = three_hinges.angles(link.joint.limits, link.orientation, turn)
         data.qpos[world.hinge_qpos] = start.angles
         goals = self._targets.between(self._last, self._last, np.zeros(1))
         self._aim(goals.positions[0, self._aimed], goals.orientations[0, self._aimed])

@@ -21,15 +21,20 @@ CONTACTS = ("soft", "one_step")
 restitution)."""
 
 
+JOINTS = ("balls", "hinges")
+"""What a ball joint with limits is: MuJoCo's ball, whose range is of its total turn, or three hinges with ranges, the last about
+the limb. Servos are in balls only."""
 FLOORS = ("boxes", "planes")
 """What a fixed box is: a box, or an infinite plane at its top."""
 
 
 def check_words(chosen: dict[str, Chosen]) -> None:
     """Raise for words that MuJoCo or the adapter does not know, and for a step or servos that are not above 0."""
-    for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS)):
+    for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS), ("ball_joints", JOINTS)):
         if chosen[name].value not in ours:
             raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
+    if chosen["drive"].value == "motors" and chosen["ball_joints"].value == "hinges":
+        raise InvalidInput("option ball_joints of mujoco", "hinges", "balls where the drive is motors, whose servos are in balls")
     words_of = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
     for name, prefix in (("integrator", "mjINT_"), ("cone", "mjCONE_"), ("solver", "mjSOL_")):
         known = [word.removeprefix(prefix) for word in words_of[name].__members__ if word.startswith(prefix)]
@@ -63,21 +68,22 @@ class Stiffness:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
         model.eq_data[:, 10] = self._number("weld_rotation")
-        model.geom_margin[:] = self._number("margin") * self._margin_shares()
-        model.pair_margin[:] = self._number("margin") * self._world.pair_driven
+        model.geom_margin[:] = self._geom_margins()
+        model.pair_margin[:] = np.where(self._world.pair_driven, self._number("margin"), self._number("loose_margin"))
         for solimp in (model.geom_solimp, model.pair_solimp, model.jnt_solimp, model.tendon_solimp_lim):
             solimp[:, :3] = self._chosen["solimp"].value
 
-    def _margin_shares(self) -> NDArray[np.float64]:
-        """Share of the margin that each geom has: MuJoCo adds those of two geoms that meet.
+    def _geom_margins(self) -> NDArray[np.float64]:
+        """Margin [m] of each geom: MuJoCo adds those of two geoms that meet.
 
-        Halves, so that two links, and a link and a wall, meet at one margin. Where something is loose links carry all of it,
-        since nothing is to hover over what does not move; two links then meet at twice the margin.
+        What is loose meets all that is not driven at `loose_margin`, in halves. Without loose bodies links carry halves of
+        `margin`, so that two links, and a link and a wall, meet at one. Where something is loose links carry all of it but the
+        half that the others have, since nothing is to hover at `margin` over what does not move; two links then meet at more.
         """
-        world = self._world
-        if len(world.free[0]):
-            return world.geom_driven.astype(np.float64)
-        return np.full(len(world.geom_driven), 0.5)
+        world, margin, half = self._world, self._number("margin"), 0.5 * self._number("loose_margin")
+        if not len(world.free[0]):
+            return np.full(len(world.geom_driven), 0.5 * margin)
+        return np.where(world.geom_driven, max(margin - half, 0.0), half)
 
     def set_step(self, step: float) -> None:
         """What depends on the step [s]."""

@@ -12,8 +12,10 @@ from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
+from reference.in_mujoco import three_hinges
 from reference.in_mujoco.laws import Law, Laws
 from reference.in_mujoco.motors import Servo, add_motor, damp_swings
+from reference.in_mujoco.three_hinges import NARROWEST
 
 Indices = NDArray[np.int64]
 
@@ -21,18 +23,15 @@ ARM = 1.0
 """Length [m] from a ball joint to the two sites whose distance is the swing limit: chord 2 ARM sin(swing /
 2)."""
 
-NARROWEST = 1e-9
-"""Width [rad] given to a hinge whose two limits coincide; MuJoCo refuses an empty interval."""
-
 
 @dataclass(frozen=True, eq=False)
 class World:
     """The compiled model, what it was compiled from, and where the scene's parts are in it.
 
-    body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies;
-    hinge_qpos (hinges,); balls (links, address in qpos); roots likewise; mocap (welded links,) -> mocap
-    index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven:
-    whether an avatar has a part in it.
+    body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies; hinge_qpos (hinges,);
+    balls (links, address in qpos); hinged likewise, of balls that three hinges stand for; roots likewise; mocap (welded links,)
+    -> mocap index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven: whether an
+    avatar has a part in it.
     """
 
     spec: mujoco.MjSpec
@@ -41,6 +40,7 @@ class World:
     free: tuple[Indices, Indices, Indices]
     hinge_qpos: Indices
     balls: tuple[Indices, Indices]
+    hinged: tuple[Indices, Indices]
     roots: tuple[Indices, Indices]
     mocap: tuple[Indices, Indices]
     geom_law: tuple[Law, ...]
@@ -50,13 +50,14 @@ class World:
 
 
 def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_links: bool, armature: float,
-                servo: Servo | None = None, planes: bool = False) -> World:
+                servo: Servo | None = None, planes: bool = False, hinged: bool = False) -> World:
     """Compile the scene. Time steps and contact stiffness are set afterwards: they depend on the step.
 
     `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
     `gravity_on_links`: whether the avatar weighs; `armature`: inertia added to each joint, as a share of the largest
     inertia of its link about it; `servo`: what is in each joint, whose links are welded to the tracker if there is none;
-    `planes`: fixed boxes are infinite planes at their tops, which is the same world where nothing leaves the top.
+    `planes`: fixed boxes are infinite planes at their tops, which is the same world where nothing leaves the top; `hinged`:
+    ball joints with limits are three hinges.
     """
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
@@ -74,7 +75,7 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
         if planes and body.role is Role.FIXED:
             _planes(made)
-    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo)
+    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo, hinged)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
     if servo is not None:
@@ -84,7 +85,7 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
 
 def _avatars(
     spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool,
-    armature: float, servo: Servo | None,
+    armature: float, servo: Servo | None, hinged: bool,
 ) -> None:
     k, hinge = len(scene.bodies), 0
     for avatar in scene.avatars:
@@ -97,6 +98,10 @@ def _avatars(
             _inertia(body, link)
             if isinstance(link.joint, Free):
                 body.add_freejoint(name=f"b{k}")
+            elif isinstance(link.joint, Ball) and hinged and link.joint.limits is not None:
+                three_hinges.add(body, f"t{k}", link.joint.limits, limits, armature * _inertia_about_joint(link.mass))
+                if swing and limits:
+                    _swing_limit(spec, parent, body, k, link.anchor, link.joint.limits)
             elif isinstance(link.joint, Ball):
                 ball = body.add_joint(name=f"b{k}", type=mujoco.mjtJoint.mjJNT_BALL)
                 ball.armature = armature * _inertia_about_joint(link.mass)
@@ -232,7 +237,9 @@ def _addresses(scene: Scene, laws: Laws, spec: mujoco.MjSpec, model: mujoco.MjMo
     first = len(scene.bodies)
     moving = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
     roots = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Free)]
-    balls = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Ball)]
+    named = {model.joint(j).name for j in range(model.njnt)}
+    hinged = [k for k in range(len(scene.links)) if f"t{first + k}.0" in named]
+    balls = [k for k, link in enumerate(scene.links) if isinstance(link.joint, Ball) and k not in hinged]
     mocap = {model.body(b).name: int(model.body_mocapid[b]) for b in range(model.nbody) if model.body_mocapid[b] >= 0}
     welded = [k for k in range(len(scene.links)) if f"m{first + k}" in mocap]
     owner = {name: k for k, names in enumerate(geoms) for name in names}
@@ -248,6 +255,7 @@ def _addresses(scene: Scene, laws: Laws, spec: mujoco.MjSpec, model: mujoco.MjMo
               ints([int(model.joint(f"b{k}").dofadr[0]) for k in moving])),
         hinge_qpos=ints([qpos(f"h{h}") for h in range(hinges)]),
         balls=(ints(balls), ints([qpos(f"b{first + k}") for k in balls])),
+        hinged=(ints(hinged), ints([qpos(f"t{first + k}.0") for k in hinged])),
         roots=(ints(roots), ints([qpos(f"b{first + k}") for k in roots])),
         mocap=(ints(welded), ints([mocap[f"m{first + k}"] for k in welded])),
         geom_law=tuple(laws.own[k][1] for k in owners),

@@ -6,7 +6,7 @@ scene kind. Steps are written in seconds; a frame is cut into the nearest whole 
 
 from collections.abc import Mapping
 
-from reference.presets import Chosen, Kind, Preset
+from reference.presets import Chosen, Kind, Preset, of_one_scene
 
 DOCUMENTED = "PyBullet's documented default"
 
@@ -228,5 +228,5 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
     return {
-        "default": DEFAULT, "tuned": {**tuned[kind], **SCENES.get(scene, {})}, "follows": {**DEFAULT, **_FOLLOWS},
+        "default": DEFAULT, "tuned": {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}, "follows": {**DEFAULT, **_FOLLOWS},
     }

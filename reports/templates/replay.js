@@ -24,11 +24,18 @@
   const ink = {
     driven: solid(0x7b9cc4), simulated: solid(0xd9a33c), fixed: thin(0x8b95a5, 0.22), ghost: thin(0x9b59d0, 0.26),
     bad: solid(0xe02020), edge: new THREE.LineBasicMaterial({ color: 0x8b95a5, transparent: true, opacity: 0.55 }),
+    outline: new THREE.LineBasicMaterial({ color: 0x5b6b80 }),
     dark: new THREE.LineBasicMaterial({ color: 0x4a3a12, transparent: true, opacity: 0.7 }),
     ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
   };
   const edges = geometries.map(() => null);
   const edgesOf = (k) => edges[k] || (edges[k] = new THREE.EdgesGeometry(geometries[k], 25));
+  // a plate seen from its edge is all but invisible: its outline is not
+  const THIN = 0.03;
+  const isThin = (k) => {
+    const size = geometries[k].boundingBox.getSize(new THREE.Vector3()).toArray();
+    return Math.min(...size) < THIN * Math.max(...size);
+  };
   const ringShape = new THREE.TorusGeometry(1, 0.12, 8, 32);
 
   // poses, unpacked once
@@ -67,14 +74,16 @@
       const mesh = meshes[still.body];
       mesh.position.set(...still.place);
       mesh.quaternion.set(still.turn[1], still.turn[2], still.turn[3], still.turn[0]);
-      mesh.add(new THREE.LineSegments(edgesOf(data.bodies[still.body].mesh), ink.edge));
+      const shape = data.bodies[still.body].mesh;
+      mesh.add(new THREE.LineSegments(edgesOf(shape), isThin(shape) ? ink.outline : ink.edge));
     }
     const ghosts = ghost ? data.links.map((k) => new THREE.Mesh(geometries[data.bodies[k].mesh], ink.ghost)) : [];
     ghosts.forEach((mesh) => { mesh.renderOrder = 2; world.add(mesh); });
     const rings = [0, 1, 2].map(() => new THREE.Mesh(ringShape, ink.ring));
     rings.forEach((ring) => { ring.renderOrder = 3; world.add(ring); });
     const cell = stage.querySelectorAll(".view")[number];
-    return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, said: cell.querySelector(".said") };
+    return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, said: cell.querySelector(".said"),
+      remarks: new Map(run.remarks) };
   });
   const last = Math.max(...views.map((view) => view.moves.frames)) - 1;
 
@@ -101,7 +110,10 @@
     const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
     const broken = !ended && view.run.broken.includes(frame);
     view.cell.classList.toggle("overlaps", Boolean(deepest) || broken);
-    view.said.textContent = ended ? "ended here" : broken ? "a pose here is no number" : !deepest ? "no overlap"
+    const remark = ended || broken ? undefined : view.remarks.get(frame);
+    view.cell.classList.toggle("moves", Boolean(remark) && !deepest);
+    view.said.textContent = ended ? "ended here" : broken ? "a pose here is no number"
+      : !deepest ? (remark ? `no overlap; ${remark}` : "no overlap")
       : `${deepest[2] < 0.1 ? deepest[2] * 1000 + " µm" : deepest[2] + " mm"}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
   }
 
@@ -113,15 +125,30 @@
   const eye = { ...start(), focus: home.focus.clone() };
   // the middle of what is followed, in our engine's view, so that all views look at the same place
   const leader = views[data.leader];
-  function followed() {
-    const middle = new THREE.Vector3();
-    let count = 0;
+  // with the user, who may be elsewhere
+  function places() {
+    const found = [];
     data.moving.forEach((k, slot) => {
       if (!data.followed.includes(k)) return;
       put(leader.meshes[k], leader.moves, frame, slot);
-      if (leader.meshes[k].visible) { middle.add(leader.meshes[k].position); count += 1; }
+      if (leader.meshes[k].visible) found.push(leader.meshes[k].position);
     });
-    return count ? middle.divideScalar(count) : home.focus.clone();
+    leader.ghosts.forEach((mesh, slot) => { put(mesh, ghost, frame, slot); if (mesh.visible) found.push(mesh.position); });
+    return found;
+  }
+  function followed() {
+    const found = places(), middle = new THREE.Vector3();
+    found.forEach((place) => middle.add(place));
+    return found.length ? middle.divideScalar(found.length) : home.focus.clone();
+  }
+  // near enough to see all of avatar and user, and no nearer: for a moment that a reader is led to
+  function fit() {
+    if (!ghost) return;
+    const middle = followed(), reach = Math.max(...data.reach);
+    const needed = Math.max(...places().map((place) => place.distanceTo(middle) + reach), 0);
+    const wanted = 2.6 * needed;
+    if (follow.checked) eye.distance = wanted;
+    else if (wanted < home.distance) { eye.distance = wanted; eye.focus.copy(middle); }
   }
   const camera = new THREE.PerspectiveCamera(38, 1, 0.02 * data.radius, 60 * data.radius);
   camera.up.set(0, 0, 1);
@@ -188,6 +215,7 @@
   }
   function play(on) {
     playing = on;
+    if (playing && poster) reset();
     if (playing && (frame >= last || poster)) show(0);
     poster = false;
     button.textContent = playing ? "Pause" : "Play";
@@ -248,6 +276,7 @@
     if (playing) play(false);
     poster = false;
     show(seconds / data.dt);
+    fit();
     return true;
   }
   window.addEventListener("hashchange", seek);
@@ -261,6 +290,7 @@
     if (playing) play(false);
     poster = false;
     show(Number(one.dataset.worst));
+    fit();
   }));
 
   // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
@@ -351,8 +381,9 @@
   window.addEventListener("resize", redraw);
   window.addEventListener("scroll", redraw, { passive: true });
   root.dataset.state = "paused";
-  // open on the moment that the address names, else on the worst of all engines rather than on a state where nothing happens
-  const worst = views.flatMap((view) => view.run.pairs.map((pairs, k) => [pairs.length ? pairs[0][2] : 0, k]));
-  const deepest = worst.reduce((most, one) => (one[0] > most[0] ? one : most), [0, 0]);
-  if (!seek()) show(deepest[1]);
+  // open on the moment that the address names, else where ours looks worst, else on the deepest overlap of the others
+  if (!seek()) {
+    show(data.opens.ours ?? data.opens.others ?? 0);
+    fit();
+  }
 })();

@@ -112,6 +112,7 @@ SCENARIO = Scenario(
     frames=FRAMES,
     short=SHORT,
     bounds=AVATAR,
+    expects={"grasped": ("mug",)},
     regions=(
         Region(
             ("mug",), (MUG_AT[0] - 0.5, MUG_AT[1] - 0.5, 0.0), (MUG_AT[0] + 0.5, MUG_AT[1] + 0.5, TOP + 0.3),

@@ -20,6 +20,7 @@ from scenarios.avatars.hand import rigid_hand
 from scenarios.gallery import TABLE_AT, TABLE_HEIGHT, gallery, inside
 from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
 from scenarios.reach import reach
+from scenarios.resampled import at_rate
 from scenarios.scenario import RENDERED, Bound, Motion, Scenario
 
 FRAMES, SHORT = 3653, 900
@@ -116,3 +117,4 @@ SCENARIO = Scenario(
     regions=(inside("hand", "ball"),),
     everyday=True,
 )
+SCENARIOS = (SCENARIO, at_rate(SCENARIO))

@@ -8,6 +8,7 @@ inside the floor in 296 (0.044 m) and inside itself in 8 (0.078 m: right foot in
 from avatarsim.scene.scene import Scene
 from scenarios.mocap import load_clip
 from scenarios.promises import AVATAR
+from scenarios.resampled import at_rate
 from scenarios.scenario import Motion, Scenario
 from scenarios.stage import before_wall, human_before_wall
 from scenarios.track import to_and_fro
@@ -39,3 +40,4 @@ SCENARIO = Scenario(
     regions=(before_wall(FACE, "human/*"),),
     everyday=True,
 )
+SCENARIOS = (SCENARIO, at_rate(SCENARIO))

@@ -1,12 +1,17 @@
-"""What was found, by key: one small file each, whole or absent, so that a run that is killed loses nothing it had finished."""
+"""What was found, by key: one small file each, whole or absent, so that a run that is killed loses nothing it had finished.
 
+An entry carries the checksum of its content: commands take it as they wrote it; what a disk or a hand has changed is found again.
+"""
+
+import hashlib
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.regular_file import read_json
-from scenarios.files import clear_halves, write_json
+from scenarios.files import clear_halves, plain, write_json
 
 Entry = Mapping[str, Any]
 
@@ -33,8 +38,16 @@ class Store:
             found = read_json(path, str(path), "an entry of the store")
         except InvalidFile:
             return None
-        return found if isinstance(found, dict) and found.get("key") == key and found.get("kind") == kind else None
+        if not isinstance(found, dict) or found.pop("sha256", "") != _checksum(found):
+            return None
+        return found if found.get("key") == key and found.get("kind") == kind else None
 
     def put(self, kind: str, key: str, entry: Entry) -> None:
         """Keep an entry."""
-        write_json(self.path(kind, key), {"key": key, "kind": kind, **entry})
+        content = {"key": key, "kind": kind, **entry}
+        write_json(self.path(kind, key), {**content, "sha256": _checksum(content)})
+
+
+def _checksum(content: Entry) -> str:
+    """Of JSON as it is written, which an entry that was read has again."""
+    return hashlib.sha256(json.dumps(plain(content)).encode("utf-8", "surrogatepass")).hexdigest()

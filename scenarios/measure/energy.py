@@ -81,9 +81,9 @@ def struck(recording: Recording, scene: Scene, moving: Array) -> Array:
 
 
 def energy(recording: Recording, scene: Scene) -> Values:
-    """energy_added_max and lift_energy_max [J]: per frame the kinetic energy gained by all simulated bodies beyond gravity's work
-    (over the way without lift), per impact what they and the links gain, and the potential energy of that lift. Empty without
-    simulated bodies."""
+    """energy_added_max and lift_energy_max [J], lift_height_max [m]: per frame the kinetic energy gained by all simulated bodies
+    beyond gravity's work (over the way without lift), per impact what they and the links gain, the potential energy of that lift,
+    and its height, of the body that is lifted most. Empty without simulated bodies."""
     bodies = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
     masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
     if not bodies or recording.frames == 0:
@@ -102,12 +102,16 @@ def energy(recording: Recording, scene: Scene) -> Values:
     explained, lifted = np.zeros(recording.frames + 1), np.zeros(recording.frames + 1)
     np.add.at(explained, line.frame[1:], work.sum(axis=1))
     np.add.at(lifted, line.frame[1:], (strength * mass * lift).sum(axis=1))
+    heights = np.zeros((recording.frames + 1, len(bodies)))
+    np.add.at(heights, line.frame[1:], lift)
     chosen = undriven(recording, scene, bodies)
     none = Missing("a driven link is within reach of a simulated body in every frame", "scene")
     added = np.concatenate([(gained - explained[1:])[chosen], struck(recording, scene, moving[line.inside])])
     return {
         "energy_added_max": max(0.0, _largest(added)) if added.size else none,
         "lift_energy_max": _largest(lifted[1:]),
+        # where nothing falls no way is up
+        "lift_height_max": _largest(heights[1:]) if strength > 0.0 else 0.0,
     }
 
 

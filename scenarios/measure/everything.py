@@ -15,6 +15,7 @@ from scenarios.measure.course import course_errors
 from scenarios.measure.energy import energy
 from scenarios.measure.escapes import escapes
 from scenarios.measure.finite import not_finite
+from scenarios.measure.grasp import grasp
 from scenarios.measure.halts import halts
 from scenarios.measure.hover import contact_gap
 from scenarios.measure.jumps import jumps
@@ -62,7 +63,8 @@ def measured(recording: Recording, known: Known, most_inside: int | None = INSID
     values: dict[str, Value] = {
         **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
         **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
-        **bounces(recording, scenario, scene), **travel(recording, scenario, scene), **work(recording),
+        **bounces(recording, scenario, scene), **travel(recording, scenario, scene), **grasp(recording, scenario, scene),
+        **work(recording),
         **motion_figures(recording, scenario, scene),
     }
     try:

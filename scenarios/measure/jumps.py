@@ -29,15 +29,27 @@ def _roots(positions: Array, scene: Scene) -> Array:
     return np.asarray(moved.max(axis=1, initial=0.0))
 
 
-def jumps(recording: Recording, scene: Scene) -> Values:
-    """pose_jump_max [deg] and root_jump_max [m]: per frame the largest change of any joint (root) shown less the largest
-    change of any joint (root) of the raw tracker; the largest over all frames, at least 0. Empty without avatars."""
-    if not scene.links or recording.frames == 0:
-        return {}
+def beyond_user(recording: Recording, scene: Scene) -> tuple[Array, Array]:
+    """(F,) per frame the largest turn [rad] of any joint shown less the largest of any joint of the raw tracker, and the same of
+    the ways [m] of free roots. Below 0 where the user did more."""
     shown, raw = recording.orientations[:, recording.links], recording.raw_orientations
     turn = _turns(shown, scene) - _turns(raw, scene)
     way = _roots(recording.positions[:, recording.links], scene) - _roots(recording.raw_positions, scene)
+    return turn, way
+
+
+def jumps(recording: Recording, scene: Scene) -> Values:
+    """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0; link_jump_max [m]: the
+    same of each link's origin against its own target's. Empty without avatars."""
+    if not scene.links or recording.frames == 0:
+        return {}
+    turn, way = beyond_user(recording, scene)
+    links = [
+        np.linalg.norm(np.diff(places, axis=0), axis=-1)
+        for places in (recording.positions[:, recording.links], recording.raw_positions)
+    ]
     return {
+        "link_jump_max": float(np.max(np.maximum(links[0] - links[1], 0.0))),
         "pose_jump_max": float(np.degrees(np.max(np.maximum(turn, 0.0)))),
         "root_jump_max": float(np.max(np.maximum(way, 0.0))),
     }

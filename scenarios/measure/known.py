@@ -26,6 +26,7 @@ class Known:
     def __init__(self, scenario: Scenario, scene: Scene) -> None:
         self.scenario, self.scene = scenario, scene
         self._free: tuple[bytes, Flags] | None = None
+        self._contact: tuple[bytes, Flags] | None = None
 
     @cached_property
     def judge(self) -> "Judge":
@@ -36,16 +37,21 @@ class Known:
 
     def free(self, recording: Recording) -> Flags:
         """(F+1,) True where the raw posture is one that could be shown; asked once about the same bits."""
-        digest = hashlib.blake2b()
-        for array in (*raw_states(recording), recording.raw_orientations, recording.raw_angles):
-            digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
-        if self._free is None or self._free[0] != digest.digest():
-            self._free = digest.digest(), free_frames(recording, self.scenario, self.scene, self.judge.link_depths)
+        digest = _digest(*raw_states(recording), recording.raw_orientations, recording.raw_angles)
+        if self._free is None or self._free[0] != digest:
+            self._free = digest, free_frames(recording, self.scenario, self.scene, self.judge.link_depths)
         return self._free[1]
 
     def contact(self, recording: Recording) -> Flags:
         """(F+1,) True where something holds the avatar back or could: the raw posture is not free, or a link as it is shown has a
-        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines."""
+        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines; asked once about the same
+        bits."""
+        digest = _digest(*raw_states(recording), recording.positions, recording.orientations, recording.raw_angles)
+        if self._contact is None or self._contact[0] != digest:
+            self._contact = digest, self._in_contact(recording)
+        return self._contact[1]
+
+    def _in_contact(self, recording: Recording) -> Flags:
         contact = ~self.free(recording)
         # where the target already answers, the judge need not be asked
         asked = ~contact
@@ -53,3 +59,11 @@ class Known:
             gaps = self.judge.link_gaps(recording.positions[asked], recording.orientations[asked], NEAR)
             contact[asked] = ~(gaps > NEAR)
         return contact
+
+
+def _digest(*arrays: NDArray[np.float64]) -> bytes:
+    """Of the bits and shapes of arrays."""
+    digest = hashlib.blake2b()
+    for array in arrays:
+        digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+    return digest.digest()

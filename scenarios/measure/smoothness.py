@@ -51,6 +51,16 @@ def shaking(reversed_by: Array, dt: float) -> Flags:
     return np.asarray(often.any(axis=1))
 
 
+def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> float:
+    """The largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which the
+    link's own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times
+    `dt`, the rest of it being shaking; no reversal as 0. 0 without such frames, nan where something shown is no number."""
+    most = SHAKES * dt
+    calm = contact[:, None] & (np.linalg.norm(np.diff(target, axis=0), axis=-1) <= most)
+    squares = np.where(calm, np.minimum(reversed_by, most) ** 2, 0.0).sum(axis=0)
+    return float(np.sqrt((squares / np.maximum(calm.sum(axis=0), 1)).max(initial=0.0)))
+
+
 def third_differences(positions: Array) -> Array:
     """(F-2, L) [m] length of the third differences of link origins (F+1, L, 3)."""
     return np.asarray(np.linalg.norm(np.diff(positions, n=3, axis=0), axis=-1))
@@ -63,8 +73,23 @@ def free_for(free: Flags, frames: int) -> Flags:
     return np.asarray((k + 1 >= frames) & (counted[k + 1] - counted[np.maximum(k + 1 - frames, 0)] == frames))
 
 
+def free_awhile(free: Flags, dt: float) -> Flags:
+    """(F,) True where the raw posture has been free, in states `free` (F+1,), for CALM by the end of the frame."""
+    return free_for(free, max(1, math.ceil(CALM / dt - 1e-9)))
+
+
+def silent_frames(recording: Recording, free: Flags) -> Flags:
+    """(F,) True where a link is farther than FAR from its target, which has been free for CALM, and no status says why."""
+    told = np.zeros(recording.frames + 1, dtype=bool)
+    for numbers in recording.statuses.values():
+        told |= numbers > 0
+    silent = free_awhile(free, recording.dt) & ~told[1:]
+    return np.asarray(silent & ~(offsets(recording).max(axis=1) <= FAR))
+
+
 def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) -> Values:
-    """chatter_frames [%], reversal_p95 [m], jerk_ratio, silent_offset_frames: see `scenarios.metrics`.
+    """chatter_frames [%], jitter_rms, reversal_p95 and reversal_max [m], jerk_ratio, silent_offset_frames: see
+    `scenarios.metrics`.
 
     free (F+1,): the raw posture could be shown; contact (F+1,): something holds the avatar, see `Known.contact`. Empty without
     avatars."""
@@ -73,16 +98,13 @@ def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) 
     shown, target = recording.positions[:, recording.links], recording.raw_positions
     reversed_by, held = reversals(shown, target), contact[1:]
     none = Missing("in no frame that was run is the avatar in contact", "scene")
-    told = np.zeros(recording.frames + 1, dtype=bool)
-    for numbers in recording.statuses.values():
-        told |= numbers > 0
-    silent = free_for(free, max(1, math.ceil(CALM / recording.dt - 1e-9))) & ~told[1:]
-    silent &= ~(offsets(recording).max(axis=1) <= FAR)
     return {
         "chatter_frames": 100.0 * float(np.mean(shaking(reversed_by, recording.dt)[held])) if held.any() else none,
+        "jitter_rms": jitter(reversed_by, target, held, recording.dt) if held.any() else none,
+        "reversal_max": float(reversed_by.max()),
         "reversal_p95": float(np.percentile(reversed_by.max(axis=1)[held], 95.0)) if held.any() else none,
         "jerk_ratio": jerk_ratio(shown, target, recording.dt),
-        "silent_offset_frames": float(silent.sum()),
+        "silent_offset_frames": float(silent_frames(recording, free).sum()),
     }
 
 

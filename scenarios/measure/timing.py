@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.protocol import PHASE_FRAMES, Protocol
+from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, Protocol
 from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]
@@ -69,6 +69,11 @@ class Timed:
         begins = self.compared.first - self.first
         return nanoseconds[: self.compared.repeats, begins : begins + self.compared.frames]
 
+    def first_repeats(self, repeats: int) -> "Timed":
+        """The same with no more than so many repeats."""
+        stages = {name: spent[:repeats] for name, spent in self.stage_ns.items()}
+        return replace(self, around_ns=self.around_ns[:repeats], stage_ns=stages, hashes=self.hashes[:repeats])
+
     @property
     def engine_ns(self) -> Integers:
         """(R, F) engine only: the sum of its stages but the adapter's; the whole call from an engine that reports none."""
@@ -88,10 +93,11 @@ class Timed:
 
 def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[bool] = ()) -> Values:
     """frame_time_* [us] from the per-frame minimum over repeats, frame_time_raw_* from every one of them, frame_time_python_p50
-    [us], warmup [s], stage_share_<stage> [%].
+    [us], warmup [s], stage_share_<stage> [%], resting_frames [%].
 
     Medians and 95th percentiles are over what every engine of the scene had; 99th percentiles and slowest frames over all that
-    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames. Where
+    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames; the
+    slowest of a scene that was timed whole, as often as any, is the slowest however few frames it has. Where
     frames in which all is `resting` and others are both many, each kind has its median. deterministic: 1 when all repeats ended
     in the same bits, and in those of the accuracy pass, another process, whose hashes by frame are `recorded`."""
     raw = timed.of_compared(timed.engine_ns) / 1e3
@@ -100,8 +106,10 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
         found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
-    found |= _tail(timed)
+    found |= _tail(timed, timed.first == 0 and timed.around_ns.shape[1] == len(recorded) - 1)
     found["frame_time_python_p50"] = float(np.percentile(around, 50))
+    if len(rests := _rests(timed, resting)):
+        found["resting_frames"] = 100.0 * float(rests.mean())
     for name, kind in _phases(timed, resting).items():
         found[name] = float(np.percentile(best[kind], 50))
     if not math.isnan(timed.warmup):
@@ -118,9 +126,11 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     return found
 
 
-def _tail(timed: Timed) -> dict[str, Value]:
+def _tail(timed: Timed, whole: bool) -> dict[str, Value]:
     if not timed.protocol.has_tail:
-        return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+        none = dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+        slowest = {"frame_time_max": float(timed.best_us.max()), "frame_time_raw_max": float(timed.engine_ns.max() / 1e3)}
+        return {**none, **(slowest if whole and timed.protocol.repeats >= REPEATS else {})}
     best, raw = timed.best_us, timed.engine_ns / 1e3
     figures = (np.percentile(best, 99), best.max(), np.percentile(raw, 99), raw.max())
     found: dict[str, Value] = {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}
@@ -134,11 +144,17 @@ def _tail(timed: Timed) -> dict[str, Value]:
 
 def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:
     """Metric -> (frames,) which of the compared frames it is about; empty unless there are enough of both kinds."""
-    begins = timed.compared.first
-    rests = np.asarray(resting[begins : begins + timed.compared.frames], dtype=np.bool_)
-    if len(rests) < timed.compared.frames or min(rests.sum(), (~rests).sum()) < PHASE_FRAMES:
+    rests = _rests(timed, resting)
+    if min(rests.sum(), (~rests).sum()) < PHASE_FRAMES:
         return {}
     return {"frame_time_moving_p50": ~rests, "frame_time_resting_p50": rests}
+
+
+def _rests(timed: Timed, resting: Sequence[bool]) -> NDArray[np.bool_]:
+    """(frames,) in which of the compared frames nothing moves; empty where that is not known of all."""
+    begins = timed.compared.first
+    rests = np.asarray(resting[begins : begins + timed.compared.frames], dtype=np.bool_)
+    return rests if len(rests) == timed.compared.frames else rests[:0]
 
 
 def time_notes(timed: Timed, values: Mapping[str, Value], resting: Sequence[bool] = ()) -> dict[str, str]:

@@ -12,8 +12,9 @@ from avatarsim.command_line import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios import catalog
 from scenarios.csv_rows import csv_text
-from scenarios.engines import GATED, opened
+from scenarios.engines import GATED
 from scenarios.files import OUT, write_text
+from scenarios.harness import offer
 from scenarios.spread.orders import Spread, measured
 
 SCENE, NAME, ORDERS = "chain_order", "chain_order.csv", 100
@@ -47,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         scene = scenario.build()
         motion = scenario.motion(scene, 0)
         samples = [motion(k) for k in range(scenario.frames)]
-        presets = opened(asked.engine).presets
+        presets = offer(asked.engine).presets
         found = [measured(asked.engine, preset, scene, samples, scenario.dt, asked.orders) for preset in presets]
         asked.run.mkdir(parents=True, exist_ok=True)
         write_text(asked.run / NAME, csv_text(found, Spread))

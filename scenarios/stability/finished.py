@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
-from avatarsim.regular_file import read_text
+from avatarsim.errors import InvalidFile
+from avatarsim.regular_file import parsed_json, read_text
 from scenarios.files import plain, write_text
 from scenarios.provenance import PACKAGES, code_hash, version
 from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task
@@ -45,11 +46,11 @@ class Finished:
 
     def _read(self, line: str) -> bool:
         try:
-            entry = json.loads(line)
+            entry = parsed_json(line, "line", "what a sweep of stability wrote")
             if entry["stamp"] != self.stamped:
                 return False
             self.known[str(entry["key"])] = Outcome.from_json(entry["outcome"])
-        except (ValueError, KeyError, TypeError, RecursionError):
+        except (InvalidFile, KeyError, OverflowError, TypeError, ValueError):
             # the last line of a sweep that was killed may be half written; what it said is asked again
             return False
         return True

@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,10 +80,11 @@ class Outcome:
 
     @staticmethod
     def from_json(entry: Mapping[str, object]) -> "Outcome":
-        """From such a line; raises TypeError or ValueError for one that is damaged."""
-        end = entry["end"]
-        if not isinstance(end, list):
-            raise TypeError("places of an outcome")
+        """From such a line; raises KeyError, OverflowError, TypeError or ValueError for one that is damaged."""
+        for name, kind in (("state", str), ("frames", int), ("bad", int), ("end", list), ("note", str)):
+            if type(entry[name]) is not kind:
+                raise TypeError(f"{name} of an outcome")
+        end: Any = entry["end"]
         read = {**entry, "end": tuple(tuple(float(x) for x in row) for row in end)}
         for name in ("overlap", "energy", "seconds"):
             read[name] = float(str(entry[name]))

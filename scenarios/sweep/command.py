@@ -23,7 +23,7 @@ from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.sweep import clock, limit, measure
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.grid import applicable, settings_of
+from scenarios.sweep.grid import Setting, applicable, settings_of
 from scenarios.sweep.limits_run import converge
 from scenarios.sweep.limits_run import table as limits_table
 from scenarios.sweep.rows import Row, rows_of, with_fronts
@@ -45,7 +45,8 @@ def cells_of(
     for name, scenario in scenes.items():
         scene = scenario.as_run(asked.full).build()
         for engine, offer in offered.items():
-            for setting in settings_of(engine, offer.presets, own):
+            named = (Setting(engine, preset, preset) for preset in offer.on_request if preset in asked.preset)
+            for setting in (*settings_of(engine, offer.presets, own), *named):
                 if applicable(setting, scene) and (not asked.preset or setting.base in asked.preset):
                     found += [Cell(name, setting, seed, asked.full, asked.frames) for seed in asked.seed[:1]]
     return found
@@ -124,7 +125,7 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
     try:
         ran.measure(asked.jobs)
         ran.clock()
-        presets = {name: tuple(p for p in o.presets if p in (asked.preset or o.presets)) for name, o in there.items()}
+        presets = {name: offer.chosen(asked.preset) for name, offer in there.items()}
         limits = converge([n for n in limit.SCENES if n in scenes], presets, store, asked.jobs, asked.full, asked.frames)
     except KeyboardInterrupt:
         code = STOPPED

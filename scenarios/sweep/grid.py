@@ -83,6 +83,10 @@ def _mujoco(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) 
 DISCRETE = {"integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1, "limit_steps": 0.1}
 """MuJoCo's stiffest stop, for scenes in which nothing needs to bounce."""
 
+MARGINS = (0.0, 2e-4, 4e-4, 1e-3)
+"""Distances [m] from which on MuJoCo makes contact: of links, and of loose things. Ours has one of its own, `stand_off`, and
+that is swept as well."""
+
 MUJOCO = (
     Setting("mujoco", "default", "default"),
     Setting("mujoco", "tuned", "tuned"),
@@ -98,12 +102,13 @@ MUJOCO = (
     _mujoco("motors DISCRETE dt=1/240", (Kind.DRIVEN,), dt=1.0 / 240.0, drive="motors", armature=4.0, lead=0.0, weld_time=0.04,
             **DISCRETE),
     _mujoco("weld_time=0.01", TRACKED, weld_time=0.01),
-    _mujoco("margin=0", TRACKED, margin=0.0),
+    *(_mujoco(f"margin={margin:g}", TRACKED, margin=margin) for margin in MARGINS),
+    *(_mujoco(f"loose_margin={margin:g}", LOOSE, loose_margin=margin) for margin in MARGINS),
     *_steps("mujoco", "tuned", (3840,), LOOSE),
     *_steps("mujoco", "tuned", (7680,), UNTRACKED),
     Setting("mujoco", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
 )
-"""Step, iterations, cone, stiffness of contacts and welds, integrator, motors in place of welds, sleep."""
+"""Step, iterations, cone, stiffness of contacts and welds, margins, integrator, motors in place of welds, sleep."""
 
 
 def _pybullet(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) -> Setting:

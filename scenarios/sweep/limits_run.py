@@ -44,7 +44,10 @@ def converge(
         for scene in scenes for engine, offered in presets.items() for preset in offered for rate in (*RATES, FINEST)
     }
     keys = {job.stem: key(job) for job in asked.values()}
-    entries = {job.stem: found for job in asked.values() if (found := store.get(KIND, keys[job.stem])) is not None}
+    entries = {
+        job.stem: found for job in asked.values()
+        if (found := store.get(KIND, keys[job.stem])) is not None and _whole(poses_at(store, keys[job.stem]))
+    }
     # the longest first: begun last, one of them would keep a single processor busy while the others have nothing left to do
     finest_first = sorted(asked, key=lambda wish: -wish[-1])
     todo = [asked[wish] for wish in finest_first if asked[wish].stem not in entries]
@@ -63,6 +66,15 @@ def converge(
         }
         rows += limit.rows(scene, catalog.get(scene).as_run(full).build(), known)
     return rows
+
+
+def _whole(path: Path) -> bool:
+    """Whether the poses of a run can be read, or there are none."""
+    try:
+        _poses(path)
+    except (EOFError, OSError, ValueError):
+        return False
+    return True
 
 
 def _poses(path: Path) -> Array | None:

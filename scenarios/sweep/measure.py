@@ -34,10 +34,16 @@ def entry_of(outcome: Outcome) -> Entry:
 
 def step_of(outcome: Outcome) -> float | None:
     """The time step [s] that the engine says it ran with; None where it says none."""
+    said = number_of(outcome, "dt")
+    return said if said is not None and said > 0.0 else None
+
+
+def number_of(outcome: Outcome, name: str) -> float | None:
+    """A setting that the engine says it ran with, if it is a number."""
     settings = outcome.about.get("settings")
-    found = settings.get("dt") if isinstance(settings, Mapping) else None
+    found = settings.get(name) if isinstance(settings, Mapping) else None
     said = found[0] if isinstance(found, list | tuple) else found
-    return float(said) if isinstance(said, int | float) and said > 0.0 else None
+    return float(said) if isinstance(said, int | float) else None
 
 
 def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:

@@ -8,7 +8,8 @@ Said = Callable[[object], str]
 
 
 def _plain(name: str) -> Said:
-    return lambda value: f"{name}{value:.6g}" if isinstance(value, float) else f"{name}{value}"
+    # a float to its last digit, so that it is the one that was measured
+    return lambda value: f"{name}{value!r}" if isinstance(value, float) else f"{name}{value}"
 
 
 def _enum(name: str, prefix: str) -> Said:
@@ -31,6 +32,7 @@ MUJOCO: Mapping[str, Said] = {
     "limit_steps": lambda value: f"jnt_solref = ({value} opt.timestep, 1)",
     "solimp": lambda value: f"geom_solimp = {value}",
     "margin": _plain("geom_margin of links = "),
+    "loose_margin": lambda value: f"geom_margin of what is not driven = {value!r} / 2 (two add up), pair_margin = {value!r}",
     "weld_time": lambda value: f"eq_solref of welds = ({value}, 1)",
     "drive": lambda value: "position actuators in joints, only the root welded" if value == "motors" else "a weld per link",
     "motor_force": _plain("actuator_forcerange = +-"),
@@ -41,7 +43,7 @@ MUJOCO: Mapping[str, Said] = {
 
 
 def _call(function: str, argument: str) -> Said:
-    return lambda value: f"{function}({argument}={value:.6g})" if isinstance(value, float) else f"{function}({argument}={value})"
+    return lambda value: f"{function}({argument}={value!r})" if isinstance(value, float) else f"{function}({argument}={value})"
 
 
 ENGINE, DYNAMICS = "setPhysicsEngineParameter", "changeDynamics"

@@ -32,7 +32,8 @@ class Row:
     `reached`: the error that counts as none. `base` is the preset beneath the setting, `options` the setting as text to copy,
     `native` the same in the engine's own words, `repeats` and `frames` what its times stand on. `p95` [us]; `rests` is the share
     of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind where both are many; `sleeps` 1 where
-    what rests falls asleep; `step` is the engine's own time step [s].
+    what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the scene has an avatar, which is
+    kinematic in ours and dynamic in the others.
     """
 
     scenario: str
@@ -58,6 +59,7 @@ class Row:
     at_rest: float = math.nan
     sleeps: int = 0
     step: float = math.nan
+    avatar: int = 0
 
 
 def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Entry | None) -> list[Row]:
@@ -89,6 +91,7 @@ def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
         cell.scenario, setting.engine, setting.name, "", "", math.nan, times["p50"], times["p99"], "", "", 0.0, "", setting.base,
         copyable(setting), repeats, frames, native(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
         int(sleeps(setting, _scene(cell.scenario, cell.full))), _number(found, "step"),
+        int(bool(_scene(cell.scenario, cell.full).avatars)),
     )
 
 

@@ -9,7 +9,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -55,9 +55,11 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "default sweeps=5", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
-        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240",
+        "default", "tuned", "tuned sleep=true", "tuned loose_margin=0", "tuned loose_margin=0.0002", "tuned loose_margin=0.0004",
+        "tuned loose_margin=0.001", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned margin=0.001",
         "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60",
-        "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
+        "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680", "tuned margin=0",
+        "tuned margin=0.0002", "tuned margin=0.0004",
     ),
     "pybullet": (
         "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "default feed_forward", "tuned dt=1/60", "tuned dt=1/120",
@@ -73,9 +75,11 @@ effect, and with it a promise, is not among them."""
 BUDGET = 55.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
 of steps have too few rungs to show where an engine's error stops falling."""
-FIRST = 0.5
+FIRST = 0.35
 """Share of the budget that is spent in the fixed order, before it is known which engine misses which accuracy. Larger: nothing is
-left for the steps that would reach it; smaller: cheap settings of an engine are missing where it misses nothing."""
+left for the margins and steps that would reach it; smaller: presets are missing, from which it is known."""
+MARGINS = ("margin", "loose_margin")
+"""Options that say from which distance on there is contact: with the step, what an overlap depends on."""
 ROUNDS = 4
 """How often settings are chosen, each time by what the settings before took: estimates are too high by a third, and what they
 leave of the budget is spent. More rounds wait for processes more often."""
@@ -146,6 +150,10 @@ def _tells(cell: Cell, request: Request) -> bool:
     before = measure.step_of(base)
     if set(setting.options) == {"dt"} and before is not None and math.isclose(before, _number(setting.options["dt"])):
         return False
+    if len(setting.options) == 1 and not set(setting.options).isdisjoint(MARGINS):
+        (name, value), = setting.options.items()
+        if measure.number_of(base, name) == _number(value):
+            return False
     said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
     errors = errors_of(cell.scenario, request.scenarios[cell.scenario])
     return not (isinstance(said, Mapping) and any(unsaid(metric, run, said) for metric in errors))
@@ -170,7 +178,8 @@ def step(cell: Cell, request: Request) -> float:
 
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
-    """The same cells, finer steps first where an engine misses an accuracy that ours reaches in what was measured so far."""
+    """The same cells, those first that may reach an accuracy that ours reaches and an engine misses in what was measured so far:
+    margins, which cost no time of a frame, then finer steps, the coarsest first."""
     worst = [
         Reached(cell.scenario, cell.setting.engine, largest(entry, errors_of(cell.scenario, request.scenarios[cell.scenario])),
                 step(cell, request))
@@ -178,10 +187,12 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
     ]
     wanted = missing(worst)
 
-    def key(cell: Cell) -> tuple[bool, float]:
-        at = step(cell, request) if "dt" in cell.setting.options else math.nan
-        needed = at < wanted.get((cell.scenario, cell.setting.engine), 0.0)
-        return not needed, -at if needed else 0.0
+    def key(cell: Cell) -> tuple[int, float]:
+        place, options = (cell.scenario, cell.setting.engine), cell.setting.options
+        if place in wanted and not set(options).isdisjoint(MARGINS):
+            return 0, 0.0
+        at = step(cell, request) if "dt" in options else math.nan
+        return (1, -at) if at < wanted.get(place, 0.0) else (2, 0.0)
 
     return sorted(cells, key=key)
 
@@ -242,12 +253,16 @@ def known_errors(cell: Cell, request: Request) -> Entry | None:
 
 
 def known_times(cell: Cell, request: Request) -> Entry | None:
-    """What the timing pass of the run says of a cell, if it timed all the frames that are timed here."""
-    clocked = request.clocked.get(recorded_as(cell))
+    """What the timing pass of the run says of a cell, if it timed all the frames that are timed here, and as often: of more
+    repeats the first, so that all times of a scene are the least of equally many."""
+    clocked, repeats = request.clocked.get(recorded_as(cell)), repeats_of(min(frames_of(cell, request), cell.most))
     if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
         return None
+    if len(clocked.timed.around_ns) < repeats:
+        return None
     recorded = request.outcomes.get(recorded_as(cell))
-    return clock.time_entry(clocked, cell.setting.cut, () if recorded is None else recorded.resting)
+    same = replace(clocked, timed=clocked.timed.first_repeats(repeats))
+    return clock.time_entry(same, cell.setting.cut, () if recorded is None else recorded.resting)
 
 
 def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:

@@ -1,4 +1,5 @@
-"""Motions nothing was tuned for: recorded clips recombined by seed, in five rooms, as scenes beside the catalogue.
+"""Motions nothing was tuned for: recorded clips recombined by seed, in five rooms, in the last also at 90 Hz, as scenes beside
+the catalogue.
 
 Their seeds change with every commit, so they have no place in the committed baseline, in ceilings, or in the catalogue.
 """
@@ -7,6 +8,7 @@ from functools import cache
 from types import MappingProxyType
 
 from avatarsim.errors import UnknownName
+from scenarios.resampled import at_rate
 from scenarios.scenario import Scenario
 from scenarios.unseen.rooms import PREFIX, ROOMS
 
@@ -16,9 +18,14 @@ NAME = __name__
 """The module that a job names as its catalogue."""
 
 
+FASTER = len(ROOMS) - 1
+"""From this room on, the last one, the same motion is asked at the rate of a headset too."""
+
+
 @cache
 def _found() -> MappingProxyType[str, Scenario]:
-    return MappingProxyType({scenario.name: scenario for scenario in (room.scenario() for room in ROOMS)})
+    found = [room.scenario() for room in ROOMS]
+    return MappingProxyType({scenario.name: scenario for scenario in (*found, *map(at_rate, found[FASTER:]))})
 
 
 def scenarios() -> dict[str, Scenario]:

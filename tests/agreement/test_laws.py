@@ -15,6 +15,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.laws import contact_laws, law_between
+from scenarios import catalog
 from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import FRAME, every_joint, hand, posture, pressed
 
@@ -99,6 +100,20 @@ def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says(
             low, high = sorted((int(ids[a]), int(ids[b])))
             assert ((low, high) in excluded or (high, low) in excluded) == (not scene.pair_filter[a, b])
     assert model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
+
+
+@pytest.mark.parametrize("margin", [0.0, 0.0004])
+def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margin: float) -> None:
+    """Geoms and pairs that are not driven add up to it; a link and what is loose meet at the margin of the links."""
+    scenario, engine = catalog.get("stack_ten"), MujocoEngine()
+    engine.load(scenario.build(), Settings("tuned", {"loose_margin": margin}), scenario.dt)
+    assert np.allclose(engine._model.geom_margin, 0.5 * margin) and np.allclose(engine._model.pair_margin, margin)
+    grasp = catalog.get("hand_grasp")
+    engine.load(grasp.build(), Settings("tuned", {"loose_margin": margin, "margin": 0.001}), grasp.dt)
+    driven = engine._world.geom_driven
+    assert driven.any() and not driven.all() and np.allclose(engine._model.geom_margin[~driven], 0.5 * margin)
+    assert np.allclose(engine._model.geom_margin[driven], 0.001 - 0.5 * margin)
+    assert np.allclose(engine._model.pair_margin, np.where(engine._world.pair_driven, 0.001, margin))
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.003])

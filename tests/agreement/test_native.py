@@ -2,6 +2,8 @@
 
 import gzip
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,8 +19,8 @@ from scenarios.engines import opened
 from scenarios.job import Job
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 
-WRITTEN = 4e-6
-"""Share by which a number may differ that was written with six digits, some of them as parts of a sum."""
+WRITTEN = 1e-13
+"""Share by which a number may differ that was written with 17 digits, some of them as parts of a sum."""
 FIELDS = (
     "geom_solref", "geom_solimp", "geom_margin", "geom_gap", "geom_condim", "geom_friction", "geom_type", "geom_size",
     "pair_solref", "pair_solreffriction", "pair_solimp", "pair_margin", "pair_friction", "jnt_solref", "jnt_range",
@@ -45,6 +47,27 @@ def test_the_xml_of_a_scene_compiles_to_the_model_that_was_run(name: str, preset
         assert getattr(theirs.opt, option) == getattr(ours.opt, option), option
     assert theirs.opt.timestep == pytest.approx(ours.opt.timestep, rel=WRITTEN)
     assert np.allclose(theirs.key_qpos[0], engine._data.qpos, rtol=WRITTEN, atol=WRITTEN)
+
+
+def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(tmp_path: Path) -> None:
+    scenario, engine, frames = catalog.get("mocap_punch_wall"), MujocoEngine(), 12
+    scene, job = scenario.build(), Job("mocap_punch_wall", "mujoco", "tuned")
+    engine.load(scene, Settings("tuned"), scenario.dt)
+    native.write(engine, tmp_path, job)
+    assert native.keeps_steps(engine, job, everyday=True) and not native.keeps_steps(engine, job, everyday=False)
+    motion = scenario.motion(scene, 0)
+    for k in range(frames):
+        engine.advance(motion(k), scenario.dt)
+    native.write_steps(engine, tmp_path, job)
+    steps, program = native.steps_written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
+    model = native.written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
+    ran = subprocess.run([sys.executable, *(str(tmp_path / name) for name in (program, model, steps))], capture_output=True,
+                         text=True, check=True, timeout=60.0)
+    assert ran.stdout.startswith("deepest ") and "median frame" in ran.stdout
+    told = np.array(ran.stdout.partition("qpos ends at [")[2].replace("]", "").split(), dtype=np.float64)
+    assert np.allclose(told, engine._data.qpos, rtol=0.0, atol=1e-7)
+    assert "error of the frame time: none" in gzip.decompress((tmp_path / model).read_bytes()).decode()
+    assert native.steps_written(tmp_path, "mocap_punch_wall", "mujoco/default", 0) == ()
 
 
 def test_numbers_of_a_scene_stand_among_its_settings() -> None:

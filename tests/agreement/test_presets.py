@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -16,7 +17,7 @@ from reference.in_mujoco.presets import presets as mujoco_presets
 from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judge import Judge
-from reference.presets import Chosen, Kind, kind_of
+from reference.presets import Chosen, Kind, kind_of, of_one_scene
 from scenarios import catalog
 from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
@@ -103,6 +104,25 @@ def test_unknown_options_are_refused(engine: Engine, name: str) -> None:
         engine.load(ball_on_slab(), Settings("tuned", {name: 1.0}), FRAME)
 
 
+@pytest.mark.parametrize("preset", ["default", "tuned", "sleeping", "servos"])
+def test_what_departs_from_mujocos_defaults_everywhere_is_told_with_its_reason(preset: str) -> None:
+    engine = MujocoEngine()
+    engine.load(hand_over_table(), Settings(preset), FRAME)
+    told = engine.settings_as_run()
+    off = int(engine._model.opt.disableflags)
+    bits = mujoco.mjtDisableBit
+    for name, bit in (("filterparent", bits.mjDSBL_FILTERPARENT), ("autoreset", bits.mjDSBL_AUTORESET)):
+        assert off & int(bit) and told[name][0] is False and "MuJoCo's default is on" in told[name][1]  # type: ignore[index]
+    assert told["contact excludes"] and told["welds"][0] == "one per link"  # type: ignore[index]
+
+
+def test_settings_of_one_scene_are_marked_so() -> None:
+    rolling = mujoco_presets(Kind.RESTING, "log_roll")["tuned"]
+    assert rolling["impratio"].reason.startswith("for this scene only: fitted to its closed form, no advice for other models")
+    assert not mujoco_presets(Kind.RESTING)["tuned"]["impratio"].reason.startswith("for this scene only")
+    assert mujoco_presets(Kind.RESTING, "heavy_on_light")["sleeping"]["loose_margin"].value == 0.0002
+
+
 @ENGINES
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), "fast", None, [1.0, 2.0]])
 def test_bad_steps_are_refused(engine: Engine, value: object) -> None:
@@ -168,7 +188,7 @@ def test_what_is_best_in_one_scene_only_is_a_known_setting_of_a_known_scene(
     for name, own in scenes.items():
         kind = kind_of(catalog.get(name).build())
         usual, here = presets(kind)["tuned"], presets(kind, name)["tuned"]  # type: ignore[operator]
-        assert set(own) <= set(usual) and here == {**usual, **own}
+        assert set(own) <= set(usual) and here == {**usual, **of_one_scene(own)}
         assert any(own[setting].value != usual[setting].value for setting in own), f"{name} changes nothing"
 
 

@@ -193,7 +193,8 @@ COUNTS = ("steps", "corrections", "attempts", "sweeps", "work", "search_work", "
 """Options that say how long an engine may work. They may ask for hours, which settings are trusted with: here up to 50."""
 LENGTHS = (
     "stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
-    "turn_share", "turn_alone", "spring", "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
+    "turn_share", "turn_alone", "catch_up_turn", "catch_up_move", "damping_time", "settle_time", "stall_time", "near", "spring",
+    "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
 )
 """Options that are no counts."""
 
@@ -204,7 +205,7 @@ def engine_doors() -> list[SearchStrategy[Asked]]:
         st.dictionaries(st.sampled_from(COUNTS), st.integers(0, 50) | v.numbers.filter(small), max_size=2),
         st.dictionaries(st.sampled_from(LENGTHS), v.numbers, max_size=2), st.just({}),
     )
-    presets = st.sampled_from(("default", "paper"))
+    presets = st.sampled_from(("default", "ik", "paper"))
     scenes = st.builds(lambda bodies, avatar: Scene("some", tuple({body.name: body for body in bodies}.values()), (avatar,)),
                        st.lists(v.bodies, max_size=3), v.avatars)
     return [

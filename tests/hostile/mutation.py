@@ -26,6 +26,8 @@ INTEGERS = tuple(struct.pack(kind, value) for kind, value in (
 """What counts, offsets and coordinates of binary formats become."""
 DEEP = 200_000
 """Levels of nesting beyond what a parser that calls itself can follow."""
+NESTED = (65, 200, 850)
+"""Levels that a parser can follow, and what comes after it perhaps not."""
 
 
 def flip(data: bytes, rng: Rng) -> bytes:
@@ -122,6 +124,10 @@ def hostile_value(rng: Rng, deep: int = 2) -> object:
         None, True, False, 0, -1, 1.5, -0.0, 1e308, 10**400, -(10**30), 2**63, float("nan"), float("inf"), "", "NaN",
         "-Infinity", "x", "a" * 300, "\ud800", "<script>", "../x", "\x00", "1e400", [], {}, [[]], [None], {"": None},
     ))
+    if deep and rng.random() < 0.05:
+        for _ in range(rng.choice(NESTED)):
+            made = {"a": made} if rng.random() < 0.5 else [made]
+        return made
     if deep and rng.random() < 0.2:
         return [hostile_value(rng, deep - 1) for _ in range(rng.randrange(4))]
     return made
@@ -151,7 +157,11 @@ def damaged_json(data: bytes, rng: Rng) -> bytes:
         # those near the top are few, and most of the file's meaning
         node, key = rng.choice(found[: rng.choice((8, 40, len(found)))])
         replace_in(node, key, rng)
-    return json.dumps(value).encode()
+    try:
+        return json.dumps(value).encode()
+    except RecursionError:
+        # nested values within nested values: the parser could not follow these either
+        return damaged(data, rng)
 
 
 def replace_in(node: object, key: object, rng: Rng) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -120,13 +121,27 @@ def cached(folder: Path, path: Path) -> object:
 
 
 def store(folder: Path, path: Path) -> object:
-    """What a sweep has found before."""
-    return Store(folder).get("kind", "key")
+    """What a sweep has found before: nothing, or what it was."""
+    found = Store(folder).get("kind", "key")
+    if found is not None and {name: value for name, value in found.items() if name not in ("key", "kind")} != STORED:
+        raise Unsound("an entry that was changed")
+    return found
+
+
+def stored() -> valid.Files:
+    """An entry of its store."""
+    with TemporaryDirectory() as made:
+        Store(Path(made)).put("kind", "key", STORED)
+        return {path.name: path.read_bytes() for path in Path(made).iterdir()}
 
 
 def finished(folder: Path, path: Path) -> object:
     """What a run on stability has finished before."""
-    return Finished(path, "0")
+    found = Finished(path, "0")
+    for one in found.known.values():
+        assert all(type(getattr(one, name)) is kind for name, kind in (("state", str), ("frames", int), ("note", str)))
+        assert all(isinstance(x, float) for place in one.end for x in place)
+    return found
 
 
 def resumed(folder: Path, path: Path) -> object:
@@ -134,8 +149,10 @@ def resumed(folder: Path, path: Path) -> object:
     return earlier_run(folder, "compare")
 
 
-STORED = {"key.kind.json": b'{"key": "key", "kind": "kind", "figures": {"p50": 3.5, "note": ""}}'}
-FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": {"state": "survived", "frames": 36}}\n' * 3}
+STORED = {"figures": {"p50": 3.5, "note": ""}, "end": [[0.1, 2.5, -3.0]], "run": "mujoco/default"}
+OUTCOME = (b'{"state": "survived", "frames": 36, "overlap": 1e-7, "energy": "NaN", "bad": 0, "end": [[0.1, 2.5, -3.0], [1, 2]], '
+           b'"seconds": 0.25, "note": ""}')
+FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": %s}\n' % OUTCOME * 3}
 EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
 
 
@@ -164,8 +181,8 @@ def doors() -> tuple[Door, ...]:
         of_files("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays), slow=True),
         of_files("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
         of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
-        of_files("found before", 15.0, FileDoor(lambda: STORED, damaged_json, store)),
-        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged, finished)),
+        of_files("found before", 15.0, FileDoor(stored, damaged_json, store)),
+        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
         of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
         of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
         of_files("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures)),
@@ -174,6 +191,12 @@ def doors() -> tuple[Door, ...]:
     for module, names in TABLES.items():
         found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
     return tuple(found)
+
+
+def damaged_line(data: bytes, rng: random.Random) -> bytes:
+    """A file of a JSON object a line, of which the first was damaged; now and then byte by byte."""
+    first, _, rest = data.partition(b"\n")
+    return damaged(data, rng) if rng.random() < 0.4 else damaged_json(first, rng) + b"\n" + rest
 
 
 def damaged_by_name(data: bytes, rng: random.Random) -> bytes:

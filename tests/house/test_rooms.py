@@ -23,8 +23,8 @@ HEAVY = (
 )
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
 
-WRITES = {"posture": ("velocities",), "impact": ("posture",), "separate": ("velocities",)}
-"""What a room may not write: posture and separation leave velocities alone, impacts leave joint angles alone."""
+WRITES = {"posture": ("velocities",), "ik": ("velocities",), "impact": ("posture",), "separate": ("velocities",)}
+"""What a room may not write: posture, ik and separation leave velocities alone, impacts leave joint angles alone."""
 
 
 def imports(file: Path) -> Iterator[str]:
@@ -46,7 +46,13 @@ def test_brothers_do_not_know_each_other(room: str) -> None:
                 assert brother == room or not module.startswith(f"avatarsim.{brother}"), f"{file.name} imports {module}"
 
 
-@pytest.mark.parametrize("room", ["spatial", "scene", "world", "collide", *BROTHERS])
+def test_the_posture_solver_knows_of_other_stages_only_the_limits_of_joints() -> None:
+    known = {module for file in (ENGINE / "ik").glob("*.py") for module in imports(file)}
+    other = {module for module in known for brother in BROTHERS if module.startswith(f"avatarsim.{brother}")}
+    assert {module.split(".")[2] for module in other} <= {"limit_row", "limits", "metric", "reach_cone"}
+
+
+@pytest.mark.parametrize("room", ["spatial", "scene", "world", "collide", "ik", *BROTHERS])
 def test_no_room_looks_up_to_the_frame_or_out_of_the_house(room: str) -> None:
     for file in sorted((ENGINE / room).glob("*.py")):
         for module in imports(file):

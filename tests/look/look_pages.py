@@ -231,7 +231,9 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
         one.open(page)
         one.until("document.getElementById('replay').dataset.frame !== undefined")
         runs = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.worst)")
-        wanted = [moment["state"] for moments in runs for moment in moments]
+        opens = one.value("JSON.parse(document.getElementById('replay-data').textContent).opens")
+        wanted = [*(opens[name] for name in ("ours", "others") if name in opens),
+                  *(moment["state"] for moments in runs for moment in moments)]
         assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == wanted
         for number, state in enumerate(wanted):
             one.value(f"document.querySelectorAll('[data-worst]')[{number}].click()")

@@ -21,9 +21,9 @@ class Ride:
     judge: Judge
     record: FrameRecord
 
-    def frame(self, sample: TrackerSample) -> FrameRecord:
+    def frame(self, sample: TrackerSample, dt: float = DT) -> FrameRecord:
         """One frame; overlap and limits are exact zeros, in every frame."""
-        self.record = self.engine.advance(sample, DT)
+        self.record = self.engine.advance(sample, dt)
         shown = self.record.shown
         verdict = self.judge.overlaps(shown.positions, shown.orientations)
         assert verdict.deepest == 0.0, (shown.time, verdict.pairs)
@@ -40,7 +40,7 @@ class Ride:
         return self.record.shown.positions[self.scene.names.index(name)]
 
 
-def ride(scene: Scene, seed: int = 0, **options: object) -> Ride:
+def ride(scene: Scene, seed: int = 0, preset: str = "default", **options: object) -> Ride:
     """A loaded engine."""
     engine = AvatarsimEngine()
-    return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(options=options, seed=seed), DT))
+    return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(preset, options, seed), DT))

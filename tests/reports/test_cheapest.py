@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import pytest
 
+from reports.alike import LEVEL, Basis, basis_of, factor, is_more, level
 from reports.cheapest import Attempt, astray, at_level, attempts, cheapest, sentence, silence, table
-from reports.performance_profile import alike, profiles
-from reports.sweep import Point, Sweep, like_for_like
+from reports.cheapest import asleep as asleep_cases
+from reports.performance_profile import profiles
+from reports.sweep import Point, Sweep
 from scenarios.sweep.accuracy import FOLLOWS, LEVELS
 
 MM = LEVELS.index(1e-3)
@@ -74,7 +76,7 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     assert "farther than 10 mm from a user" in said and "1 setting" in said and listed == [("wall", "m/tuned 10.1 mm")]
     rival = found.blocks[0].lines[1]
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
-    assert "m not by 1 setting tried (none of them within 10 mm of a free user)" in at_level(found.blocks[0], 1e-3, found.engines)
+    assert "m by none of 1 setting measured here (none of them within 10 mm of a free" in at_level(found.blocks[0], 1e-3, ("m",))
     assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
 
 
@@ -93,20 +95,67 @@ def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile(
     assert able.blocks[0].silent == () and able.blocks[0].lines[1].tried == 1
 
 
-def test_a_sleeping_engine_is_never_compared_with_one_awake() -> None:
+def test_a_sleeping_engine_has_no_factor_and_is_compared_in_frames_that_move() -> None:
     ours = replace(point("avatarsim/default", 0.0, 0.5), sleeps=True, rests=0.8, p95=1500.0)
     awake, asleep = replace(point("m/tuned", 0.0, 400.0), rests=0.8, p95=700.0), point("m/tuned sleep=true", 0.0, 40.0)
     asleep = replace(asleep, sleeps=True, rests=0.8, p95=640.0)
-    assert math.isnan(like_for_like(awake, ours)) and like_for_like(asleep, ours) == 80.0
+    assert basis_of((ours, awake)) is basis_of((ours, asleep)) is Basis.TAIL and basis_of((awake,)) is Basis.MEDIAN
+    assert math.isnan(factor(awake, ours, Basis.TAIL)) and math.isnan(factor(asleep, ours, Basis.TAIL))
     said = sentence(table(Sweep((ours, awake))))
-    assert "no factor is given: wall at 10 mm, m/tuned" in said and "×800" not in said
-    assert "At the 95th percentile the same rival costs less than ours in wall at 10 mm (m/tuned 700 µs, ours 1.50 ms)" in said
-    assert alike(table(Sweep((ours, awake))).blocks[0], MM) == {"avatarsim": 1500.0, "m": 700.0}
+    assert "a rival is cheaper in 4: wall at 10 mm (m/tuned 700 µs, ours 1.50 ms)" in said
+    assert "×" not in said.replace("scene ×", "")
+    (said,) = asleep_cases(table(Sweep((ours, awake))))
+    assert ("ours sleeps: avatarsim/default 500 ns and m/tuned 400 µs, no factor; in frames that move (95th percentile): 1.50 ms "
+            "and 700 µs."
+            in said)
+    (both,) = asleep_cases(table(Sweep((ours, asleep))))
+    assert ("wall at 100 µm and wall at 1 µm: both sleep: avatarsim/default 500 ns and m/tuned sleep=true 40.0 µs, no factor; in "
+            "frames that move (95th percentile): 1.50 ms and 640 µs.") in both
     moving = replace(ours, moving=4.0, at_rest=0.4), replace(awake, moving=100.0, at_rest=410.0)
-    assert like_for_like(moving[1], moving[0]) == 25.0
-    assert alike(table(Sweep(moving)).blocks[0], MM) == {"avatarsim": 4.0, "m": 100.0}
+    assert basis_of(moving) is Basis.MOVING and factor(moving[1], moving[0], Basis.MOVING) == 25.0
     # before it rests for half of the frames, a median is that of a frame in motion
-    assert like_for_like(replace(awake, rests=0.4), replace(ours, rests=0.4)) == 800.0
+    before = replace(ours, rests=0.4), replace(awake, rests=0.4)
+    assert basis_of(before) is Basis.MEDIAN and factor(before[1], before[0], Basis.MEDIAN) == 800.0
+
+
+def test_sentence_bold_figure_and_profile_compare_the_same_time() -> None:
+    ours = replace(point("avatarsim/default", 0.0, 0.5), sleeps=True, rests=0.8, p95=1500.0)
+    found = table(Sweep((ours, replace(point("m/tuned", 0.0, 400.0), rests=0.8, p95=700.0))))
+    lines = {line.engine: line.cells[MM] for line in found.blocks[0].lines}
+    assert lines["m"].best and not lines["avatarsim"].best and len(found.lost) == len(LEVELS)
+    assert profiles(found, 1e-3)["m"][0] == (1.0, 1.0) and profiles(found, 1e-3)["avatarsim"][-1] == (1500.0 / 700.0, 1.0)
+
+
+def test_times_within_a_tenth_are_level() -> None:
+    assert level(10.0, 10.0 * (1.0 + 0.99 * LEVEL)) and not level(10.0, 10.0 * (1.0 + 1.01 * LEVEL)) and not level(1.0, math.nan)
+    assert not is_more(10.9, 10.0) and is_more(11.1, 10.0) and not is_more(math.nan, 1.0)
+    found = table(Sweep((point("avatarsim/default", 0.0, 10.5), point("m/tuned", 0.0, 10.0))))
+    assert not found.lost and all(line.cells[MM].best for line in found.blocks[0].lines)
+    assert all(steps[0] == (1.0, 1.0) for steps in profiles(found, 1e-3).values())
+
+
+def test_an_avatar_has_times_side_by_side_and_no_factor_no_bold_figure_and_no_share() -> None:
+    body = (replace(point("avatarsim/default", 0.0, 10.0, "punch"), avatar=True),
+            replace(point("m/tuned", 0.0, 30.0, "punch"), avatar=True))
+    found = table(Sweep((*body, point("avatarsim/default", 0.0, 10.0), point("m/tuned", 0.0, 20.0))))
+    punch = found.blocks[0]
+    assert punch.avatar and all(not cell.best and math.isnan(cell.factor) for line in punch.lines for cell in line.cells)
+    assert {case.block.scenario for case in found.cases} == {"wall"} and profiles(found, 1e-3)["m"][-1] == (2.0, 1.0)
+    said = sentence(found)
+    assert said.startswith("Of 4 cases without an avatar (scene × accuracy) a rival is cheaper in 0.") and "×3" not in said
+    assert "times stand side by side" in said and "in none of them does a rival take less time" in said
+    assert "not compared" in at_level(punch, 1e-3, found.engines)
+    slower = table(Sweep((body[0], replace(body[1], p50=5.0))))
+    assert "a rival takes less time, or reaches what ours does not, in 4 of them: punch at 10 mm" in sentence(slower)
+
+
+def test_settings_that_were_planned_and_not_measured_are_counted() -> None:
+    left = [replace(point(f"m/tuned dt=1/{rate}", math.nan, math.nan), state="not-measured") for rate in (1920, 3840)]
+    found = table(Sweep((point("avatarsim/default", 0.0, 10.0), point("m/tuned", 5e-3, 20.0), *left)))
+    assert found.blocks[0].lines[1].measured == "1 setting measured here (of 3 planned)"
+    said = at_level(found.blocks[0], 1e-3, found.engines)
+    assert "m by none of 1 setting measured here (of 3 planned) (at best 5.00 mm)" in said
+    assert "that none of the settings of other engines does: of 1 cell measured here (of 3 planned)" in sentence(found)
 
 
 def test_the_offset_from_the_tracker_stands_beside() -> None:
@@ -129,8 +178,8 @@ def test_the_table_has_a_line_per_engine_with_factors_of_our_default() -> None:
     assert all(cell.attempt is None and math.isnan(cell.factor) for cell in pybullet.cells)
     assert (pybullet.tried, pybullet.least) == (1, 2e-2)
     said = at_level(block, 1e-3, found.engines)
-    assert said == ("Deepest overlap shown at most 1 mm: avatarsim 10.0 µs (default), mujoco 25.0 µs (tuned), pybullet not by 1 "
-                    "setting tried (at best 20.0 mm).")
+    assert said == ("Deepest overlap shown at most 1 mm: avatarsim 10.0 µs (default), mujoco 25.0 µs (tuned), pybullet by none "
+                    "of 1 setting measured here (of 2 planned) (at best 20.0 mm).")
 
 
 def test_what_is_lost_is_said_first() -> None:
@@ -139,15 +188,15 @@ def test_what_is_lost_is_said_first() -> None:
         point("avatarsim/default", 5e-3, 10.0, "drop"), point("mujoco/tuned", 1e-9, 40.0, "drop"),
     )))
     said = sentence(found)
-    first = "A rival is cheaper than ours in 5 of 8 cases (scene × accuracy): wall at 10 mm (mujoco/tuned 8.00 µs, ours"
+    first = "Of 8 cases without an avatar (scene × accuracy) a rival is cheaper in 5: wall at 10 mm (mujoco/tuned 8.00 µs, ours"
     assert said.startswith(first)
     assert "drop at 1 mm (mujoco/tuned 40.0 µs, ours does not reach it)" in said and "×4.0 (drop at 10 mm, mujoco/tuned)" in said
-    assert "In 2 cases ours reaches an accuracy that is not reached by the settings measured of another engine." in said
+    assert "In 2 cases ours reaches an accuracy that none of the settings of other engines does: of 1 cell measured" in said
     assert "the time of avatarsim/default" in said
 
 
 def test_nothing_lost_and_nothing_reached_are_said_too() -> None:
     won = sentence(table(Sweep((point("avatarsim/default", 5e-4, 10.0), point("mujoco/tuned", 5e-4, 20.0)))))
-    assert won.startswith("In none of 4 cases")
-    assert "Not reached by the settings measured of any engine: wall at 100 µm, wall at 1 µm." in won
+    assert won.startswith("Of 4 cases without an avatar (scene × accuracy) a rival is cheaper in 0.")
+    assert "Not reached by any setting measured here of any engine: wall at 100 µm, wall at 1 µm." in won
     assert sentence(table(Sweep((point("m/x", 1.0, 1.0, metric="spin_error_max", unit="rad/s"),)))).startswith("No error of this")

@@ -1,7 +1,9 @@
 """The glossary has each of its words once, and explains the names that metrics have on the page."""
 
+from avatarsim.settings import PostureSettings
 from reports.glossary import TERMS
 from reports.metric_words import WORDS
+from scenarios.measure.smoothness import SHAKES
 
 
 def test_terms_are_unique_sentences() -> None:
@@ -13,4 +15,9 @@ def test_names_that_need_explaining_are_explained_by_the_very_words_of_the_page(
     explained = {terms for terms, _ in TERMS}
     for metric in ("residual_overlap_max", "chatter_frames", "silent_offset_frames"):
         assert WORDS[metric] in explained
+    for word in ("jitter in contact", "trap", "wall between", "leap", "untied", "jump", "turn"):
+        assert word in explained
+    assert f"{1e3 * SHAKES / 60:g} mm a frame at 60 Hz ({SHAKES} m/s)" in dict(TERMS)[WORDS["jitter_rms"]]
+    budget = PostureSettings().steps * PostureSettings().move_cap
+    assert f"({budget:g} m as set)" in dict(TERMS)["jump"] and f"({budget:g} m as set)" in dict(TERMS)["leap"]
     assert WORDS["reversal_p95"].startswith("displacement taken back") and WORDS["jerk_ratio"].startswith("roughness of motion")

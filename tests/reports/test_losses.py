@@ -27,7 +27,7 @@ def changed(results: Json, **more: object) -> Json:
 
 
 def lost(factor: float) -> Behind:
-    return Behind(None, 1.0, (("a/b", 0.0),), factor, 1.0, False)  # type: ignore[arg-type]  # the row is not looked at
+    return Behind(None, 1.0, (("a/b", 0.0),), factor, 1.0)  # type: ignore[arg-type]  # the row is not looked at
 
 
 def test_factors_end_and_none_stands_against_zero() -> None:

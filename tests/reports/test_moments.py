@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reports.kept import Array, Shown, shown
-from reports.moments import Moment, moments
+from reports.moments import Moment, called, moments, remarks
 from tests.reports.recorded import STATES, recording
 
 
@@ -41,7 +41,7 @@ def test_the_deepest_overlap_by_the_judge_or_by_the_pairs(one: Shown, tmp_path: 
 def test_without_overlap_the_farthest_from_the_user(one: Shown) -> None:
     one.raw_positions[5, 0, 0] += 0.25
     found = worst(one, np.full(STATES, 1e-7))
-    assert found is not None and (found.state, found.said) == (5, "250 mm from its user")
+    assert found is not None and (found.state, found.said) == (5, "a link 250 mm from its user")
 
 
 def test_what_is_no_number_is_worst(one: Shown) -> None:
@@ -60,4 +60,20 @@ def test_a_link_that_goes_to_and_fro_shakes_and_jumps(one: Shown) -> None:
     one.positions[6:12:2, -1, 0] += 0.02
     one.positions[14:, -1, 0] += 0.1
     found = {moment.said: moment.state for moment in moments(one, np.zeros(STATES))}
-    assert found == {"100 mm from its user": 14, "shakes by 20.0 mm": 9, "jumps 100 mm beyond its user in a frame": 14}
+    assert found == {
+        "a link 100 mm from its user": 14, "a link shakes by 20.0 mm, frame after frame": 9,
+        "a link 20.0 mm to and fro over two frames": 7, "a link jumps 100 mm beyond its user in one frame": 14,
+    }
+    said = dict(remarks(one, 1))
+    assert said[8] == "20.0 mm to and fro, 20.0 mm beyond its user in a frame" and 3 not in said
+    # of three states that are drawn as one the worst is told
+    assert dict(remarks(one, 3))[2] == said[8]
+
+
+def test_root_and_links_are_called_by_their_names_and_a_turn_is_a_turn(one: Shown) -> None:
+    names = ["one/root", "one/arm", "two/root"]
+    assert [called(k, names) for k in range(4)] == ["root", "link arm", "root", "a link"]
+    one.orientations[9:, -1] = np.cos(np.radians(20.0)), 0.0, 0.0, np.sin(np.radians(20.0))
+    found = {moment.said: moment.state for moment in moments(one, np.zeros(STATES), ["hand"])}
+    assert found == {"root turns 40.0° beyond its user in one frame": 9}
+    assert remarks(one, 1) == [(9, "turned 40.0° beyond its user in a frame")]

@@ -111,3 +111,18 @@ def test_half_a_benchmark_is_damaged(tmp_path: Path) -> None:
     (fill(tmp_path) / ABOUT).unlink()
     with pytest.raises(InvalidFile, match=ABOUT):
         load(tmp_path)
+
+
+@pytest.mark.parametrize("changed", [
+    {"engines": [{"name": "coal fast", "what": "asks", "settings": {"gjk_variant": ["Nesterov"]}}]},
+    {"engines": [{"name": "coal fast", "what": "asks"}]}, {"engines": 3}, {"absent": ["pybullet"]},
+])
+def test_lists_that_are_too_short_cost_the_section_and_name_the_file(
+    run_dir: Write, results: Json, changed: dict[str, object],
+) -> None:
+    folder = fill(run_dir(results))
+    (folder / ABOUT).write_text(json.dumps(SAID | changed))
+    damage = write_report(folder)
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    assert len(damage) == 1 and ABOUT in damage[0] and f"Left out, since it cannot be used: {ROWS}" in text
+    assert 'id="queries"' not in text and "Ranking</h2>" in text

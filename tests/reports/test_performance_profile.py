@@ -49,4 +49,5 @@ def test_a_scene_that_no_engine_solves_is_solved_by_none() -> None:
 def test_the_engine_that_solves_most_is_named_first() -> None:
     found = profile({"a": {"x": 1.0, "y": NAN}, "b": {"x": 2.0, "y": 7.0}})
     said = sentence(found, 1e-3, 2)
-    assert said == "Of 2 scenes, 1 mm is reached by a setting measured in: b 2 (fastest in 1), a 1 (fastest in 1)."
+    assert said == ("Of 2 scenes without an avatar, 1 mm is reached by a setting measured in: b 2 (fastest in 1), a 1 (fastest "
+                    "in 1).")

@@ -197,6 +197,38 @@ def test_a_name_that_leads_elsewhere_is_refused(run_dir: Write, results: Json) -
         write_report(found)
 
 
+def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(folder: Path) -> None:
+    found, (ours, theirs) = drawn(folder, NAME), shown(folder, NAME, [OURS, THEIRS])
+    # 0.4 m aside and back in state 12 while it goes down by 50 mm a frame, and from state 15 on farther from the user, bit by bit
+    ours.positions[12, 2, 0] += 0.4
+    ours.positions[15:, 2, 1] += 0.05 * np.arange(1, STATES - 14)
+    data = replay(found, [ours, theirs], OURS) if found else None
+    # the jump there and the jump back are equal but for rounding
+    assert data is not None and data["opens"] in ({"ours": 12, "others": 10}, {"ours": 13, "others": 10})
+    first = data["runs"][0]  # type: ignore[index]
+    remarks = dict(first["remarks"])
+    assert remarks[13].startswith("403 mm to and fro") and 5 not in remarks and remarks[19].endswith("from its user")
+    assert any(moment["said"].startswith("root ") for moment in first["worst"])
+    still = replay(found, [shown(folder, NAME, [OURS])[0]], OURS) if found else None
+    assert still is not None and still["opens"] == {}
+
+
+def test_the_view_holds_the_user_too(folder: Path) -> None:
+    found, ours = drawn(folder, NAME), shown(folder, NAME, [OURS])[0]
+    near = replay(found, [ours], OURS) if found else None
+    ours.raw_positions[:, :, 0] += 3.0
+    far = replay(found, [ours], OURS) if found else None
+    assert near is not None and far is not None and far["near"] > near["near"] + 1.4  # type: ignore[operator]
+
+
+def test_where_what_is_grasped_ends_stands_on_its_page(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    own = rows[0] | {"metric": "grasped_fall_end", "value": 0.96, "unit": "m", "bound": None, "status": "info"}
+    text = page(run_dir(results | {"rows": [*rows, own]}))[0]
+    assert f"height by which a grasped thing has fallen at the end: {OURS} 960 mm" in text
+
+
 def test_a_long_scene_leaves_out_states() -> None:
     assert stride([600] * 6, 15) == 1 and stride([1200], 1) == 2
     assert 3601 * 6 * 216 * 14 / stride([3601] * 6, 216) <= MOST_BYTES

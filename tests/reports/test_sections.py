@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidFile
-from reports import closeness, growth, table_2, write_report
+from reports import closeness, growth, summary, table_2, write_report
 from reports.__main__ import main
 from reports.files import times
 from reports.table_2_chart import panels
@@ -169,3 +169,21 @@ def test_page_and_summary_have_the_sections_and_stay_whole(run_dir: Write, resul
     told = (folder / "summary.md").read_text()
     assert "| two_arms | printed in the paper | 1496 | 14.63 | 16.0 |" in told
     assert "### Beside the nearest free posture" in told and "beside mujoco/tuned" in told
+
+
+@pytest.mark.parametrize("name", ["markdown", "near_sentence"])
+def test_the_summary_leaves_out_what_cannot_be_told(
+    run_dir: Write, results: Json, monkeypatch: pytest.MonkeyPatch, name: str,
+) -> None:
+    def fails(found: object) -> str:
+        raise ValueError("cannot convert float NaN to integer")
+
+    folder = run_dir(results)
+    two(folder)
+    (folder / closeness.NEAREST).write_text(NEAR)
+    monkeypatch.setattr(summary, name, fails)
+    [said] = write_report(folder)
+    told = (folder / "summary.md").read_text()
+    assert said.startswith("table_2.csv, figure_8.csv: " if name == "markdown" else "nearest_free_scenes.csv, beside.csv: ")
+    assert ("### Table 2" in told) == (name != "markdown") and ("nearest free posture" in told) == (name == "markdown")
+    assert f"Left out, since it cannot be used: {said}" in (folder / "index.html").read_text()

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from reports.load import load
+from reports.metric_words import words
 from reports.verdict import loosest, losing_scenes, reading_order, verdict
 
 Json = dict[str, object]
@@ -38,7 +39,7 @@ def test_everything_is_counted_once(run_dir: Write, results: Json) -> None:
 def test_all_held(run_dir: Write, results: Json) -> None:
     found = verdict(load(run_dir(only(results, "arm_wall"))))
     assert (found.word, found.exit_code, found.losses) == ("held", 0, ())
-    assert found.sentence == "The one bound held."
+    assert found.sentence == "The one bound held; how motion looks is hardly bounded (0 of 1 figures)."
 
 
 def test_a_ceiling_is_said_and_comes_before_any_comparison(run_dir: Write, results: Json) -> None:
@@ -123,8 +124,25 @@ def test_the_headline_says_what_is_promised_and_the_loosest_bounds_stand_below_i
         data = bounded(data, scene, "root_jump_max", value, bound)
     found = verdict(load(run_dir(data)))
     assert found.sentence == "All 3 bounds of avatarsim/default held, among them what is promised everywhere: no overlap."
-    assert "jump of the root beyond the user's own 400 mm (largest 300 mm, door)" in loosest(found)
-    assert loosest(verdict(load(run_dir(only(results, "arm_wall"))))) == ""
+    said = "bounded in 2 of 2 scenes with an avatar, by 400 mm at most, largest there 300 mm (door)"
+    assert f"{words('root_jump_max')}: {said}" in loosest(load(run_dir(data)), found)
+    assert loosest(load(run_dir(only(results, "ball_drop"))), found) == ()
+
+
+def test_a_run_in_which_most_figures_of_looks_have_no_bound_says_so_in_its_headline(run_dir: Write, results: Json) -> None:
+    rows = bounded(only(results, "arm_wall"), "arm_wall", "root_jump_max", 0.002, 0.01)["rows"]
+    assert isinstance(rows, list)
+    free = [rows[-1] | {"scenario": scene, "metric": metric, "value": value, "bound": None, "status": "info"}
+            for scene, metric, value in (
+                ("hall", "root_jump_max", 0.5), ("hall", "jitter_rms", 0.001), ("door", "jitter_rms", 0.004))]
+    found = load(run_dir(results | {"rows": [*rows, *free], "exit_code": 0}))
+    assert verdict(found).sentence.endswith("no overlap; how motion looks is hardly bounded (1 of 5 figures).")
+    assert loosest(found, verdict(found)) == (
+        f"{words('root_jump_max')}: bounded in 1 of 3 scenes with an avatar, by 10 mm at most, largest there 2.00 mm (arm_wall); "
+        "largest without a bound 500 mm (hall)",
+        f"{words('jitter_rms')}: bounded nowhere; largest without a bound 4.00 mm (door)",
+        f"{words('tracker_offset_rms_free')}: bounded nowhere; largest without a bound 2.00 mm (arm_wall)",
+    )
 
 
 def test_tables_begin_with_trouble_then_everyday_scenes_then_avatars(run_dir: Write, results: Json) -> None:

@@ -11,7 +11,7 @@ from avatarsim.errors import UnknownName
 from scenarios import catalog
 from scenarios.behind import by_family, compared
 from scenarios.metrics import FAMILIES, METRICS
-from scenarios.ranked import RANKED, UNRANKED, ranked, why_not
+from scenarios.ranked import RANKED, TIME, UNRANKED, ranked, why_not
 from scenarios.results import Row
 from scenarios.sayable import Unsaid
 from scenarios.table import losing
@@ -55,12 +55,12 @@ def test_members_of_families_have_their_reason_and_strangers_none() -> None:
 @pytest.mark.parametrize("mine", [0.7, None, math.nan])
 def test_only_a_rival_that_is_better_by_more_than_counts_as_equal_is_ahead(metric: str, share: float, mine: float | None) -> None:
     """Theirs is better by a share of what counts as equal, beside a tracker and another preset that are better by far."""
-    same = RANKED[metric].same or 1e-9
+    same = RANKED[metric].same or RANKED[metric].share * 0.7
     rows = [row(OURS, metric, mine), row("mujoco/tuned", metric, 0.7 - share * same),
             row("tracker/default", metric, 0.0), row("avatarsim/paper", metric, 0.0)]
     found = compared(rows, OURS).behind
     lacking = mine is None and RANKED[metric].may_lack
-    expected = not lacking and (mine is None or math.isnan(mine) or share > (1.0 if RANKED[metric].same else 0.0))
+    expected = not lacking and (mine is None or math.isnan(mine) or share > 1.0)
     assert len(found) == expected == len(losing(rows, GATED, {}))
     assert all(run == "mujoco/tuned" for lost in found for run, _ in lost.rivals)
 
@@ -72,13 +72,18 @@ def test_one_bad_seed_is_a_loss_and_the_worst_one_is_told() -> None:
     assert (found.row.seed, found.factor) == (1, 3.0)
 
 
-def test_an_engine_that_left_the_room_is_named_as_such_and_only_if_none_inside_is_ahead() -> None:
-    rows = [row(OURS, "residual_overlap_max", 1e-3), row("a/b", "residual_overlap_max", 0.0),
-            row("a/b", "wrong_side_frames", 4.0)]
-    (found,) = compared(rows, OURS).behind
-    assert found.outside
-    (found,) = compared([*rows, row("c/d", "residual_overlap_max", 1e-4)], OURS).behind
-    assert not found.outside and found.rivals == (("c/d", 1e-4),)
+@pytest.mark.parametrize("metric", ["residual_overlap_max", "tracker_offset_max"])
+def test_an_engine_that_left_the_room_is_passed_over_where_that_could_win(metric: str) -> None:
+    rows = [row(OURS, metric, 1e-3), row("a/b", metric, 0.0), row("a/b", "wrong_side_frames", 4.0)]
+    assert compared(rows, OURS).behind == ()
+    (found,) = compared([*rows, row("c/d", metric, 1e-4)], OURS).behind
+    assert found.rivals == (("c/d", 1e-4),)
+
+
+@pytest.mark.parametrize(("ours", "lost"), [(1.0 + 0.9 * TIME, False), (1.0 + 1.1 * TIME, True)])
+def test_times_within_a_tenth_are_level(ours: float, lost: bool) -> None:
+    rows = [row(OURS, "frame_time_p50", 20.0 * ours), row("a/b", "frame_time_p50", 20.0)]
+    assert bool(compared(rows, OURS).behind) is lost is bool(losing(rows, GATED, {}))
 
 
 def test_variants_of_a_scene_count_once_and_the_worst_is_named() -> None:
@@ -125,7 +130,7 @@ def test_an_engine_is_not_ranked_by_what_it_has_no_words_for() -> None:
 
 def test_a_world_of_another_size_counts_as_if_it_had_size_1() -> None:
     """Twice behind at size 1000 is twice behind; lengths go with the size, energies with its square, angles not at all."""
-    for unit, metric, power in (("m", "root_jump_max", 1), ("J", "lift_energy_max", 2), ("deg", "pose_jump_max", 0)):
+    for unit, metric, power in (("m", "root_jump_max", 1), ("J", "energy_added_max", 2), ("deg", "pose_jump_max", 0)):
         rows = [replace(row(run, metric, value * 1e3**power), unit=unit) for run, value in ((OURS, 0.4), ("a/b", 0.2))]
         (found,) = compared(rows, OURS, scales={"s": 1e3}).behind
         assert found.value == pytest.approx(0.4) and found.best == pytest.approx(0.2) and found.factor == pytest.approx(2.0)

@@ -6,15 +6,15 @@ from dataclasses import asdict, replace
 import pytest
 
 from scenarios import first_frame
-from scenarios.first_frame import Found, alone, main, measured, table
+from scenarios.first_frame import Found, alone, main, measured, summary, table
 
-GOOD = Found("ball_drop", "default", 0.5, 30.0, 20.0, 6.0, 0)
+GOOD = Found("ball_drop", "default", 0.5, 30.0, 20.0, 6.0, 7.5, 0.25, 0, "impacts 2 (0)")
 
 
 def test_a_scene_is_run_in_a_process_of_its_own() -> None:
     found = alone("ball_drop", "default", 20)
     assert isinstance(found, Found) and (found.scene, found.preset, found.late) == ("ball_drop", "default", 0)
-    assert found.load > 0.0 < found.median and found.warm > 0.0 and found.times == found.first / found.median
+    assert found.load > 0.0 < found.median and found.own > 0.0 < found.awake and found.times == found.first / found.median
 
 
 def test_a_scene_whose_start_is_refused_has_no_first_frame() -> None:
@@ -27,15 +27,33 @@ def test_a_scene_that_cannot_run_is_named() -> None:
 
 @pytest.mark.parametrize(("found", "code"), [
     (GOOD, 0), (replace(GOOD, first=60.0), 0), (replace(GOOD, first=60.1), 1), (replace(GOOD, late=1), 1),
-    (replace(GOOD, first=float("nan")), 1), (replace(GOOD, first=100.0, warm=50.0), 0),
-    (replace(GOOD, first=100.0, warm=49.0), 1), (replace(GOOD, first=100.0, warm=90.0, late=1), 1),
+    (replace(GOOD, first=float("nan")), 1), (replace(GOOD, first=100.0, own=90.0), 1),
 ])
-def test_what_is_left_for_the_first_frame_is_a_fault(
+def test_a_long_first_frame_is_a_fault_whatever_the_reason(
     found: Found, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(first_frame, "alone", lambda scene, preset, frames: found)
     assert main(["--filter", "ball_drop"]) == code
-    assert f"in {code} the first frame loads something" in capsys.readouterr().out
+    assert f"1 scenes; in {code} the first frame takes more than 10 medians" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("found", "reason"), [
+    (GOOD, ""), (replace(GOOD, first=100.0, own=90.0, late=2), "2 kernels loaded"),
+    (replace(GOOD, first=100.0, own=50.0), "its own work: impacts 2 (0); 25 % of the frames sleep"),
+    (replace(GOOD, first=100.0, own=50.0, asleep=0.0), "its own work"), (replace(GOOD, first=100.0, own=49.0), "left by load"),
+])
+def test_a_reader_sees_why(found: Found, reason: str) -> None:
+    assert found.reason.startswith(reason) and bool(found.reason) == bool(reason)
+    said = summary([found])
+    assert found.reason in said and f"longest first frame: {found.first:.0f} us" in said and "above 1 ms: 0" in said
+
+
+def test_frames_awake_are_told_from_those_asleep() -> None:
+    """A heap at rest sleeps in most frames, a body that flies in none; an avatar without simulated bodies never does."""
+    heap, flies, avatar = (measured(name, "default", 240) for name in ("rest_ten_minutes", "free_flight", "hand_in_corner"))
+    assert heap and flies and avatar
+    assert 0.5 < heap.asleep < 1.0 and "contacts 4 (0)" in heap.counted
+    assert flies.asleep == avatar.asleep == 0.0 and flies.median == flies.awake
 
 
 def test_a_long_first_frame_is_asked_again_and_a_kernel_that_came_late_is_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -71,6 +71,13 @@ def test_what_is_fast_has_the_whole_scene_or_enough_for_a_tail_whatever_is_slow_
     assert rounds([0.0, FAST], 600) == [(REPEATS, 0, 600)] * 2
 
 
+def test_the_engine_of_the_gate_is_timed_over_the_whole_scene_however_slow_it_is() -> None:
+    slow = SLICE / LEAST
+    ours, theirs = rounds([slow, slow], 600, 300, (True, False))
+    assert ours == (REPEATS, 0, 600) and (theirs.repeats, theirs.frames) == (1, LEAST)
+    assert rounds([slow], 2 * MOST_FRAMES, 0, (True,)) == [(REPEATS, 0, MOST_FRAMES)]
+
+
 @pytest.mark.parametrize("meets", [0, 20, 300, 599])
 def test_the_window_that_all_have_holds_the_first_contact(meets: int) -> None:
     slow, medium = SLICE / LEAST, 0.9 * CHEAP / TAIL_FRAMES

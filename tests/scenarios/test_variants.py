@@ -28,15 +28,16 @@ def test_a_variant_that_is_not_asked_for_does_not_run() -> None:
 @pytest.mark.parametrize(("engine", "name", "changed"), [
     ("mujoco", "sleeping", {"sleep"}),
     ("mujoco", "servos", {
-        "drive", "integrator", "dt", "dt as run", "refsafe", "contact", "contact_steps", "limit_steps", "armature", "motor_force",
+        "drive", "integrator", "contact", "contact_steps", "motor_force",
         "weld_time",
     }),
+    ("mujoco", "hinges", {"ball_joints"}),
     ("pybullet", "follows", {"feed_forward", "ball_gain"}),
 ])
 def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, name: str, changed: set[str]) -> None:
     made, base = opened(engine), BASE[engine, name]
     # a body on a wall is what follows; a stack is what rests
-    where = "driven_10cm_wall" if engine == "pybullet" or name == "servos" else "stack_ten"
+    where = "driven_10cm_wall" if engine == "pybullet" or name != "sleeping" else "stack_ten"
     scenario, scene, _ = Job(where, engine, name).asked()
     told = {}
     for preset in (base, name):

@@ -45,6 +45,9 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "chains": (lambda: replace(HAND, chains="hand"), "chains of avatar hand is 'hand'; valid: a tuple"),
     "ignore": (lambda: replace(HAND, ignore=("hand",)), "ignore of avatar hand, entry 0 is 'hand'; valid: a pair of names"),
     "sizes": (lambda: replace(HAND, size_range=1.0), "size_range of avatar hand is 1.0"),
+    "sizes of no dimensions": (lambda: replace(HAND, size_range=np.array(1.0)), "size_range of avatar hand is "),
+    "twist of no dimensions": (lambda: SwingTwist(AXIS, AXIS, 1.0, np.array(0.5)), r"twist limits \[rad\] is "),
+    "pieces of no dimensions": (lambda: solid(np.array(1.0), 1.0), "pieces of a solid"),
     "sizes in words": (lambda: replace(HAND, size_range=("small", "large")), "size_range of avatar hand .* is 'small'"),
     "one hinge": (lambda: Hinges(Hinge(AXIS)), "hinges of a joint is Hinge.*valid: a tuple"),
     "an axis for a hinge": (lambda: Hinges((AXIS,)), "hinges of a joint, entry 0"),
@@ -165,3 +168,12 @@ def test_a_sample_of_lists_becomes_one_of_arrays() -> None:
 def test_sizes_and_radii_are_kept_as_tuples_whatever_they_come_in(kind: Callable[[list[float]], object]) -> None:
     assert Box(kind([1.0, 2.0, 3.0])).size == (1.0, 2.0, 3.0)  # type: ignore[arg-type]
     assert Ellipsoid(kind([0.1, 0.2, 0.3])).radii == (0.1, 0.2, 0.3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("kind", [list, iter, np.array, tuple])
+def test_pairs_of_limits_are_kept_as_tuples_of_numbers_whatever_they_come_in(kind: Callable[[list[float]], object]) -> None:
+    limits = SwingTwist(AXIS, AXIS, 1.0, kind([-0.5, 0.25]))  # type: ignore[arg-type]
+    assert limits.twist == (-0.5, 0.25) and isinstance(limits.twist, tuple)
+    sized = replace(HAND, size_range=kind([0.01, 30.0]))
+    assert sized.size_range == (0.01, 30.0) and isinstance(sized.size_range, tuple)
+    assert all(type(bound) is float for bound in (*limits.twist, *sized.size_range))

@@ -160,11 +160,11 @@ def resident() -> int:
 
 
 def soak(frames: int, make: Make = AvatarsimEngine, samples: int = SAMPLES, progress: bool = False) -> Report:
-    """Run `frames` frames, in whole periods; at even distances a sample of times and memory."""
+    """Run `frames` frames at least, in whole periods; at even distances a sample of times and memory."""
     of = scene()
     moves, judge, old = motion(of), Judge(of), make()
     old.load(of, Settings(), DT)
-    periods = max(2, round(frames / PERIOD))
+    periods = max(2, -(-frames // PERIOD))
     sampled = {round(k) for k in np.linspace(1, periods - 1, min(samples, periods - 1))}
     # touched now, or the pages of later frames would count as growth
     report = Report(np.full(periods * PERIOD, 1, dtype=np.int64))

@@ -1,11 +1,14 @@
 """Entries come back as they went in, and what is damaged or another's is as good as absent."""
 
+import json
+import math
 import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidInput
@@ -27,6 +30,16 @@ def test_what_is_no_entry_is_absent(tmp_path: Path, text: str) -> None:
     assert store.get("errors", "abc") is None
     store.put("errors", "abc", {})
     assert store.get("errors", "abc") is not None
+
+
+@pytest.mark.parametrize("changed", [{"values": 3}, {"values": {"x": 0.2}}, {"sha256": 7}, {"sha256": None}, {"more": {}}])
+def test_what_was_changed_is_found_again(tmp_path: Path, changed: dict[str, object]) -> None:
+    store = Store(tmp_path)
+    store.put("errors", "abc", {"values": {"x": 0.1, "y": math.nan, "z": np.float64(-math.inf), 3: (1, 2)}, "rows": []})
+    path = store.path("errors", "abc")
+    assert store.get("errors", "abc") is not None
+    path.write_text(json.dumps(json.loads(path.read_text()) | changed))
+    assert store.get("errors", "abc") is None
 
 
 def test_a_place_where_nothing_can_be_made_is_refused(tmp_path: Path) -> None:

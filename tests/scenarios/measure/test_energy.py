@@ -47,6 +47,7 @@ def test_an_injected_lift_is_lift_and_not_gain() -> None:
     positions[4:, 1, 2] += 0.01
     found = energy(replace(recording, positions=positions), drop_scene())
     assert found["lift_energy_max"] == pytest.approx(MASS * G * 0.01, abs=1e-12)
+    assert found["lift_height_max"] == pytest.approx(0.01, abs=1e-12)
     assert found["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
 
 

@@ -59,3 +59,14 @@ def test_bodies_shown_elsewhere_and_a_shorter_run_are_asked_again(asked: list[Re
     moved[:, 0] += 1.0
     assert known.free(replace(recording, positions=moved)).tolist() != known.free(recording).tolist()
     assert len(asked) == 3
+
+
+def test_contact_is_of_the_postures_shown_whatever_was_asked_before(asked: list[Recording]) -> None:
+    recording, known = walked(), Known(fist(), fist_scene())
+    first = known.contact(recording)
+    # the target that is in the wall holds the avatar whatever is shown; before that only what is shown near it does
+    far = recording.positions.copy()
+    far[:, recording.links] -= 0.5
+    away = known.contact(replace(recording, positions=far))
+    assert known.contact(recording).tolist() == first.tolist() and len(asked) == 1
+    assert away.tolist() == (~known.free(recording)).tolist() and away.sum() < first.sum()

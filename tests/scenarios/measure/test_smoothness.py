@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from avatarsim.spatial import rotation
 from scenarios.measure.known import Known
-from scenarios.measure.smoothness import NEAR, free_for, jerk_ratio, reversals, shaking, smoothness
+from scenarios.measure.smoothness import NEAR, SHAKES, free_for, jerk_ratio, jitter, reversals, shaking, smoothness
 from scenarios.measure.value import Missing
 from scenarios.record import Recording
 from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
@@ -41,7 +41,7 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
 
 
 def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dict[str, float]:
-    """The four definitions as they read, one number at a time."""
+    """The definitions as they read, one number at a time."""
     p, q, dt = recording.positions[:, recording.links].tolist(), recording.raw_positions.tolist(), recording.dt
     frames, links = recording.frames, len(q[0])
 
@@ -64,6 +64,11 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
             often = [sum(taken_back[j][i] > 0.18 * dt for j in range(max(k - 3, 1), k + 1)) for i in range(links)]
             shakes += max(often) >= 3
             largest.append(max(taken_back[k]))
+    jitters = []
+    for i in range(links):
+        calm = [k for k in range(1, frames + 1) if contact[k] and math.hypot(*step(q, k, i)) <= 0.18 * dt]
+        squares = [min(taken_back[k][i], 0.18 * dt) ** 2 for k in calm]
+        jitters.append(math.sqrt(sum(squares) / len(squares)) if squares else 0.0)
     jerks = []
     for x in (p, q):
         jerks.append(np.percentile([
@@ -76,7 +81,8 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
         far = max(math.dist(p[k][i], q[k][i]) for i in range(links)) > 0.1
         silent += bool(rested and far and not any(numbers[k] > 0 for numbers in recording.statuses.values()))
     return {
-        "chatter_frames": 100.0 * shakes / held, "reversal_p95": float(np.percentile(largest, 95.0)),
+        "chatter_frames": 100.0 * shakes / held, "jitter_rms": max(jitters),
+        "reversal_max": max(map(max, taken_back)), "reversal_p95": float(np.percentile(largest, 95.0)),
         "jerk_ratio": float(jerks[0] / max(jerks[1], 20.0 * dt**3)), "silent_offset_frames": float(silent),
     }
 
@@ -98,6 +104,45 @@ def test_an_injected_shake_comes_out() -> None:
     # moved in 10 to 19; reversed in 11 to 19; in 13, 14, ... 20 three of the last four reversed, and in 21, out of contact, two
     assert found["chatter_frames"] == pytest.approx(100.0 * 8 / 20)
     assert found["reversal_p95"] == pytest.approx(4e-3)
+
+
+@pytest.mark.parametrize("dt", [DT, DT / 1.5])
+@pytest.mark.parametrize("every", [1, 2, 4])
+def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: float) -> None:
+    """A link swings to both sides by a = 0.4 mm, sampled at its turns: every frame takes 2 a back. Where it does so in one of
+    `every` frames and rests in the others, the mean of the squares is that part; a swing of 1 m counts as SHAKES does."""
+    frames = 400
+    size, contact, target = 4e-4, np.ones(frames + 1, dtype=bool), np.zeros((frames + 1, 3, 3))
+    contact[0] = False
+    swings = np.zeros((frames + 1, 3, 3))
+    swings[:, 1, 0] = size * np.cos(np.pi * np.arange(frames + 1))
+    # one spike of 2 a takes it back once: in one of `every` frames
+    spikes = np.zeros((frames + 1, 3, 3))
+    spikes[1 :: 2 * every, 2, 1] = 2.0 * size
+    share = (frames // (2 * every)) / frames if every > 1 else (frames - 1) / frames
+    for shown, wanted in ((swings, 2.0 * size * math.sqrt((frames - 1) / frames)), (spikes, 2.0 * size * math.sqrt(share))):
+        found = smoothness(moved(shown, target, dt), arm_scene(), ~contact, contact)
+        assert found["jitter_rms"] == pytest.approx(wanted, rel=1e-12) and found["chatter_frames"] == 0.0
+    large = smoothness(moved(2500.0 * swings, target, dt), arm_scene(), ~contact, contact)
+    assert large["jitter_rms"] == pytest.approx(SHAKES * dt * math.sqrt((frames - 1) / frames))
+
+
+def test_jitter_under_a_target_that_is_fast_or_off_contact_is_none() -> None:
+    shown, target = np.zeros((41, 3, 3)), np.zeros((41, 3, 3))
+    shown[::2, 1, 0] = 1e-3
+    for speed, jitters in ((0.17, True), (0.19, False)):
+        target[:, :, 1] = speed * DT * np.arange(41)[:, None]
+        found = smoothness(moved(shown, target), arm_scene(), np.zeros(41, dtype=bool), np.ones(41, dtype=bool))
+        assert (found["jitter_rms"] > 0.0) == jitters
+    assert jitter(reversals(shown, target), target, np.zeros(40, dtype=bool), DT) == 0.0
+
+
+def test_the_largest_displacement_to_and_fro_counts_out_of_contact_too() -> None:
+    shown = np.zeros((41, 3, 3))
+    shown[7, 2, 0], shown[30, 0, 1] = 0.4, 0.1
+    contact = np.arange(41) > 20
+    found = smoothness(moved(shown, np.zeros_like(shown)), arm_scene(), ~contact, contact)
+    assert found["reversal_max"] == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize(("size", "shakes"), [(2.9e-3, 0.0), (3.1e-3, 100.0)])

@@ -75,6 +75,19 @@ def test_a_tail_wants_enough_repeats_of_enough_frames_and_says_what_there_was(re
     assert set(notes.values()) == {f"{repeats} x {frames} frames, 30 warm-up frames"}
 
 
+def test_the_slowest_frame_of_a_whole_scene_is_given_however_short_it_is() -> None:
+    around = np.full((REPEATS, 20), 3000, dtype=np.int64)
+    around[:, 7], around[0, 9] = 40_000, 90_000
+    hashes = tuple("abcdefghijklmnopqrstu")
+    found = frame_times(Timed(around), hashes)
+    assert (found["frame_time_max"], found["frame_time_raw_max"]) == (40.0, 90.0)
+    assert isinstance(found["frame_time_p99"], Missing)
+    assert time_notes(Timed(around), found)["frame_time_max"].startswith(f"{REPEATS} x 20 frames")
+    # of a part of it, or of too few repeats, it might be another
+    for part in (Timed(around, first=1), Timed(around[:, 1:]), Timed(around[1:])):
+        assert isinstance(frame_times(part, hashes)["frame_time_max"], Missing)
+
+
 def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_had() -> None:
     around = np.full((REPEATS, TAIL_FRAMES), 9000, dtype=np.int64)
     around[0, :50], around[1, :50], around[0, 7] = 3000, 1000, 50_000
@@ -99,12 +112,13 @@ def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
     found = frame_times(timed, resting=rests)
     notes = time_notes(timed, found, rests)
     assert ("frame_time_moving_p50" in found) == ("frame_time_resting_p50" in found) == (moving in (PHASE_FRAMES, 80))
+    assert found["resting_frames"] == pytest.approx(100.0 * (180 - moving) / 180)
     if moving == 80:
         assert (found["frame_time_moving_p50"], found["frame_time_resting_p50"], found["frame_time_p50"]) == (20.0, 1.0, 1.0)
         assert notes["frame_time_moving_p50"].startswith(f"80 of {REPEATS} x 180 frames")
         assert notes["frame_time_p50"].endswith("; moving 20 us, resting 1 us")
     # of a run whose recording is shorter than what was timed nothing is told
-    assert "frame_time_moving_p50" not in frame_times(timed, resting=rests[:179])
+    assert not {"frame_time_moving_p50", "resting_frames"} & set(frame_times(timed, resting=rests[:179]))
 
 
 def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:

@@ -1,5 +1,6 @@
 """The sweep: what is finished is kept, a torn line is asked again, the table says what was lost."""
 
+import json
 import math
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from scenarios.csv_rows import csv_text
 from scenarios.processes import Died
 from scenarios.stability import __main__ as command
 from scenarios.stability import side_by_side
-from scenarios.stability.finished import NAME, Finished
+from scenarios.stability.finished import NAME, Finished, key_of
 from scenarios.stability.outcome import ABSENT, CRASHED, NOT_A_NUMBER, SILENT, SURVIVED, TOO_LATE, Outcome, Task
 from scenarios.stability.plan import Trial
 from scenarios.stability.rows import LONG, Row, apart, rows, table
@@ -103,3 +104,10 @@ def test_a_process_that_dies_costs_its_trial_only(site: Path) -> None:
     found = [(task.engine, end.state, end.note) for task, end in side_by_side.answers(tasks, 1)]
     assert sorted(found) == [("dies", CRASHED, "its process was killed by signal 9")] * 2 + [("frozen", SURVIVED, "")] * 2
     assert side_by_side.died(Died("no answer within 3 s")).state == TOO_LATE
+
+
+@pytest.mark.parametrize("changed", [{"end": [[10**400]]}, {"frames": "36"}, {"note": None}, {"end": 3}, {"state": ["survived"]}])
+def test_a_line_that_holds_something_else_is_asked_again(tmp_path: Path, changed: dict[str, object]) -> None:
+    path = tmp_path / NAME
+    path.write_text(json.dumps({"stamp": "stamp", "key": key_of(ONE), "outcome": Outcome("survived", 36).as_json() | changed}))
+    assert Finished(path, "stamp").missing([ONE]) == [ONE] and path.read_text() == ""

@@ -92,6 +92,10 @@ def test_known_runs_are_not_asked_again(tmp_path: Path, monkeypatch: pytest.Monk
     assert len(first) == 3 and not set(first) & set(asked) and len(first + asked) == len(RATES) + 1
     asked[:] = []
     assert limits_run.converge(*words) == found and asked == []
+    for content in (b"", b"\x93NUMPY"):
+        next(tmp_path.glob("*.npy")).write_bytes(content)
+        limits_run.converge(*words)
+        assert len(asked) == 1 and asked.pop()
     text = limits_run.table(found)
     assert "driven_10cm_wall" in text and "mujoco/tuned" in text
 

@@ -10,7 +10,7 @@ from scenarios.sweep.native import native
 def test_words_of_mujoco_name_what_its_model_has() -> None:
     options = {"dt": 1 / 240, "cone": "PYRAMIDAL", "integrator": "DISCRETE", "iterations": 10}
     said = native(Setting("mujoco", "x", "tuned", options))
-    assert said == ("opt.timestep = 0.00416667; opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL; "
+    assert said == ("opt.timestep = 0.004166666666666667; opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL; "
                     "opt.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE; opt.iterations = 10")
     assert hasattr(mujoco.mjtCone, "mjCONE_PYRAMIDAL") and hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
     model = mujoco.MjSpec().compile()

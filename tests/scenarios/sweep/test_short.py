@@ -14,7 +14,7 @@ from scenarios.found.store import Entry
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
 from scenarios.studies import Request
-from scenarios.sweep import clock, measure, short
+from scenarios.sweep import clock, grid, measure, short
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import BY_ENGINE
 from scenarios.timing import Clocked
@@ -137,8 +137,11 @@ def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_pa
 def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
     frames = catalog.get("stop_distance").as_run(False).frames
     known = [outcome("stop_distance", name) for name in ("default", "tuned")]
+    # a repeat more than others get, and faster: it does not count
+    every = np.full((short.REPEATS + 1, frames), 7000, dtype=np.int64)
+    every[-1] = 1000
     timed = {
-        known[0].job.stem: Clocked(known[0].job, Timed(np.full((2, frames), 7000, dtype=np.int64))),
+        known[0].job.stem: Clocked(known[0].job, Timed(every)),
         known[1].job.stem: Clocked(known[1].job, Timed(np.full((2, frames - 1), 7000, dtype=np.int64))),
     }
     assert short.ShortSweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask() == []
@@ -146,7 +149,8 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     # the second preset was timed over other frames than all the others
     assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
     found = {row["setting"]: row for row in rows(tmp_path)}
-    assert (found["default"]["p50"], found["default"]["repeats"], found["default"]["frames"]) == ("7", "2", str(frames))
+    least = found["default"]
+    assert (least["p50"], least["repeats"], least["frames"]) == ("7", str(short.REPEATS), str(frames))
     assert (found["tuned"]["p50"], found["tuned"]["repeats"]) == ("5", str(short.REPEATS))
     assert about(tmp_path)["form"] == "short" and about(tmp_path)["reused"] == 1
 
@@ -184,7 +188,11 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     left = [cell for cell in cells if cell not in errors]
     names = [cell.setting.name for cell in short.refined(left, errors, ran)]
     finer = ["tuned dt=1/480", "default dt=1/1920", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
-    assert names[:5] == finer and names.index("default") < names.index("tuned dt=1/60")
+    margins = [f"tuned loose_margin={margin:g}" for margin in grid.MARGINS]
+    assert names[:9] == margins + finer and names.index("default") < names.index("tuned dt=1/60")
+    silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
+                                    for known in ran.outcomes.values()})
+    assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in short.cells_of(silent)]
     as_good = {**errors, by_name["mujoco/tuned dt=1/240"]: found(0.0)}
     assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
 

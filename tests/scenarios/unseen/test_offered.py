@@ -13,7 +13,7 @@ from scenarios.commands import plan
 from scenarios.job import CATALOGUE
 from scenarios.unseen import seeds
 
-OURS = {"unseen_corridor", "unseen_door", "unseen_floor", "unseen_gallery", "unseen_wall"}
+OURS = {"unseen_corridor", "unseen_door", "unseen_door_90hz", "unseen_floor", "unseen_gallery", "unseen_wall"}
 
 
 @pytest.mark.parametrize(("command", "patterns", "taken"), [

@@ -1,0 +1,74 @@
+"""Which times of engines are compared: one rule for the sentence, the bold figure, the factor and the performance profile.
+
+An engine that puts to sleep what rests computes nothing in a frame at rest, so that medians of two engines, of which one
+sleeps in its median frame, say how much rests and not what a frame costs. And an avatar that is kinematic is no avatar with
+dynamics, so that its times stand side by side and are compared by no rule.
+"""
+
+import math
+from collections.abc import Iterable
+from enum import Enum
+from typing import Protocol
+
+from scenarios.ranked import TIME
+
+LEVEL = TIME
+"""Share by which times may differ and count as level: medians of the same frames in two processes differ by up to 3 %, those
+of two runs by up to 10 %. Larger hides a difference that comes back in every run; smaller ranks the weather of a machine."""
+
+
+class Point(Protocol):
+    """Times [us] of one setting in one scene: median, 95th percentile, median of frames in motion (nan where these are not told
+    from frames at rest); whether what rests sleeps in its median frame; whether the scene has an avatar."""
+
+    @property
+    def p50(self) -> float: ...
+    @property
+    def p95(self) -> float: ...
+    @property
+    def moving(self) -> float: ...
+    @property
+    def is_asleep(self) -> bool: ...
+    @property
+    def avatar(self) -> bool: ...
+
+
+class Basis(Enum):
+    """Which time of a frame is compared in a scene."""
+
+    MEDIAN = "the median of all frames"
+    MOVING = "the median of frames in motion"
+    TAIL = "the 95th percentile, a frame in motion: in the median frame what rests sleeps in one engine at least"
+
+
+def basis_of(points: Iterable[Point]) -> Basis:
+    """The time that all `points` of one scene are compared by: of frames in motion where all tell them from frames at rest, the
+    95th percentile where any sleeps in its median frame, else the median."""
+    timed = [point for point in points if point.p50 > 0.0]
+    if timed and all(point.moving == point.moving for point in timed):
+        return Basis.MOVING
+    return Basis.TAIL if any(point.is_asleep for point in timed) else Basis.MEDIAN
+
+
+def time_by(point: Point, basis: Basis) -> float:
+    """That time [us]; nan where the point has none."""
+    return {Basis.MEDIAN: point.p50, Basis.MOVING: point.moving, Basis.TAIL: point.p95}[basis]
+
+
+def level(one: float, other: float) -> bool:
+    """Whether two times count as equal; never where one is missing."""
+    return abs(one - other) <= LEVEL * min(one, other)
+
+
+def is_more(one: float, other: float) -> bool:
+    """Whether the first of two times is the larger, and not level; never where one is missing."""
+    return one > other and not level(one, other)
+
+
+def factor(point: Point, base: Point, basis: Basis) -> float:
+    """How many times the time of `base` a frame of `point` takes; nan where there is an avatar, or where one of the two sleeps in
+    the median frame and frames in motion have no median of their own."""
+    if point.avatar or base.avatar or basis is Basis.TAIL:
+        return math.nan
+    of = time_by(base, basis)
+    return time_by(point, basis) / of if of > 0.0 else math.nan

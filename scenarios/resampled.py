@@ -1,0 +1,71 @@
+"""Resampling of a tracker's motion to another frame rate: linear between samples, rotations on the great circle (slerp).
+
+A headset of 90 Hz asks for frames of 11.1 ms. The same motion in such frames is another question to an engine that counts frames,
+or whose step does not divide them.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
+from scenarios.scenario import Motion, Scenario
+
+HEADSET = 90
+"""Frames per second of a usual headset."""
+ROUNDING = 1e-9
+"""Share of a frame by which a sample of the new rate may miss one of the old and is still that one."""
+
+
+def between(before: TrackerSample, after: TrackerSample, share: float, time: float) -> TrackerSample:
+    """The posture a `share` of the way from one sample to the next, at `time` [s]."""
+    shares = np.full(len(before.rotations), share)
+    return TrackerSample(
+        time, before.positions + share * (after.positions - before.positions),
+        rotation.normalised(rotation.slerp(before.rotations, after.rotations, shares)),
+        before.angles + share * (after.angles - before.angles),
+    )
+
+
+def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> Motion:
+    """`motion`, whose frames take `old` [s], in frames of `new` [s]; at time 0 its user is at `start`."""
+
+    def at(frame: int) -> TrackerSample:
+        return start if frame < 0 else motion(frame)
+
+    def sample(frame: int) -> TrackerSample:
+        time = (frame + 1) * new
+        place = time / old - 1.0
+        before = math.floor(place + ROUNDING)
+        share = place - before
+        if share <= ROUNDING:
+            return replace(at(before), time=time)
+        return between(at(before), at(before + 1), share, time)
+
+    return sample
+
+
+def at_rate(scenario: Scenario, hertz: int = HEADSET) -> Scenario:
+    """The same question at another frame rate, under the same bounds: as long in seconds, one more of the scenario's family."""
+    name, dt = f"{scenario.name}_{hertz}hz", 1.0 / hertz
+
+    def build() -> Scene:
+        return replace(scenario.build(), name=name)
+
+    def rated(motion: Callable[[Scene, int], Motion]) -> Callable[[Scene, int], Motion]:
+        return lambda scene, seed: resampled(motion(scene, seed), scene.first_sample, scenario.dt, dt)
+
+    def frames(number: int) -> int:
+        return round(number * scenario.dt / dt)
+
+    return replace(
+        scenario, name=name, title=f"{scenario.title.removesuffix('.')}, at {hertz} Hz.", build=build, dt=dt,
+        motion=rated(scenario.motion), frames=frames(scenario.frames),
+        short=None if scenario.short is None else frames(scenario.short),
+        short_motion=None if scenario.short_motion is None else rated(scenario.short_motion),
+        everyday=False, family=scenario.family or scenario.name,
+    )

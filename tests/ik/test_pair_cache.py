@@ -1,0 +1,57 @@
+"""The hash table of pairs against a dict that forgets nothing."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.ik.pair_cache import PROBES, axis_at, forget_pairs, keep_axis, make_pair_cache, slot_of
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+PIECES = 5000
+PAIRS = st.tuples(st.integers(0, PIECES - 1), st.integers(0, PIECES - 1))
+
+
+@given(st.lists(st.tuples(PAIRS, st.booleans(), st.booleans()), max_size=400))
+def test_what_is_known_of_a_pair_is_what_was_kept_or_nothing(asked: list[tuple[tuple[int, int], bool, bool]]) -> None:
+    cache, known = make_pair_cache(1, PIECES), dict[tuple[int, int], tuple[float, float, float]]()
+    for k, (pair, keeps, is_next_step) in enumerate(asked):
+        cache.step[0] += is_next_step
+        at = slot_of(cache, *pair)
+        assert cache.key[at] == pair[0] * PIECES + pair[1] and (cache.key == cache.key[at]).sum() == 1
+        assert axis_at(cache, at) in (known.get(pair, (0.0, 0.0, 0.0)), (0.0, 0.0, 0.0))
+        if keeps:
+            known[pair] = (float(k), 1.0, -1.0)
+            keep_axis(cache, at, known[pair])
+            assert cache.axis_step[at] == -1
+
+
+@given(st.sets(PAIRS, max_size=PROBES), st.integers(1, 40))
+def test_as_many_pairs_as_are_looked_at_are_all_remembered(pairs: set[tuple[int, int]], driven: int) -> None:
+    cache = make_pair_cache(driven, PIECES)
+    for k, pair in enumerate(sorted(pairs)):
+        keep_axis(cache, slot_of(cache, *pair), (float(k), 0.0, 1.0))
+    for k, pair in enumerate(sorted(pairs)):
+        assert axis_at(cache, slot_of(cache, *pair)) == (float(k), 0.0, 1.0)
+
+
+def test_of_a_full_neighbourhood_the_pair_unused_for_longest_is_given_up() -> None:
+    cache, rng = make_pair_cache(1, PIECES), np.random.default_rng(0)
+    for step in range(200):
+        cache.step[0] = step
+        pair = rng.integers(PIECES, size=2).tolist()
+        before, keys = cache.used.copy(), cache.key.copy()
+        at = slot_of(cache, *pair)
+        if keys[at] not in (-1, cache.key[at]):
+            # each of the slots looked at was used in another step
+            assert step - before[at] >= PROBES
+    assert (cache.key >= 0).all()
+    forget_pairs(cache)
+    assert (cache.key == -1).all()
+
+
+def test_a_pair_that_comes_anew_into_a_slot_knows_nothing() -> None:
+    cache = make_pair_cache(1, PIECES)
+    cache.axis[:], cache.axis_step[:], cache.gap_step[:] = 1.0, 0, 0
+    at = slot_of(cache, 3, 7)
+    assert axis_at(cache, at) == (0.0, 0.0, 0.0) and cache.axis_step[at] == -1 and cache.gap_step[at] == -1

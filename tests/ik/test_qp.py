@@ -1,0 +1,170 @@
+"""The QP of a step against non-negative least squares: contacts, bounds and budgets, within one avatar and between two."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.ik.objective import model
+from avatarsim.ik.qp import LOOSE, MULTIPLIER_CAP, solve_qp
+from avatarsim.ik.state import RowKind
+from avatarsim.world.skeleton import FREE
+from tests.ik.least_distance import nearest_step
+from tests.ik.solvers import Array, Solver, apart, metric_of
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+TOLERANCE = 1e-10
+
+
+def asked(seed: int, count: int, by: float = 0.1) -> tuple[Solver, Array, Array]:
+    """Three trees as one island, modelled, and random contact rows of one or two of them that a random step obeys."""
+    found, rng = apart(seed, by), np.random.default_rng(seed)
+    found.solve_for_all()
+    for avatar in range(found.count):
+        model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
+    r, spans = found.working.rows, list(pairwise(found.avatars.first_dof.tolist()))
+    r.used[0], r.ready[0] = count, 0
+    obeying = rng.normal(0.0, 0.1, len(found.avatars.joint_of))
+    r.jacobian[:count], r.multiplier[:count], r.kind[:count] = 0.0, 0.0, RowKind.CONTACT
+    for k in range(count):
+        one, other = sorted(rng.choice(found.count, 2, replace=False).tolist())
+        r.owner[k] = (one, other if rng.random() < 0.4 else -1)
+        for avatar in r.owner[k][r.owner[k] >= 0]:
+            low, high = spans[avatar]
+            r.jacobian[k, low:high] = rng.normal(size=high - low)
+        r.pair[k] = (k, k)
+    r.bound[:count] = r.jacobian[:count] @ obeying - rng.choice([0.0, 0.05], count)
+    return found, r.jacobian[:count].copy(), r.bound[:count].copy()
+
+
+def solved(found: Solver) -> Array:
+    """The step of all avatars."""
+    solve_qp(found.world.skeleton, found.avatars, 0, found.count, TOLERANCE, found.state, found.working)
+    return found.working.step.copy()
+
+
+def cost(found: Solver, step: Array) -> float:
+    """What the QP minimises."""
+    off = step - found.working.objective.newton
+    return float(0.5 * off @ metric_of(found) @ off)
+
+
+def groups(found: Solver) -> list[tuple[slice, str]]:
+    """The degrees that a budget bounds together, and which of an avatar's budgets."""
+    skel, places = found.world.skeleton, []
+    for link, kind in enumerate(skel.kind):
+        d, last = int(skel.first_dof[link]), int(skel.first_dof[link + 1])
+        if kind == FREE:
+            places.append((slice(d, d + 3), "move"))
+            d += 3
+        if last > d:
+            places.append((slice(d, last), "turn"))
+    return places
+
+
+@given(st.integers(0, 10**6), st.integers(1, 9))
+def test_contacts_of_and_between_avatars(seed: int, count: int) -> None:
+    found, rows, bound = asked(seed, count)
+    wanted = nearest_step(metric_of(found), found.working.objective.newton, rows, bound)
+    step = solved(found)
+    assert (rows @ step >= bound - 1e-7).all()
+    assert step == pytest.approx(wanted, abs=1e-6)
+
+
+@given(st.integers(0, 10**6))
+def test_bounds_that_are_violated_join(seed: int) -> None:
+    """Hinges are held to less than the free step asks of them."""
+    found, rows, bound = asked(seed, 3)
+    rng = np.random.default_rng(seed + 1)
+    at = found.world.hinges
+    found.working.low[at], found.working.high[at] = -rng.uniform(0.0, 0.03, len(at)), rng.uniform(0.0, 0.03, len(at))
+    unit = np.eye(len(found.avatars.joint_of))[at]
+    wanted = nearest_step(
+        metric_of(found), found.working.objective.newton, np.vstack([rows, unit, -unit]),
+        np.concatenate([bound, found.working.low[at], -found.working.high[at]]),
+    )
+    step = solved(found)
+    assert (step >= found.working.low).all() and (step <= found.working.high).all()
+    assert (rows @ step >= bound - 1e-6).all() and step == pytest.approx(wanted, abs=1e-5)
+
+
+@given(st.integers(0, 10**6), st.floats(0.005, 0.2))
+def test_budgets_are_kept_in_every_direction_and_only_what_they_hold_back_is_given_up(seed: int, left: float) -> None:
+    """Together with contacts: no joint or root goes farther than its budget and `LOOSE` more, and the step costs no more than
+    any that keeps the budgets themselves, of which scaled copies of the solution without budgets are some."""
+    found, rows, bound = asked(seed, 2)
+    bound[:] = np.minimum(bound, 0.0)
+    found.working.rows.bound[:2] = bound
+    free = nearest_step(metric_of(found), found.working.objective.newton, rows, bound)
+    found.state.budget.turn[:], found.state.budget.move[:] = left, left
+    step = solved(found)
+    norms = [float(np.linalg.norm(step[place])) for place, _ in groups(found)]
+    assert max(norms) <= left * (1.0 + LOOSE) * (1.0 + 1e-9)
+    longest = max(float(np.linalg.norm(free[place])) for place, _ in groups(found))
+    assert cost(found, step) <= cost(found, free * min(1.0, left / longest)) + 1e-9
+    if longest <= left:
+        assert step == pytest.approx(free, abs=1e-6)
+
+
+def test_what_was_spent_of_a_budget_is_not_there_any_more() -> None:
+    found, _, _ = asked(3, 0)
+    budget, skel = found.state.budget, found.world.skeleton
+    budget.turn[:], budget.move[:], budget.turned[:], budget.moved[:] = 0.02, 0.02, 0.015, 0.03
+    step = solved(found)
+    for link in range(len(skel.kind)):
+        mine = step[skel.first_dof[link] : skel.first_dof[link + 1]]
+        root, joint = (mine[:3], mine[3:]) if skel.kind[link] == FREE else (mine[:0], mine)
+        assert (root == 0.0).all() and np.linalg.norm(joint) <= 0.005 * (1.0 + LOOSE) + 1e-9
+
+
+def test_without_rows_it_is_the_step_of_the_model() -> None:
+    found, _, _ = asked(5, 0)
+    assert (solved(found) == found.working.objective.newton).all()
+
+
+def test_the_same_row_many_times_is_shared_and_solved() -> None:
+    """As the corners of a foot on a floor are."""
+    found, rows, bound = asked(7, 1)
+    r = found.working.rows
+    bound[0] = float(rows[0] @ found.working.objective.newton) + 0.05
+    for k in range(12):
+        r.jacobian[k], r.bound[k], r.owner[k], r.kind[k], r.multiplier[k] = rows[0], bound[0], r.owner[0], r.kind[0], 0.0
+    r.used[0] = 12
+    wanted = nearest_step(metric_of(found), found.working.objective.newton, rows, bound)
+    assert solved(found) == pytest.approx(wanted, abs=1e-5)
+
+
+def test_rows_that_contradict_each_other_end_in_finite_numbers_inside_the_bounds() -> None:
+    found, rows, _ = asked(8, 2)
+    r = found.working.rows
+    r.owner[1], r.jacobian[0], r.jacobian[1], r.bound[:2] = r.owner[0], rows[0], -rows[0], 1.0
+    found.working.low[:], found.working.high[:] = -0.5, 0.5
+    step = solved(found)
+    assert np.isfinite(step).all() and (np.abs(step) <= 0.5).all()
+    assert (r.multiplier[: r.used[0]] <= MULTIPLIER_CAP).all()
+
+
+@pytest.mark.parametrize("where", ["newton", "jacobian", "bound", "factor"])
+def test_a_nan_leads_to_a_nan_or_to_a_step_inside_its_bounds(where: str) -> None:
+    """A nan is then refused by the certificate."""
+    found, _, _ = asked(9, 2)
+    found.working.low[:], found.working.high[:] = -0.3, 0.3
+    {
+        "newton": found.working.objective.newton, "jacobian": found.working.rows.jacobian[0],
+        "bound": found.working.rows.bound, "factor": found.working.objective.factor[3],
+    }[where][0] = np.nan
+    step = solved(found)
+    assert (np.isnan(step) | (np.abs(step) <= 0.3)).all()
+
+
+def test_a_full_table_takes_no_more_rows() -> None:
+    found, _, _ = asked(4, 1)
+    r, m = found.working.rows, len(found.working.rows.bound)
+    r.owner[:], r.jacobian[:], r.bound[:], r.kind[:] = (0, -1), 0.0, -1.0, RowKind.CONTACT
+    r.jacobian[:, : found.avatars.first_dof[1]] = np.random.default_rng(0).normal(size=(m, int(found.avatars.first_dof[1])))
+    r.used[0] = m
+    found.working.low[:], found.working.high[:] = -1e-3, 1e-3
+    step = solved(found)
+    assert r.used[0] == m and (np.abs(step) <= 1e-3).all()

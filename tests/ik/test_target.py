@@ -1,0 +1,100 @@
+"""Target of a frame: clipped joint by joint, and the budgets that its motion opens."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.ik.motion_budget import AT_REST
+from avatarsim.ik.target import clip_to_limits, meet_target
+from avatarsim.posture.limits import cone_excess
+from avatarsim.settings import IkSettings
+from avatarsim.spatial.tangent import columns
+from avatarsim.world.skeleton import BALL, Posture
+from avatarsim.world.world import posture_of
+from tests.ik.solvers import TREES, Solver, copied, solver_of
+from tests.posture.little_worlds import random_sample
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+DT = 1.0 / 60.0
+SETTINGS = IkSettings()
+
+
+def clipped(found: Solver, tracker: Posture) -> Posture:
+    """The clipped target of all avatars."""
+    clip_to_limits(found.world.skeleton, found.avatars, tracker, found.state.tracking, found.working.target)
+    return copied(found.working.target)
+
+
+def met(found: Solver, tracker: Posture, has_changed: bool = False) -> np.ndarray:
+    """A frame begins with that target: the budget of each joint's turn, beyond what the target turned."""
+    clipped(found, tracker)
+    meet_target(found.world.skeleton, found.avatars, SETTINGS, tracker, DT, has_changed, found.state, found.working)
+    return found.state.budget.turn.copy()
+
+
+@given(st.integers(0, 10**6))
+def test_it_is_inside_the_limits_and_where_the_tracker_keeps_them_the_trackers(seed: int) -> None:
+    found = solver_of(TREES)
+    skel = found.world.skeleton
+    tracker = posture_of(skel, found.world.hinges, random_sample(TREES.avatars, seed))
+    target = clipped(found, tracker)
+    assert (target.root == tracker.root).all()
+    at = found.world.hinges
+    assert (target.angle[at] == np.clip(tracker.angle[at], skel.limits[at, 0], skel.limits[at, 1])).all()
+    legal = np.ones(found.count, dtype=bool)
+    for link in range(len(skel.kind)):
+        beyond = skel.kind[link] == BALL and cone_excess(skel, link, columns(tracker.turn, link)) > 0.0
+        if beyond:
+            legal[found.avatars.avatar[link]] = False
+            assert cone_excess(skel, link, columns(target.turn, link)) <= 1e-12
+        else:
+            assert target.turn[link] == pytest.approx(tracker.turn[link], abs=1e-15)
+    for a in range(found.count):
+        mine = slice(found.avatars.first_dof[a], found.avatars.first_dof[a + 1])
+        legal[a] &= bool((target.angle[mine] == tracker.angle[mine]).all())
+    assert (found.state.tracking.is_legal == legal).all()
+    again = clipped(found, target)
+    assert again.turn == pytest.approx(target.turn, abs=1e-12) and (again.angle == target.angle).all()
+
+
+def test_a_target_that_rests_opens_less_and_less_and_one_that_moves_all_of_it() -> None:
+    found = solver_of(TREES)
+    start = copied(found.world.posture)
+    gone = copied(start)
+    gone.root[0, 0] += 0.01
+    whole = SETTINGS.catch_up_turn * DT
+    assert (met(found, start) == 0.0).all(), "nothing has moved yet"
+    assert met(found, gone) == pytest.approx(whole)
+    first = 0.01 / DT
+    for k in range(1, 400):
+        wanted = whole * min(1.0, first * np.exp(-k * DT / SETTINGS.settle_time) / AT_REST)
+        assert met(found, gone) == pytest.approx(wanted, rel=1e-9)
+    assert wanted < 1e-3 * whole
+    assert met(found, gone, has_changed=True) == pytest.approx(whole), "what moved may have set an avatar free"
+
+
+def test_a_target_beyond_a_cone_opens_no_more_than_the_tracker_turned() -> None:
+    """Where a small turn of the tracker sends the clipped target round the cone, the smaller of both counts."""
+    rng = np.random.default_rng(2)
+    whole = SETTINGS.catch_up_turn * DT
+    more = 0
+    for seed in range(40):
+        found = solver_of(TREES)
+        before = posture_of(found.world.skeleton, found.world.hinges, random_sample(TREES.avatars, seed))
+        met(found, before)
+        after = copied(before)
+        ball = int(np.flatnonzero(found.world.skeleton.kind == BALL)[0])
+        old = columns(found.working.target.turn, ball)
+        axis = rng.normal(size=3)
+        angle = 0.3
+        c, s, n = np.cos(angle), np.sin(angle), axis / np.linalg.norm(axis)
+        cross = np.array([[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]])
+        after.turn[ball] = before.turn[ball] @ (np.eye(3) + s * cross + (1.0 - c) * cross @ cross)
+        budget = met(found, after)
+        new = columns(found.working.target.turn, ball)
+        turned = np.arccos(np.clip(0.5 * (np.trace(np.array(old) @ np.array(new).T) - 1.0), -1.0, 1.0))
+        more += turned > angle + 1e-6
+        assert budget[ball] <= angle + whole + 1e-9
+        assert budget[ball] == pytest.approx(min(turned, angle) + whole, abs=1e-6)
+    assert more > 2, "in some the clipped target went farther than the tracker"
