@@ -115,7 +115,7 @@ class IkSettings(NamedTuple):
     near: float = 0.05
     steps: int = 2
     corrections: int = 4
-    work: int = 1500
+    work: int = 1200
     plan_work: int = 800
     around: int = 1
 

@@ -20,11 +20,11 @@ from avatarsim.ik.state import (
     HELD,
     OUT_OF_WORK,
     PAIRS,
+    PRODUCTS,
     QPS,
     QUERIES,
     ROWS,
     STEPS,
-    SWEEPS,
     Avatars,
     IkScratch,
     IkState,
@@ -50,7 +50,7 @@ def work_done(scratch: IkScratch) -> int:
 
     The weights were fitted to the times of frames of 75 hostile returns of three avatars: within a fifth for half of them."""
     c = scratch.counts
-    return int(c[QUERIES] + c[PAIRS] + 3 * c[FORWARDS] + 4 * c[SWEEPS] + c[ROWS])
+    return int(c[QUERIES] + c[PAIRS] + 3 * c[FORWARDS] + c[ROWS] + c[PRODUCTS] // 32)
 
 
 @kernel
