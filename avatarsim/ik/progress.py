@@ -7,8 +7,11 @@ from avatarsim.settings import IkSettings
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Skeleton
 
-SLOWEST = 0.1
-"""Share of the catch-up speed with which the farthest link origin comes nearer where an avatar makes progress."""
+SLOWEST = 0.25
+"""Share of the catch-up speed with which all link origins come nearer where an avatar makes progress."""
+
+FALLEN = 1.0 / 3.0
+"""Or share of itself by which the objective falls within the stall time: near the target most origins are there already."""
 
 
 @kernel
@@ -25,8 +28,10 @@ def measure(
     value, far = value_of(skel, avatars, avatar, state_out, poses, scratch.objective)
     t.distance[avatar] = far
     t.since[avatar] += dt
-    # what one origin that comes nearer with this speed takes of the objective
-    least = SLOWEST * settings.catch_up_move * t.since[avatar] * min(far, LOSS_RADIUS * t.reach[avatar])
+    links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
+    # what origins beyond the loss radius that come nearer with this speed take of the objective
+    least = SLOWEST * settings.catch_up_move * links * LOSS_RADIUS * t.reach[avatar]
+    least = min(least, FALLEN * t.objective[avatar] / settings.stall_time) * t.since[avatar]
     if far <= settings.near or t.objective[avatar] - value >= least:
         t.stalled[avatar], t.since[avatar], t.objective[avatar] = 0.0, 0.0, value
     elif t.since[avatar] >= settings.stall_time:

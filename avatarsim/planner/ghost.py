@@ -9,7 +9,6 @@ from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tange
 from avatarsim.ik.motion_budget import SLACK, keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.pair_cache import forget_pairs
-from avatarsim.ik.progress import SLOWEST
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.sqp_step import copy_poses, sqp_step
 from avatarsim.ik.state import Avatars
@@ -23,6 +22,12 @@ from avatarsim.world.skeleton import Skeleton
 
 STRIDE = LOSS_RADIUS
 """[rad, and mean reaches of a link] how far a step goes at most: as far as the objective still is a square."""
+
+LONGEST = 4.0
+"""Strides that a step is long at most: each doubles the one before, until something is in the way."""
+
+SLOWEST = 0.1
+"""Share of a stride by which the farthest link origin comes nearer where a step makes progress."""
 
 TRAPPED, ADVANCED, REACHED = range(3)
 """What a step came to, in the words of Kuffner and LaValle (2000)."""
@@ -125,14 +130,14 @@ def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost
 
 
 @kernel
-def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
+def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, ghost_out: Ghost) -> None:
     """The target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound of
     every joint, each of them a row of the QP."""
     g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
-    move = STRIDE * t.reach[avatar]
-    b.slack[0], b.slack[1] = SLACK * move, SLACK * STRIDE
+    turn, move = strides * STRIDE, strides * STRIDE * t.reach[avatar]
+    b.slack[0], b.slack[1] = SLACK * move, SLACK * turn
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        b.turn[link], b.move[link], b.turned[link], b.moved[link] = STRIDE, move, 0.0, 0.0
+        b.turn[link], b.move[link], b.turned[link], b.moved[link] = turn, move, 0.0, 0.0
     tangent_error(skel, avatars, avatar, g.posture, g.aim, s.step)
     keep_budget(skel, avatars, avatar, b, False, s.step)
     copy_posture(skel, avatars, avatar, g.posture, s.target)
@@ -145,15 +150,18 @@ def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) 
 
 @kernel
 def step_ghost(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, most_work: int, value: float, ghost_out: Ghost
-) -> tuple[int, float]:
-    """One step towards the aim, whose objective was `value` before: what it came to, and the objective after it."""
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, strides: float, most_work: int, value: float,
+    ghost_out: Ghost,
+) -> tuple[int, float, float]:
+    """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after it,
+    and how long the next step may be."""
     g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
-    set_carrot(skel, avatars, avatar, g)
+    set_carrot(skel, avatars, avatar, strides, g)
     moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
     now, far = value_to_aim(skel, avatars, avatar, g)
+    following = min(2.0 * strides, LONGEST) if g.scratch.rows.used[0] == 0 else 1.0
     if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) < ARRIVED:
-        return REACHED, now
+        return REACHED, now, following
     # the measure of the progress monitor, for a step in place of a frame
     least = SLOWEST * STRIDE * reach * min(far, LOSS_RADIUS * reach)
-    return (TRAPPED if moved == 0.0 or not value - now >= least else ADVANCED), now
+    return (TRAPPED if moved == 0.0 or not value - now >= least else ADVANCED), now, following

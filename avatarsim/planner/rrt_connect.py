@@ -4,7 +4,8 @@ Each in turn is extended towards a sample, as far as it gets, and the other towa
 straight from the start to the goal. Anytime: `search` goes on until a slice of work is spent, and finds all it needs in the Plan.
 """
 
-from avatarsim.ik.objective import locate
+from avatarsim.ik.kinematics import tangent_error
+from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FORWARDS, Avatars
 from avatarsim.ik.target import copy_posture
@@ -20,7 +21,7 @@ from avatarsim.planner.ghost import (
     step_ghost,
     value_to_aim,
 )
-from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_candidate
+from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
@@ -32,10 +33,13 @@ from avatarsim.world.skeleton import Posture, Skeleton
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
 CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
+GOAL_NODE = 1
+"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
+
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
-SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT = range(5)
+SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE = range(6)
 """What a slice of a search came to."""
 
 
@@ -58,12 +62,13 @@ def search(
     `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
+    found = SEARCHING
+    if s.phase[avatar] != GOAL and not is_followed and is_stale(geo, skel, avatars, avatar, tracker, target, value, plan_out, g):
+        return STALE
     if s.phase[avatar] == GOAL:
-        g.state.tracking.is_located[avatar] = 0
-        locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
+        aim_at_target(skel, avatars, avatar, tracker, target, g)
     elif s.at[avatar] >= 0:
         resume(geo, skel, avatars, avatar, plan_out, g)
-    found = SEARCHING
     while found == SEARCHING and work_done(g.scratch) < most_work:
         phase = s.phase[avatar]
         if phase == GOAL:
@@ -75,6 +80,30 @@ def search(
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
     return found
+
+
+@kernel
+def is_stale(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, value: float, plan: Plan,
+    ghost_out: Ghost,
+) -> bool:
+    """Whether the target has moved so far from the goal of a search that it is no goal any more."""
+    g = ghost_out
+    put_ghost_at(geo, skel, avatars, avatar, GOAL_NODE, plan, g)
+    aim_at_target(skel, avatars, avatar, tracker, target, g)
+    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    return not there <= CLOSER * value
+
+
+@kernel
+def aim_at_target(
+    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, ghost_out: Ghost
+) -> None:
+    """Link origins of the tracker, and the ghost's tangent error to the clipped target."""
+    g = ghost_out
+    g.state.tracking.is_located[avatar] = 0
+    locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
+    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
 
 
 @kernel
@@ -110,6 +139,7 @@ def resume(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan: P
     put_ghost_at(geo, skel, avatars, avatar, plan.searches.at[avatar], plan, ghost_out)
     aim_ghost(skel, avatars, avatar, AIM, plan, ghost_out)
     plan.searches.value[avatar], _ = value_to_aim(skel, avatars, avatar, ghost_out)
+    plan.searches.pace[avatar] = 1.0
 
 
 @kernel
@@ -143,7 +173,7 @@ def begin_extension(
     s = plan_out.searches
     if s.samples[avatar] >= MOST_SAMPLES or s.count[avatar] >= NODES:
         return FAILED
-    draw_sample(skel, avatars, avatar, 1, plan_out, ghost_out)
+    draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
     s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
     s.begun[avatar], s.phase[avatar] = s.count[avatar], EXTEND
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
@@ -157,8 +187,9 @@ def extend(
 ) -> None:
     """One step of the extension that is under way, and what follows if it was the last."""
     s, phase = plan_out.searches, plan_out.searches.phase[avatar]
-    outcome, now = step_ghost(geo, skel, avatars, settings, avatar, most_work, s.value[avatar], ghost_out)
-    s.value[avatar] = now
+    outcome, s.value[avatar], s.pace[avatar] = step_ghost(
+        geo, skel, avatars, settings, avatar, s.pace[avatar], most_work, s.value[avatar], ghost_out
+    )
     if outcome != TRAPPED:
         tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
         k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)

@@ -65,10 +65,11 @@ def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_
     for i in range(3):
         low, high = min(here[i], there[i]) - margin, max(here[i], there[i]) + margin
         target.root[root, i] = low + (high - low) * drawn(avatar, plan_out)
-    # up and down only as far as start and goal are
+    # an avatar with joints stands on floors: up and down only as far as start and goal are; a hand goes over things
+    is_standing = dot(up, up) > 0.5 and avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
     height, one, other = dot(up, row(target.root, root)), dot(up, here), dot(up, there)
     wanted = min(one, other) + abs(one - other) * drawn(avatar, plan_out)
-    put_row(target.root, root, along(row(target.root, root), wanted - height if dot(up, up) > 0.5 else 0.0, up))
+    put_row(target.root, root, along(row(target.root, root), wanted - height if is_standing else 0.0, up))
     heading = 2.0 * pi * (drawn(avatar, plan_out) - 0.5)
     frame = columns(target.turn, root)
     axis = turned_back(frame, up)

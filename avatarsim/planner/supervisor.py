@@ -11,7 +11,7 @@ from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import put_ghost_at
-from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, begin_search, search
+from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.settings import IkSettings
 from avatarsim.world.geometry import Geometry, Poses
@@ -162,6 +162,8 @@ def search_all(
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
+        if found == STALE:
+            begin_search(skel, avatars, avatar, posture, plan_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
 
