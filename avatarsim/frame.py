@@ -32,7 +32,7 @@ def lower_loop(
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
     if method == "ik":
-        return IkLoop(world, chosen.ik, chosen.coupling, record=record)
+        return IkLoop(world, chosen.ik, chosen.coupling, seed, record=record)
     return CheckedLoop(world, chosen.posture, chosen.coupling, seed, record=record)
 
 

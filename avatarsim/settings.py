@@ -98,6 +98,10 @@ class IkSettings(NamedTuple):
     work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat.
     When
                     it is spent the last certified state is shown, and the record says so.
+    plan_work       the part of it that searches for paths may take, in the same units. 0: no path is searched; more: paths are
+                    found in fewer frames, each of which takes longer.
+    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a hand
+                    without any that is pushed through a table is to lie on it. 2: for all.
     """
 
     stand_off: float = 2e-4
@@ -111,7 +115,9 @@ class IkSettings(NamedTuple):
     near: float = 0.05
     steps: int = 2
     corrections: int = 4
-    work: int = 1000
+    work: int = 1200
+    plan_work: int = 800
+    around: int = 1
 
 
 class CouplingSettings(NamedTuple):

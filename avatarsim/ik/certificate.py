@@ -6,7 +6,7 @@ one end to the other. The gap along a direction proves separation whatever propo
 proposes, two supports decide. Every test is written so that a NaN fails it.
 """
 
-from math import inf
+from math import cos, inf
 
 from avatarsim.collide.gjk import gjk
 from avatarsim.collide.signed_distance import signed_distance
@@ -19,6 +19,9 @@ from avatarsim.settings import IkSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses
+
+LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
+"""Trace of the turn [rad] up to which directions are carried by bodies."""
 
 EXACT = 0.02
 """[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
@@ -114,6 +117,8 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
             return True
     for side in range(2):
         body = geo.body[a] if side == 0 else geo.body[b]
+        if not turns_little(poses, trial, body):
+            continue
         carried = turned(columns(trial.rotation, body), turned_back(columns(poses.rotation, body), n0))
         if is_apart(geo, trial, a, b, carried, scratch_out):
             return True
@@ -126,8 +131,23 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
             if is_apart(geo, trial, a, b, n, scratch_out) and is_apart(geo, poses, a, b, back, scratch_out):
                 return True
     body = geo.body[a]
+    if not turns_little(poses, trial, body):
+        return False
     carried = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n1))
     return is_apart(geo, poses, a, b, carried, scratch_out)
+
+
+@kernel
+def turns_little(poses: Poses, trial: Poses, body: int) -> bool:
+    """Whether a step turns a body by so little that a direction that it carries proves something.
+
+    Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in
+    between."""
+    trace = 0.0
+    for i in range(3):
+        for k in range(3):
+            trace += poses.rotation[body, i, k] * trial.rotation[body, i, k]
+    return trace > LEAST_TRACE
 
 
 @kernel

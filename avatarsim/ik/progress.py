@@ -1,53 +1,40 @@
-"""Progress monitor and supervisor: does the objective of an avatar still fall, and which target does the avatar follow?"""
+"""Progress monitor: does the objective of an avatar that is far from its target still fall?"""
 
-from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
-from avatarsim.ik.state import WAITING, Avatars, IkScratch, IkState, Mode
+from avatarsim.ik.objective import LOSS_RADIUS, value_of
+from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.kernel import kernel
 from avatarsim.settings import IkSettings
 from avatarsim.world.geometry import Poses
-from avatarsim.world.skeleton import Posture, Skeleton
+from avatarsim.world.skeleton import Skeleton
 
-TRACK, WAIT = int(Mode.TRACK), int(Mode.WAIT)
+SLOWEST = 0.25
+"""Share of the catch-up speed with which all link origins come nearer where an avatar makes progress."""
 
-SLOWEST = 0.1
-"""Share of the catch-up speed with which the farthest link origin comes nearer where an avatar makes progress."""
-
-
-@kernel
-def measure_begin(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, state_out: IkState,
-    scratch_out: IkScratch
-) -> None:
-    """As a frame begins: the objective of each avatar that was far from its target, towards the target of this frame."""
-    t = state_out.tracking
-    for avatar in range(avatars.first_link.shape[0] - 1):
-        if t.distance[avatar] > settings.near:
-            locate(skel, avatars, avatar, state_out.own, t, scratch_out.objective)
-            tangent_error(skel, avatars, avatar, posture, scratch_out.target, scratch_out.objective.error)
-            t.objective[avatar], _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
+FALLEN = 1.0 / 3.0
+"""Or share of itself by which the objective falls within the stall time: near the target most origins are there already."""
 
 
 @kernel
-def supervise(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, dt: float, posture: Posture, poses: Poses, state_out: IkState,
-    scratch_out: IkScratch,
-) -> None:
-    """After the steps of a frame: how far each avatar is from its target, for how long it has come no nearer, and its mode."""
+def measure(
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, poses: Poses, state_out: IkState,
+    scratch: IkScratch,
+) -> float:
+    """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how long
+    the objective has not fallen as it must; the objective.
+
+    It is compared with what it was a stall time before at most, as the frames ended: what is lost again to a target that walks on
+    is no progress."""
     t = state_out.tracking
-    for avatar in range(avatars.first_link.shape[0] - 1):
-        was_far = t.distance[avatar] > settings.near
-        if t.has_arrived[avatar] > 0:
-            t.distance[avatar], t.stalled[avatar], t.mode[avatar] = 0.0, 0.0, TRACK
-            continue
-        locate(skel, avatars, avatar, state_out.own, t, scratch_out.objective)
-        tangent_error(skel, avatars, avatar, posture, scratch_out.target, scratch_out.objective.error)
-        value, far = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
-        t.distance[avatar] = far
-        # what one origin that comes nearer with this speed takes of the objective
-        least = SLOWEST * settings.catch_up_move * dt * min(far, LOSS_RADIUS * t.reach[avatar])
-        is_stalled = was_far and far > settings.near and t.objective[avatar] - value < least
-        t.stalled[avatar] = t.stalled[avatar] + dt if is_stalled else 0.0
-        t.mode[avatar] = WAIT if t.stalled[avatar] >= settings.stall_time else TRACK
-        if t.mode[avatar] == WAIT:
-            scratch_out.counts[WAITING] += 1
+    value, far = value_of(skel, avatars, avatar, state_out, poses, scratch.objective)
+    t.distance[avatar] = far
+    t.since[avatar] += dt
+    links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
+    # what origins beyond the loss radius that come nearer with this speed take of the objective
+    least = SLOWEST * settings.catch_up_move * links * LOSS_RADIUS * t.reach[avatar]
+    least = min(least, FALLEN * t.objective[avatar] / settings.stall_time) * t.since[avatar]
+    if far <= settings.near or t.objective[avatar] - value >= least:
+        t.stalled[avatar], t.since[avatar], t.objective[avatar] = 0.0, 0.0, value
+    elif t.since[avatar] >= settings.stall_time:
+        t.stalled[avatar] += t.since[avatar]
+        t.since[avatar], t.objective[avatar] = 0.0, value
+    return value

@@ -1,8 +1,7 @@
-"""One frame of the posture solver, on one screen: target, budgets, islands, steps, progress. See docs/posture.md."""
+"""One frame of the posture solver, on one screen: target, budgets, islands, steps. See docs/posture.md."""
 
 from avatarsim.ik.broad_phase import forget_near, form_islands
 from avatarsim.ik.notice import notice_bodies
-from avatarsim.ik.progress import measure_begin, supervise
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
@@ -17,17 +16,17 @@ ARRIVED = 3e-2
 
 
 @kernel
-def solve(
+def begin_frame(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, moving: Index,
-    posture_out: Posture, poses_out: Poses, state_out: IkState, scratch_out: IkScratch,
+    poses: Poses, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Bring the posture towards the tracker's by certified steps within the budget of a frame of dt [s].
+    """Take over what has moved, clip the target, and open the budgets of a frame of dt [s].
 
     dt = 0: once more in the same frame, after loose bodies have moved on; what is left of its budget is used.
     moving (nb): 1 for bodies that may have moved since the last call; empty if that is not known.
     """
     s, state = scratch_out, state_out
-    has_changed = notice_bodies(geo, skel, poses_out, moving, s)
+    has_changed = notice_bodies(geo, skel, poses, moving, s)
     if has_changed:
         forget_near(state)
     clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
@@ -37,7 +36,15 @@ def solve(
     if dt > 0.0:
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
         state.tracking.share[:] = dt / (dt + settings.damping_time)
-        measure_begin(skel, avatars, settings, posture_out, poses_out, state, s)
+
+
+@kernel
+def solve(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture_out: Posture, poses_out: Poses,
+    state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """Bring the posture towards the target by certified steps within what is left of the frame's budget."""
+    s, state = scratch_out, state_out
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
         last = first + 1
@@ -53,8 +60,6 @@ def solve(
             if moved < ARRIVED or have_arrived(first, last, state, s) or work_done(s) >= most_work:
                 break
         first = last
-    if dt > 0.0:
-        supervise(skel, avatars, settings, dt, posture_out, poses_out, state, s)
 
 
 @kernel

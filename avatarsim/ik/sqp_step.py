@@ -19,12 +19,12 @@ from avatarsim.ik.state import (
     FORWARDS,
     HELD,
     OUT_OF_WORK,
+    PAIRS,
     PRODUCTS,
     QPS,
     QUERIES,
     ROWS,
     STEPS,
-    SUPPORTS,
     Avatars,
     IkScratch,
     IkState,
@@ -46,9 +46,11 @@ BACK_OFF, BACK_OFFS = 0.25, 3
 
 @kernel
 def work_done(scratch: IkScratch) -> int:
-    """Work of this frame so far, in units of about a microsecond; counted, so that results repeat."""
+    """Work of this frame so far, in units of about a microsecond; counted, so that results repeat.
+
+    The weights were fitted to the times of frames of 75 hostile returns of three avatars: within a fifth for half of them."""
     c = scratch.counts
-    return int(c[QUERIES] + 2 * c[FORWARDS] + c[SUPPORTS] // 8 + c[PRODUCTS] // 32 + c[ROWS] // 2)
+    return int(c[QUERIES] + c[PAIRS] + 3 * c[FORWARDS] + c[ROWS] + c[PRODUCTS] // 32)
 
 
 @kernel

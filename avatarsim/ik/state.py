@@ -51,15 +51,17 @@ class Mode(IntEnum):
     """The tracker's posture."""
     WAIT = 1
     """The same, but the objective no longer falls: something holds the avatar off."""
+    PLAN = 2
+    """The same, while a path is searched."""
+    FOLLOW_PATH = 3
+    """The planner's path to a posture near the tracker's."""
 
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach",
-        "f8"),
-        ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"), ("has_model", "i8"), ("is_located",
-        "i8"), ("has_arrived",
-        "i8"),
+        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("since", "f8"), ("objective", "f8"),
+        ("distance", "f8"), ("reach", "f8"), ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"),
+        ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
     ],
     align=True,
 )
@@ -76,9 +78,11 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     speed: Array
     """[1/s] of the fastest target in the island, low-passed over the settle time: of its joints [rad/s] and roots [m/s]."""
     stalled: Array
-    """[s] for which the objective has fallen by less than the budget allows."""
+    """[s] for which the objective has not fallen as it does where an avatar makes progress."""
+    since: Array
+    """[s] since it was measured what the objective falls from."""
     objective: Array
-    """[m^2] as the frame begins, towards its target."""
+    """[m^2] what it falls from."""
     distance: Array
     """[m] of the link origin that is farthest from its target, as the frame ends."""
     reach: Array
@@ -263,12 +267,12 @@ class IkScratch(NamedTuple):
 
 COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
-    "bad_queries", "waiting", "out_of_work", "adopted", "avatar_islands", "products",
+    "bad_queries", "waiting", "out_of_work", "adopted", "avatar_islands", "products", "planning", "following", "plan_work",
 )
-"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows."""
+"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work
+of searches, beside all else."""
 
 (
     QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK,
-    ADOPTED,
-    ISLANDS, PRODUCTS,
+    ADOPTED, ISLANDS, PRODUCTS, PLANNING, FOLLOWING, PLAN_WORK,
 ) = range(len(COUNT_NAMES))

@@ -18,21 +18,30 @@ from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
     """The tracker's posture with each joint at the nearest place inside its own limits; whose it is that keeps them all."""
     for avatar in range(avatars.first_link.shape[0] - 1):
-        tracking_out.is_legal[avatar] = 1
-        for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-            kind, turn = skel.kind[link], columns(tracker.turn, link)
-            put_row(target_out.root, link, row(tracker.root, link))
-            if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
-                clipped = inside_cone(skel, link, turn)
-                if clipped != turn:
+        clip_avatar(skel, avatars, avatar, tracker, tracking_out, target_out)
+
+
+@kernel
+def clip_avatar(
+    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, target_out: Posture
+) -> None:
+    """The same of one avatar."""
+    tracking_out.is_legal[avatar] = 1
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        kind, turn = skel.kind[link], columns(tracker.turn, link)
+        put_row(target_out.root, link, row(tracker.root, link))
+        if kind == BALL and has_cone(skel, link) and not surely_inside(skel, link, turn, LEFT_ALONE):
+            clipped = inside_cone(skel, link, turn)
+            if clipped != turn:
+                tracking_out.is_legal[avatar] = 0
+            turn = clipped
+        put_columns(target_out.turn, link, turn)
+        if kind == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                angle = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
+                if angle != tracker.angle[j]:
                     tracking_out.is_legal[avatar] = 0
-                turn = clipped
-            put_columns(target_out.turn, link, turn)
-            if kind == HINGES:
-                for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-                    target_out.angle[j] = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
-                    if target_out.angle[j] != tracker.angle[j]:
-                        tracking_out.is_legal[avatar] = 0
+                target_out.angle[j] = angle
 
 
 @kernel

@@ -9,14 +9,19 @@ from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.notice import notice_bodies
-from avatarsim.ik.solve import solve
+from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.sound import state_is_sound
-from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, OUT_OF_WORK, WAITING, Mode
+from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, FOLLOWING, OUT_OF_WORK, PLANNING, WAITING, Mode
 from avatarsim.kernel import kernel
 from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.loops.opened_checked import opened_springs
-from avatarsim.loops.opened_ik import opened_avatars, opened_ik_settings, opened_state, opened_working
+from avatarsim.loops.opened_ik import opened_avatars, opened_ghost, opened_ik_settings, opened_plan, opened_state, opened_working
 from avatarsim.loops.recorded_events import trail_snapshots
+from avatarsim.planner.follow_path import aim_along_paths
+from avatarsim.planner.make import make_planner
+from avatarsim.planner.state import NODES, NONE, Phase, plan_is_sound
+from avatarsim.planner.supervisor import drop_paths, supervise
+from avatarsim.posture.chain import MODULUS
 from avatarsim.settings import CouplingSettings, IkSettings
 from avatarsim.tally import Tally
 from avatarsim.world.arena import Array, Index, opening, packed, yes
@@ -31,7 +36,7 @@ from avatarsim.world.opened import (
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
-SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK)
+SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
 """Places of the counts that a frame record says as statuses."""
 
 MOST = 2**60
@@ -60,6 +65,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     o = opening(kept)
     coupled, springs, settings = yes(o), opened_springs(o), opened_ik_settings(o)
     avatars, state, working = opened_avatars(o), opened_state(o), opened_working(o)
+    plan, ghost = opened_plan(o), opened_ghost(o)
     if answers:
         if coupled:
             give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
@@ -72,7 +78,13 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
         )
     elif springs.mass.shape[0] > 0:
         strike(skeleton, tracker, dt, velocities, springs)
-    solve(geometry, skeleton, avatars, settings, tracker, dt, moving, posture, poses, state, working)
+    begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
+    if dt > 0.0:
+        drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
+    aim_along_paths(skeleton, avatars, dt, posture, plan, state, working)
+    solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
+    if dt > 0.0:
+        supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)
 
 
 class IkLoop:
@@ -80,10 +92,12 @@ class IkLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
-    KEPT: ClassVar[tuple[str, ...]] = ("springs", "state")
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "state", "plan")
     WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
 
-    def __init__(self, world: World, settings: IkSettings, coupling: CouplingSettings, *, record: bool = False) -> None:
+    def __init__(
+        self, world: World, settings: IkSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
+    ) -> None:
         self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
         solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
         # without dynamics nothing gives back what pressing took, and the coupling would run away
@@ -92,7 +106,12 @@ class IkLoop:
             make_springs(world.skeleton, world.dynamics, world.poses, coupling) if world.scene.effects.dynamics
             else no_springs(world.poses, coupling)
         )
-        self._kept, (_, self.springs, _, self.avatars, self.state, self.working) = packed((coupled, springs, settings, *solver))
+        planner = make_planner(
+            world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
+        )
+        self._kept, (_, self.springs, _, self.avatars, self.state, self.working, self.plan, self.ghost) = packed(
+            (coupled, springs, settings, *solver, *planner)
+        )
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
@@ -106,7 +125,8 @@ class IkLoop:
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {
-            "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST), "used": (0, MOST),
+            **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
+            "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
@@ -114,10 +134,23 @@ class IkLoop:
             "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
         }
 
+    def _planned(self) -> Mapping[str, tuple[int, int]]:
+        """The same of the planner; asked first, since other fields are called `count` too."""
+        node, count = (NONE, NODES - 1), (0, NODES)
+        return {
+            "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
+            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0,
+            MOST), "cut_from": (0, NODES - 1),
+            "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
+            "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
+        }
+
     def go_on(self, begun: bool) -> None:
         """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
-        if not state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state):
-            raise InvalidSnapshot("state of the posture solver", "pairs or avatars that are not there", "places of this scene")
+        is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
+        if not is_sound or not plan_is_sound(self.plan):
+            raise InvalidSnapshot("state of the posture solver", "pairs, avatars or nodes that are not there",
+            "places of this scene")
         # what has not moved since is not looked at again
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0

@@ -14,6 +14,7 @@ from avatarsim.ik.state import (
     tracking_in,
 )
 from avatarsim.loops.opened_checked import opened_contacts
+from avatarsim.planner.state import Ghost, Plan, searches_in
 from avatarsim.settings import IkSettings
 from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, real, vectors, whole
 from avatarsim.world.opened import opened_poses, opened_posture
@@ -91,8 +92,24 @@ def opened_working(o: Opening) -> IkScratch:
 
 
 @opened
+def opened_plan(o: Opening) -> Plan:
+    """The next Plan."""
+    return Plan(
+        searches_in(index_line(o)[0])[0], cube(o)[0], index_grid(o)[0], index_grid(o)[0], index_grid(o)[0], index_line(o)[0]
+    )
+
+
+@opened
+def opened_ghost(o: Opening) -> Ghost:
+    """The next Ghost."""
+    return Ghost(opened_posture(o), opened_poses(o), opened_state(o), opened_working(o), opened_posture(o), opened_posture(o),
+    line(o)[0])
+
+
+@opened
 def opened_ik_settings(o: Opening) -> IkSettings:
     """The next IkSettings."""
     return IkSettings(
-        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o)
+        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o),
+        whole(o), whole(o),
     )

@@ -1,0 +1,170 @@
+"""The ghost: certified steps of an unseen avatar, the local planner of RRT-Connect (LaValle 2006, section 5.4).
+
+A step is one of the posture solver, towards any posture, so it slides along what is in its way; all else stands where it is
+shown.
+"""
+
+from avatarsim.ik.active_forces import forget_forces
+from avatarsim.ik.broad_phase import forget_near, sweep_boxes
+from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
+from avatarsim.ik.motion_budget import SLACK, keep_budget
+from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
+from avatarsim.ik.pair_cache import forget_pairs
+from avatarsim.ik.solve import ARRIVED
+from avatarsim.ik.sqp_step import copy_poses, sqp_step
+from avatarsim.ik.state import Avatars
+from avatarsim.ik.target import copy_posture, largest
+from avatarsim.kernel import kernel
+from avatarsim.planner.state import Ghost, Plan
+from avatarsim.planner.tree import get_node
+from avatarsim.settings import IkSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Skeleton
+
+STRIDE = LOSS_RADIUS
+"""[rad, and mean reaches of a link] how far a step goes at most: as far as the objective still is a square."""
+
+LONGEST = 4.0
+"""Strides that a step is long at most: each doubles the one before, until something is in the way."""
+
+SLOWEST = 0.1
+"""Share of a stride by which the farthest link origin comes nearer where a step makes progress."""
+
+TRAPPED, ADVANCED, REACHED = range(3)
+"""What a step came to, in the words of Kuffner and LaValle (2000)."""
+
+
+@kernel
+def has_moved(poses: Poses, b: int, ghost: Ghost) -> bool:
+    """Whether body b is shown elsewhere than the ghost has it."""
+    for i in range(3):
+        if poses.position[b, i] != ghost.poses.position[b, i]:
+            return True
+        for k in range(3):
+            if poses.rotation[b, i, k] != ghost.poses.rotation[b, i, k]:
+                return True
+    return False
+
+
+@kernel
+def copy_body(geo: Geometry, b: int, poses: Poses, poses_out: Poses) -> None:
+    """Copy the pose of one body, shapes and all."""
+    for i in range(3):
+        poses_out.position[b, i] = poses.position[b, i]
+        for k in range(3):
+            poses_out.rotation[b, i, k] = poses.rotation[b, i, k]
+    for i in range(6):
+        poses_out.hulls[b, i] = poses.hulls[b, i]
+    for piece in range(geo.first_shape[b], geo.first_shape[b + 1]):
+        for i in range(6):
+            poses_out.boxes[piece, i] = poses.boxes[piece, i]
+        for v in range(geo.shapes.start[piece], geo.shapes.start[piece + 1]):
+            for i in range(3):
+                poses_out.vertices[v, i] = poses.vertices[v, i]
+
+
+@kernel
+def notice_world(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, poses: Poses, ghost_out: Ghost
+) -> None:
+    """As a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
+    g, s = ghost_out, ghost_out.scratch
+    for b in range(skel.first):
+        if has_moved(poses, b, g):
+            copy_body(geo, b, poses, g.poses)
+            copy_body(geo, b, poses, s.trial)
+        for i in range(6):
+            s.swept_links[b, i] = poses.hulls[b, i]
+        for piece in range(geo.first_shape[b], geo.first_shape[b + 1]):
+            for i in range(6):
+                s.swept[piece, i] = poses.boxes[piece, i]
+    for other in range(avatars.first_link.shape[0] - 1):
+        if other == avatar:
+            continue
+        for b in range(skel.first + avatars.first_link[other], skel.first + avatars.first_link[other + 1]):
+            if has_moved(poses, b, g):
+                copy_poses(geo, skel, avatars, other, poses, g.poses)
+                copy_poses(geo, skel, avatars, other, poses, s.trial)
+                break
+        sweep_boxes(geo, skel, avatars, other, g.poses, settings.least_gap, s)
+    forget_pairs(g.state.pairs)
+    forget_near(g.state)
+    g.state.pairs.step[0] = 0
+    s.counts[:] = 0
+    s.is_active[:] = 0
+    s.is_active[avatar], s.members[0] = 1, avatar
+
+
+@kernel
+def put_ghost(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
+    """Put the ghost where its posture says; what it touched elsewhere is forgotten."""
+    g = ghost_out
+    carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
+    place_avatar(geo, skel, avatars, avatar, g.poses)
+    copy_poses(geo, skel, avatars, avatar, g.poses, g.scratch.trial)
+    g.state.touching.used[0], g.state.contacts.used[0] = 0, 0
+    g.state.pairs.step[0] += 1
+    forget_forces(avatars, avatar, g.state)
+
+
+@kernel
+def put_ghost_at(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
+    """Put the ghost at node k."""
+    get_node(skel, avatars, avatar, k, plan, ghost_out.posture)
+    put_ghost(geo, skel, avatars, avatar, ghost_out)
+
+
+@kernel
+def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
+    """Make node k what the ghost goes to."""
+    get_node(skel, avatars, avatar, k, plan, ghost_out.aim)
+
+
+@kernel
+def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
+    """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at
+    hand."""
+    g = ghost_out
+    g.state.tracking.is_located[avatar] = 0
+    locate(skel, avatars, avatar, g.aim, g.state.tracking, g.scratch.objective)
+    tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
+    return value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+
+
+@kernel
+def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, ghost_out: Ghost) -> None:
+    """The target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound of
+    every joint, each of them a row of the QP."""
+    g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
+    turn, move = strides * STRIDE, strides * STRIDE * t.reach[avatar]
+    b.slack[0], b.slack[1] = SLACK * move, SLACK * turn
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        b.turn[link], b.move[link], b.turned[link], b.moved[link] = turn, move, 0.0, 0.0
+    tangent_error(skel, avatars, avatar, g.posture, g.aim, s.step)
+    keep_budget(skel, avatars, avatar, b, False, s.step)
+    copy_posture(skel, avatars, avatar, g.posture, s.target)
+    take_step(skel, avatars, avatar, s.step, s.target)
+    t.is_located[avatar] = 0
+    locate(skel, avatars, avatar, s.target, t, s.objective)
+    # a whole Newton step: nothing that the ghost does is shown
+    t.is_legal[avatar], t.share[avatar] = 1, 1.0
+
+
+@kernel
+def step_ghost(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, strides: float, most_work: int,
+    value: float,
+    ghost_out: Ghost,
+) -> tuple[int, float, float]:
+    """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after
+    it, and how long the next step may be."""
+    g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
+    set_carrot(skel, avatars, avatar, strides, g)
+    moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)
+    now, far = value_to_aim(skel, avatars, avatar, g)
+    following = min(2.0 * strides, LONGEST) if g.scratch.rows.used[0] == 0 else 1.0
+    if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) < ARRIVED:
+        return REACHED, now, following
+    # the measure of the progress monitor, for a step in place of a frame
+    least = SLOWEST * STRIDE * reach * min(far, LOSS_RADIUS * reach)
+    return (TRAPPED if moved == 0.0 or not value - now >= least else ADVANCED), now, following

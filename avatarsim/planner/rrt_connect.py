@@ -1,0 +1,241 @@
+"""RRT-Connect (Kuffner and LaValle 2000): two trees of certified steps, from the shown posture and from the goal.
+
+Each in turn is extended towards a sample, as far as it gets, and the other towards where that ended. The first extension of all
+goes straight from the start to the goal. Anytime: `search` goes on until a slice of work is spent, and finds all it needs in the
+Plan.
+"""
+
+from avatarsim.ik.kinematics import tangent_error
+from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.sqp_step import work_done
+from avatarsim.ik.state import FORWARDS, Avatars
+from avatarsim.ik.target import copy_posture
+from avatarsim.kernel import kernel
+from avatarsim.planner.ghost import (
+    ADVANCED,
+    REACHED,
+    TRAPPED,
+    aim_ghost,
+    notice_world,
+    put_ghost,
+    put_ghost_at,
+    step_ghost,
+    value_to_aim,
+)
+from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
+from avatarsim.planner.sample import draw_sample
+from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
+from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
+from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
+from avatarsim.settings import IkSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
+CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
+
+GOAL_NODE = 1
+"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
+
+MOST_SAMPLES = 60
+"""Samples after which a search has been in vain; as a rule it has run out of nodes before."""
+
+SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE = range(6)
+"""What a slice of a search came to."""
+
+
+@kernel
+def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, plan_out: Plan) -> None:
+    """Begin anew, at the shown posture."""
+    s = plan_out.searches
+    s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
+    s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
+    s.place[avatar], s.held[avatar], s.cut_from[avatar], s.cut_to[avatar] = 0, 0.0, 0, 0
+    add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
+
+
+@kernel
+def search(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
+) -> int:
+    """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
+    objective `value` [m^2]. is_followed: the path is followed already, and improved."""
+    g, s = ghost_out, plan_out.searches
+    notice_world(geo, skel, avatars, settings, avatar, poses, g)
+    found = SEARCHING
+    if s.phase[avatar] != GOAL and not is_followed and is_stale(geo, skel, avatars, avatar, tracker, target, value, plan_out, g):
+        return STALE
+    if s.phase[avatar] == GOAL:
+        aim_at_target(skel, avatars, avatar, tracker, target, g)
+    elif s.at[avatar] >= 0:
+        resume(geo, skel, avatars, avatar, plan_out, g)
+    while found == SEARCHING and work_done(g.scratch) < most_work:
+        phase = s.phase[avatar]
+        if phase == GOAL:
+            found = find_goal(geo, skel, avatars, settings, avatar, shown, target, value, plan_out, g)
+        elif phase == SAMPLE:
+            found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
+        elif phase == CUT:
+            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
+        else:
+            extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
+    return found
+
+
+@kernel
+def is_stale(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, value: float, plan: Plan,
+    ghost_out: Ghost,
+) -> bool:
+    """Whether the target has moved so far from the goal of a search that it is no goal any more."""
+    g = ghost_out
+    put_ghost_at(geo, skel, avatars, avatar, GOAL_NODE, plan, g)
+    aim_at_target(skel, avatars, avatar, tracker, target, g)
+    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    return not there <= CLOSER * value
+
+
+@kernel
+def aim_at_target(
+    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, ghost_out: Ghost
+) -> None:
+    """Link origins of the tracker, and the ghost's tangent error to the clipped target."""
+    g = ghost_out
+    g.state.tracking.is_located[avatar] = 0
+    locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
+    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
+
+
+@kernel
+def shorten(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, target: Posture, is_followed: bool,
+    plan_out: Plan, ghost_out: Ghost,
+) -> int:
+    """Begin the next shortcut, if there is one to try."""
+    s = plan_out.searches
+    if is_followed and 2 * s.count[avatar] > NODES:
+        keep_path(avatar, plan_out)
+    first = s.place[avatar] + SHORT if is_followed else 0
+    s.cuts[avatar] += 1
+    if not is_followed and s.cuts[avatar] > SHORTCUTS:
+        return FOUND
+    if is_followed and s.cuts[avatar] % 2 == 0:
+        copy_posture(skel, avatars, avatar, target, ghost_out.posture)
+        put_ghost(geo, skel, avatars, avatar, ghost_out)
+        if first < s.length[avatar] and s.count[avatar] < NODES and is_free(geo, skel, avatars, settings, ghost_out):
+            put_node(skel, avatars, avatar, target, AIM, plan_out)
+            begin_at(avatar, choose_leaving(avatar, first, plan_out), TRY_END, plan_out)
+            resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+            return SEARCHING
+    if not begin_cut(avatar, first, plan_out):
+        return NOTHING_LEFT if is_followed else FOUND
+    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    return SEARCHING
+
+
+@kernel
+def resume(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan: Plan, ghost_out: Ghost) -> None:
+    """Put the ghost to where the extension has come, with its aim."""
+    put_ghost_at(geo, skel, avatars, avatar, plan.searches.at[avatar], plan, ghost_out)
+    aim_ghost(skel, avatars, avatar, AIM, plan, ghost_out)
+    plan.searches.value[avatar], _ = value_to_aim(skel, avatars, avatar, ghost_out)
+    plan.searches.pace[avatar] = 1.0
+
+
+@kernel
+def find_goal(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, shown: Posture, target: Posture,
+    value: float, plan_out: Plan, ghost_out: Ghost,
+) -> int:
+    """Ask of one candidate whether it may be the goal; if so, the first extension goes straight to it."""
+    s = plan_out.searches
+    number = s.candidate[avatar]
+    if number >= CANDIDATES:
+        return NO_GOAL
+    s.candidate[avatar] = number + 1
+    ghost_out.scratch.counts[FORWARDS] += 1
+    if not place_candidate(geo, skel, avatars, avatar, number, shown, target, ghost_out):
+        return SEARCHING
+    if not is_goal(geo, skel, avatars, settings, avatar, target, value, ghost_out):
+        return SEARCHING
+    s.meeting[avatar] = add_node(skel, avatars, avatar, ghost_out.posture, NONE, 1, plan_out)
+    put_node(skel, avatars, avatar, ghost_out.posture, AIM, plan_out)
+    s.tree[avatar], s.at[avatar], s.begun[avatar], s.phase[avatar] = 0, 0, s.count[avatar], CONNECT
+    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    return SEARCHING
+
+
+@kernel
+def begin_extension(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
+) -> int:
+    """Draw a sample, and go from the nearest node of the tree whose turn it is."""
+    s = plan_out.searches
+    if s.samples[avatar] >= MOST_SAMPLES or s.count[avatar] >= NODES:
+        return FAILED
+    draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
+    s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    s.begun[avatar], s.phase[avatar] = s.count[avatar], EXTEND
+    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+    return SEARCHING
+
+
+@kernel
+def extend(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, most_work: int, plan_out: Plan,
+    ghost_out: Ghost,
+) -> None:
+    """One step of the extension that is under way, and what follows if it was the last."""
+    s, phase = plan_out.searches, plan_out.searches.phase[avatar]
+    outcome, s.value[avatar], s.pace[avatar] = step_ghost(
+        geo, skel, avatars, settings, avatar, s.pace[avatar], most_work, s.value[avatar], ghost_out
+    )
+    if outcome != TRAPPED:
+        tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
+        k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
+        if k == NONE:
+            outcome = TRAPPED
+        else:
+            s.at[avatar] = k
+    if phase == TRY_CUT or phase == TRY_END:
+        end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
+        return
+    if outcome == ADVANCED:
+        return
+    if phase == CONNECT:
+        end_connection(avatar, outcome == REACHED, plan_out)
+    elif s.count[avatar] == s.begun[avatar]:
+        s.phase[avatar], s.tree[avatar] = SAMPLE, 1 - s.tree[avatar]
+    else:
+        begin_connection(geo, skel, avatars, avatar, plan_out, ghost_out)
+
+
+@kernel
+def begin_connection(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
+) -> None:
+    """The other tree goes towards the node at which this extension ended."""
+    s = plan_out.searches
+    s.meeting[avatar] = s.at[avatar]
+    get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
+    put_node(skel, avatars, avatar, ghost_out.posture, AIM, plan_out)
+    s.tree[avatar] = 1 - s.tree[avatar]
+    s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    s.begun[avatar], s.phase[avatar] = s.count[avatar], CONNECT
+    resume(geo, skel, avatars, avatar, plan_out, ghost_out)
+
+
+@kernel
+def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
+    """The trees meet, or the next sample is drawn, for the tree that was just extended."""
+    s = plan_out.searches
+    if not has_met:
+        s.phase[avatar] = SAMPLE
+        return
+    one, other = s.at[avatar], s.meeting[avatar]
+    if s.tree[avatar] == 0:
+        trace_path(avatar, one, other, plan_out)
+    else:
+        trace_path(avatar, other, one, plan_out)
+    s.phase[avatar] = CUT

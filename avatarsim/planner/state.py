@@ -1,0 +1,158 @@
+"""State of the planner: what each avatar's search keeps from frame to frame, and the ghost, an unseen avatar that takes its
+steps.
+
+A search goes on over many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The
+ghost is working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
+"""
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.record import table_of
+from avatarsim.world.geometry import Poses
+from avatarsim.world.skeleton import BALL, FREE, Posture, Skeleton
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+NODES = 512
+"""Most nodes of a search, of both trees and of its shortcuts, per avatar. A node is a posture: 1.2 kB of a human of 16 balls.
+Half of them: searches in rooms with a door end for want of nodes."""
+
+NONE = -1
+
+
+class Phase(IntEnum):
+    """What a search does next."""
+
+    GOAL = 0
+    """Look for a free posture near the target's."""
+    SAMPLE = 1
+    """Draw a sample, and choose the node that is extended towards it."""
+    EXTEND = 2
+    """Extend one tree towards the sample."""
+    CONNECT = 3
+    """Extend the other tree towards where that ended."""
+    CUT = 4
+    """The path is found: choose a shortcut."""
+    TRY_CUT = 5
+    """Extend from one node of the path towards a later one."""
+    TRY_END = 6
+    """Extend from a node of the path that is followed towards where the target is by now."""
+
+
+SEARCH = np.dtype(
+    [
+        ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
+        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"), ("cuts", "i8"),
+        ("cut_from", "i8"),
+        ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("random", "i8"),
+    ],
+    align=True,
+)
+"""One row of Searches."""
+
+
+class Searches(np.recarray[Any, np.dtype[Any]]):
+    """One row per avatar."""
+
+    phase: Index
+    """A Phase."""
+    candidate: Index
+    """Number of the next posture near the target's that is asked whether it is free."""
+    samples: Index
+    """Samples drawn in this search."""
+    tree: Index
+    """The tree that is extended: 0 from the shown posture, 1 from the goal."""
+    count: Index
+    """Nodes in use."""
+    at: Index
+    """Node that the extension has come to."""
+    begun: Index
+    """Nodes in use as the extension began."""
+    meeting: Index
+    """Node of the other tree that a connection goes to."""
+    value: Array
+    """[m^2] objective towards the end of the extension after its last step."""
+    pace: Array
+    """[strides] how long its next step may be."""
+    length: Index
+    """Nodes of the path."""
+    place: Index
+    """Place in the path of the node that is the target now."""
+    held: Array
+    """[s] for which the avatar has not come to the next node of the path."""
+    cuts: Index
+    """Shortcuts tried."""
+    cut_from: Index
+    """Place in the path from which a shortcut is tried."""
+    cut_to: Index
+    """Place in the path to which it is tried."""
+    rest: Array
+    """[s] until a waiting avatar searches again."""
+    pause: Array
+    """[s] that it rests after the next search in vain."""
+    random: Index
+    """State of the generator (Park and Miller 1988)."""
+
+
+searches_in = table_of(Searches, SEARCH)
+"""The Searches in these words, in a tuple of one."""
+
+
+class Plan(NamedTuple):
+    """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the
+    extension; before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of
+    shortcuts; path (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first
+    slice."""
+
+    searches: Searches
+    node: Array
+    before: Index
+    tree: Index
+    path: Index
+    turn: Index
+
+
+class Ghost(NamedTuple):
+    """The unseen avatar: posture, poses, state and working memory of its steps; aim: the posture that it goes to. travel: the
+    posture that avatars began with, in which they are led through rooms; up (3): against gravity, zero without."""
+
+    posture: Posture
+    poses: Poses
+    state: IkState
+    scratch: IkScratch
+    aim: Posture
+    travel: Posture
+    up: Array
+
+
+def packed_width(skel: Skeleton, avatars: Avatars) -> int:
+    """Numbers that the packed posture of any avatar takes."""
+    widths = [0]
+    for a in range(len(avatars.first_link) - 1):
+        kinds = skel.kind[avatars.first_link[a] : avatars.first_link[a + 1]]
+        hinges = avatars.first_dof[a + 1] - avatars.first_dof[a] - 6 * (kinds == FREE).sum() - 3 * (kinds == BALL).sum()
+        widths.append(int(12 * (kinds == FREE).sum() + 9 * (kinds == BALL).sum() + hinges))
+    return max(widths)
+
+
+def plan_is_sound(plan: Plan) -> bool:
+    """Whether every node that a plan from bytes names is there, and its trees have no circles."""
+    s, numbers = plan.searches, np.arange(NODES)
+    used, length = s["count"], s["length"]
+    last = np.maximum(used - 1, 0)
+    if (plan.before >= numbers).any():
+        return False
+    for at in (s["at"], s["meeting"]):
+        if (at > last).any():
+            return False
+    in_path = numbers < length[:, None]
+    if (plan.path[in_path] > np.broadcast_to(last[:, None], plan.path.shape)[in_path]).any():
+        return False
+    places = (s["place"], s["cut_from"], s["cut_to"])
+    return bool((s["begun"] <= used).all()) and all((place < np.maximum(length, 1)).all() for place in places)

@@ -1,0 +1,183 @@
+"""Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
+
+Each avatar for itself. While it plans it goes on tracking, so a search costs it nothing but its slice of work.
+"""
+
+from avatarsim.ik.kinematics import tangent_error
+from avatarsim.ik.motion_budget import AT_REST
+from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.progress import measure
+from avatarsim.ik.sqp_step import work_done
+from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
+from avatarsim.kernel import kernel
+from avatarsim.planner.ghost import put_ghost_at
+from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
+from avatarsim.planner.state import Ghost, Plan
+from avatarsim.settings import IkSettings
+from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.world.skeleton import Posture, Skeleton
+
+TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
+
+LONGEST_REST = 4.0
+"""[s] that an avatar rests at most between two searches in vain."""
+
+LEAST_SLICE = 100
+"""Least work of a slice: some two steps. Where there are more searches than slices they take turns."""
+
+NEVER, JOINTED = 0, 1
+"""Values of the setting `around`."""
+
+
+@kernel
+def supervise(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, posture: Posture,
+    poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """After the steps of a frame of dt [s]: progress, modes, and a slice of each search."""
+    t, counts = state_out.tracking, scratch_out.counts
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        if t.has_arrived[avatar] > 0 and t.mode[avatar] != FOLLOW_PATH:
+            t.distance[avatar], t.stalled[avatar], t.since[avatar], t.mode[avatar] = 0.0, 0.0, 0.0, TRACK
+            continue
+        if t.mode[avatar] == FOLLOW_PATH:
+            # what was located is the path's
+            t.is_located[avatar] = 0
+        locate(skel, avatars, avatar, tracker, t, scratch_out.objective)
+        # the clipped target, whatever was followed
+        tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
+        value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
+        choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
+        if t.mode[avatar] == FOLLOW_PATH:
+            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out)
+    search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
+        counts[PLANNING] += 1 if t.mode[avatar] == PLAN else 0
+        counts[FOLLOWING] += 1 if t.mode[avatar] == FOLLOW_PATH else 0
+
+
+@kernel
+def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int) -> bool:
+    """Whether paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
+    if settings.plan_work <= 0 or settings.around == NEVER:
+        return False
+    root = avatars.first_link[avatar]
+    has_joints = avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
+    return bool(has_joints or settings.around > JOINTED)
+
+
+@kernel
+def choose_mode(
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, dt: float, value: float, posture: Posture,
+    plan_out: Plan,
+    state_out: IkState,
+) -> None:
+    """The mode of an avatar but for what a search or a path decides."""
+    t, s = state_out.tracking, plan_out.searches
+    mode, is_stalled = t.mode[avatar], t.stalled[avatar] >= settings.stall_time
+    if mode == FOLLOW_PATH:
+        return
+    if t.distance[avatar] <= settings.near or not (is_stalled or mode == PLAN):
+        t.mode[avatar], s.rest[avatar], s.pause[avatar] = TRACK, 0.0, settings.stall_time
+        return
+    if mode == PLAN:
+        return
+    s.rest[avatar] -= dt
+    t.mode[avatar] = WAIT
+    if s.rest[avatar] <= 0.0 and may_plan(skel, avatars, settings, avatar):
+        t.mode[avatar] = PLAN
+        begin_search(skel, avatars, avatar, posture, plan_out)
+
+
+@kernel
+def follow_on(
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
+    state_out: IkState,
+) -> None:
+    """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
+    catch-up speeds hold in full."""
+    t, s = state_out.tracking, plan_out.searches
+    t.speed[avatar] = max(t.speed[avatar], AT_REST)
+    if s.place[avatar] == s.length[avatar] - 1 and s.held[avatar] == 0.0:
+        set_free(avatar, value, state_out)
+    elif s.held[avatar] >= settings.stall_time:
+        t.mode[avatar] = PLAN
+        begin_search(skel, avatars, avatar, posture, plan_out)
+
+
+@kernel
+def drop_paths(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, tracker: Posture, posture: Posture, poses: Poses, plan: Plan,
+    ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """As a frame begins: paths whose end is no nearer to the target than the avatar is are followed no more."""
+    t, c, g = state_out.tracking, scratch_out.objective, ghost_out
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        if t.mode[avatar] != FOLLOW_PATH:
+            continue
+        locate(skel, avatars, avatar, tracker, t, c)
+        tangent_error(skel, avatars, avatar, posture, scratch_out.target, c.error)
+        here, _ = value_of(skel, avatars, avatar, state_out, poses, c)
+        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, plan.searches.length[avatar] - 1], plan, g)
+        tangent_error(skel, avatars, avatar, g.posture, scratch_out.target, c.error)
+        there, _ = value_of(skel, avatars, avatar, state_out, g.poses, c)
+        if not there < here:
+            set_free(avatar, here, state_out)
+
+
+@kernel
+def set_free(avatar: int, value: float, state_out: IkState) -> None:
+    """Back to the tracker, whose progress is measured from here on."""
+    t = state_out.tracking
+    t.mode[avatar], t.stalled[avatar], t.since[avatar], t.objective[avatar] = TRACK, 0.0, 0.0, value
+
+
+@kernel
+def search_all(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, posture: Posture, poses: Poses,
+    plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+) -> None:
+    """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
+    frame's whole budget."""
+    t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
+    for avatar in range(count):
+        waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
+    left = min(settings.plan_work, settings.work - work_done(scratch_out))
+    first = plan_out.turn[0]
+    for k in range(count):
+        avatar = (first + k) % count
+        is_followed = t.mode[avatar] == FOLLOW_PATH
+        if t.mode[avatar] != PLAN and not is_followed:
+            continue
+        if left <= 0:
+            break
+        slice_ = max(LEAST_SLICE, left // waiting)
+        tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
+        value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
+        found = search(
+            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_, plan_out,
+            ghost_out,
+        )
+        spent = work_done(ghost_out.scratch)
+        left -= spent
+        scratch_out.counts[PLAN_WORK] += spent
+        waiting -= 1
+        plan_out.turn[0] = (avatar + 1) % count
+        if found == STALE:
+            begin_search(skel, avatars, avatar, posture, plan_out)
+        note_outcome(avatar, found, settings, plan_out, state_out)
+
+
+@kernel
+def note_outcome(avatar: int, found: int, settings: IkSettings, plan_out: Plan, state_out: IkState) -> None:
+    """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each
+    rest is twice as long."""
+    t, s = state_out.tracking, plan_out.searches
+    if found == FOUND:
+        t.mode[avatar], s.place[avatar], s.held[avatar] = FOLLOW_PATH, 0, 0.0
+    elif found == NO_GOAL:
+        t.mode[avatar], s.rest[avatar] = WAIT, settings.stall_time
+    elif found == FAILED:
+        t.mode[avatar], s.rest[avatar] = WAIT, s.pause[avatar]
+        s.pause[avatar] = min(2.0 * s.pause[avatar], LONGEST_REST)

@@ -1,0 +1,156 @@
+"""Trees of postures: nodes packed one after the other, nearest node by linear search.
+
+A linear search beats any tree of cells below some thousand nodes, and adds no state. The distance is that of the objective:
+metres of link origins, and radians as the mean reach of a link.
+"""
+
+from math import inf
+
+from avatarsim.ik.state import Avatars
+from avatarsim.kernel import kernel
+from avatarsim.planner.state import NODES, NONE, Plan
+from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
+
+AIM = NODES
+"""The node beyond all others: where the extension goes to."""
+
+
+@kernel
+def put_node(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, k: int, plan_out: Plan) -> None:
+    """Write the posture of an avatar into its node k."""
+    node, at = plan_out.node, 0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        kind = skel.kind[link]
+        if kind == FREE:
+            for i in range(3):
+                node[avatar, k, at + i] = posture.root[link, i]
+            at += 3
+        if kind == FREE or kind == BALL:
+            for i in range(3):
+                for j in range(3):
+                    node[avatar, k, at + 3 * i + j] = posture.turn[link, i, j]
+            at += 9
+        elif kind == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                node[avatar, k, at] = posture.angle[j]
+                at += 1
+
+
+@kernel
+def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, posture_out: Posture) -> None:
+    """The posture of an avatar at its node k, to the bit."""
+    node, at = plan.node, 0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        kind = skel.kind[link]
+        if kind == FREE:
+            for i in range(3):
+                posture_out.root[link, i] = node[avatar, k, at + i]
+            at += 3
+        if kind == FREE or kind == BALL:
+            for i in range(3):
+                for j in range(3):
+                    posture_out.turn[link, i, j] = node[avatar, k, at + 3 * i + j]
+            at += 9
+        elif kind == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                posture_out.angle[j] = node[avatar, k, at]
+                at += 1
+
+
+@kernel
+def add_node(
+    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, before: int, tree: int, plan_out: Plan
+) -> int:
+    """Add a node that was reached from node `before`; its number, or -1 where there is no room."""
+    k = plan_out.searches.count[avatar]
+    if k >= NODES:
+        return NONE
+    put_node(skel, avatars, avatar, posture, k, plan_out)
+    plan_out.before[avatar, k], plan_out.tree[avatar, k] = before, tree
+    plan_out.searches.count[avatar] = k + 1
+    return int(k)
+
+
+@kernel
+def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: int, plan: Plan) -> float:
+    """Squared distance [m^2] of two nodes; of rotations the chord, 3 - trace."""
+    node, at, total = plan.node, 0, 0.0
+    low, high = avatars.first_link[avatar], avatars.first_link[avatar + 1]
+    for link in range(low, high):
+        kind, d = skel.kind[link], skel.first_dof[link]
+        if kind == FREE:
+            for i in range(3):
+                way = node[avatar, k, at + i] - node[avatar, m, at + i]
+                total += (high - low) * way * way
+            at, d = at + 3, d + 3
+        if kind == FREE or kind == BALL:
+            trace = 0.0
+            for i in range(9):
+                trace += node[avatar, k, at + i] * node[avatar, m, at + i]
+            total += avatars.turn_weight[d] * (3.0 - trace)
+            at += 9
+        elif kind == HINGES:
+            for j in range(d, skel.first_dof[link + 1]):
+                way = node[avatar, k, at] - node[avatar, m, at]
+                total += avatars.turn_weight[j] * way * way
+                at += 1
+    return total
+
+
+@kernel
+def nearest_node(skel: Skeleton, avatars: Avatars, avatar: int, m: int, tree: int, plan: Plan) -> int:
+    """The node of a tree that is nearest to node m."""
+    least, found = inf, 0
+    for k in range(plan.searches.count[avatar]):
+        if plan.tree[avatar, k] == tree:
+            distance = square_distance(skel, avatars, avatar, k, m, plan)
+            if distance < least:
+                least, found = distance, k
+    return found
+
+
+@kernel
+def trace_path(avatar: int, from_start: int, from_goal: int, plan_out: Plan) -> None:
+    """Write the nodes from the root of tree 0 to that of tree 1, which meet at these two, into the path."""
+    before, path, length = plan_out.before, plan_out.path, 0
+    k = from_start
+    while k >= 0:
+        length += 1
+        k = before[avatar, k]
+    k = from_start
+    for i in range(length):
+        path[avatar, length - 1 - i] = k
+        k = before[avatar, k]
+    k = from_goal
+    while k >= 0:
+        path[avatar, length] = k
+        length += 1
+        k = before[avatar, k]
+    plan_out.searches.length[avatar] = length
+
+
+@kernel
+def keep_path(avatar: int, plan_out: Plan) -> None:
+    """Give up all nodes but those of the path from the present place on, and move them up: room for shortcuts."""
+    s, path, node, number = plan_out.searches, plan_out.path, plan_out.node, plan_out.before
+    place, count = s.place[avatar], 0
+    for i in range(place, s.length[avatar]):
+        path[avatar, i - place] = path[avatar, i]
+    s.length[avatar] -= place
+    s.place[avatar] = 0
+    # trees are needed no more: their arrays hold which nodes stay, and their new numbers
+    for k in range(s.count[avatar]):
+        plan_out.tree[avatar, k] = 0
+    for i in range(s.length[avatar]):
+        plan_out.tree[avatar, path[avatar, i]] = 2
+    for k in range(s.count[avatar]):
+        if plan_out.tree[avatar, k] == 2:
+            for i in range(node.shape[2]):
+                node[avatar, count, i] = node[avatar, k, i]
+            number[avatar, k] = count
+            count += 1
+    for i in range(s.length[avatar]):
+        path[avatar, i] = number[avatar, path[avatar, i]]
+    for k in range(s.count[avatar]):
+        number[avatar, k] = NONE
+    s.count[avatar] = count
