@@ -106,9 +106,8 @@ def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> N
 def plates(apart: float) -> tuple[Scene, TrackerSample]:
     """A box of a decimetre between two plates, and where it begins."""
     box = hand((Piece(Box((0.2, 0.16, 0.1))),))
-    both = (
-        block("under", (0.0, 0.0, -0.1 - 0.5 * apart), (2.0, 2.0, 0.2)), block("over", (0.0, 0.0, 0.1 + 0.5 * apart), (2.0, 2.0, 0.2))
-    )
+    away, size = 0.1 + 0.5 * apart, (2.0, 2.0, 0.2)
+    both = block("under", (0.0, 0.0, -away), size), block("over", (0.0, 0.0, away), size)
     return Scene("plates", both, (box,), start=rest((box,))), rest((box,))
 
 

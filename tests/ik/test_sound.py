@@ -41,14 +41,17 @@ def islands(state: IkState, *numbers: int) -> None:
 
 
 GOOD: dict[str, Callable[[IkState], None]] = {
-    "fresh": lambda state: None, "a contact": lambda state: contact(state, 1, 0), "two hands": lambda state: touching(state, 1, 2),
+    "fresh": lambda state: None, "a contact": lambda state: contact(state, 1, 0),
+    "two hands": lambda state: touching(state, 1, 2),
     "the panel is near": lambda state: near(state, 0), "one island": lambda state: islands(state, 0, 0),
 }
 BAD: dict[str, Callable[[IkState], None]] = {
     "the panel is no link": lambda state: contact(state, 0, 1), "no such piece": lambda state: contact(state, 1, 3),
-    "nor before the first": lambda state: touching(state, 1, -1), "more contacts than fit": lambda state: contact(state, 1, 0, 10**6),
+    "nor before the first": lambda state: touching(state, 1, -1),
+    "more contacts than fit": lambda state: contact(state, 1, 0, 10**6),
     "fewer than none": lambda state: touching(state, 1, 0, -1), "a hand is no body near": lambda state: near(state, 1),
-    "more bodies than there are": lambda state: near(state, 0, 2), "an island that comes later": lambda state: islands(state, 1, 1),
+    "more bodies than there are": lambda state: near(state, 0, 2),
+    "an island that comes later": lambda state: islands(state, 1, 1),
     "an island before the first": lambda state: islands(state, 0, -1),
 }
 
