@@ -28,5 +28,7 @@ def state_is_sound(geo: Geometry, skel: Skeleton, avatars: Avatars, state: IkSta
     islands = state.tracking["island"]
     if not ((islands >= 0) & (islands <= np.arange(len(islands)))).all():
         return False
-    near = [row[:count] for row, count in zip(state.near, state.near_count.tolist(), strict=True)]
-    return all(len(row) <= state.near.shape[1] and bool((row < skel.first).all()) for row in near)
+    return all(
+        count <= len(row) and bool((row[:count] < skel.first).all())
+        for row, count in zip(state.near, state.near_count.tolist(), strict=True)
+    )

@@ -50,6 +50,15 @@ def test_of_a_full_neighbourhood_the_pair_unused_for_longest_is_given_up() -> No
     assert (cache.key == -1).all()
 
 
+def test_a_pair_that_is_asked_for_in_every_step_is_never_forgotten() -> None:
+    cache, rng = make_pair_cache(1, PIECES), np.random.default_rng(1)
+    keep_axis(cache, slot_of(cache, 3, 7), (0.0, 0.0, 1.0))
+    for step in range(500):
+        cache.step[0] = step
+        slot_of(cache, *rng.integers(PIECES, size=2).tolist())
+        assert axis_at(cache, slot_of(cache, 3, 7)) == (0.0, 0.0, 1.0)
+
+
 def test_a_pair_that_comes_anew_into_a_slot_knows_nothing() -> None:
     cache = make_pair_cache(1, PIECES)
     cache.axis[:], cache.axis_step[:], cache.gap_step[:] = 1.0, 0, 0

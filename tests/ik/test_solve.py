@@ -161,8 +161,8 @@ def tracks(seed: int, frames: int) -> dict[str, list[np.ndarray]]:
 
 
 def test_an_avatar_that_moves_on_and_on_lets_none_far_away_go_on() -> None:
-    """A hand behind its wall comes free as its target rests; what of its way is left when the settle time has passed several
-    times over, it goes slower and slower, whoever else moves."""
+    """A hand behind its wall comes free as its target rests; what is left of its way when the settle time has passed several
+    times over, it goes slower and slower, whatever else moves."""
     frames = range(400)
     places = [np.array([50.3, 0.005 * min(k, 240), 0.0]) for k in frames]
     both = {"a": [np.array([-0.2 - 0.1 * (k % 2), 0.0, 0.0]) for k in frames], "far": places}

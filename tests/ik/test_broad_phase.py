@@ -1,0 +1,96 @@
+"""Islands against a plain search of connected components; swept boxes and lists of near bodies against all pairs."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.ik.broad_phase import boxes_meet, forget_near, form_islands, list_near_bodies, sweep_boxes
+from avatarsim.ik.kinematics import try_step
+from avatarsim.scene.scene import Scene
+from tests.ik.scenes import block
+from tests.ik.solvers import Solver, random_posture, solver_of
+from tests.posture.little_worlds import hand, mixed_avatar
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+HANDS = Scene("hands", (block("b", (50.0, 0.0, 0.0), (1.0, 1.0, 1.0)),), tuple(hand(name=f"h{k}") for k in range(9)))
+FOUND = solver_of(HANDS)
+BODIES = tuple(block(f"b{k}", (float(k % 5) - 2.0, float(k // 5) - 2.0, 0.4), (0.1, 0.1, 0.1)) for k in range(25))
+AMONG = solver_of(Scene("among", BODIES, (mixed_avatar(),)))
+
+
+def components(count: int, edges: set[tuple[int, int]]) -> list[int]:
+    """The least member of each one's component."""
+    of = list(range(count))
+    for _ in range(count):
+        for a, b in edges:
+            of[a] = of[b] = min(of[a], of[b])
+    return of
+
+
+@given(st.sets(st.tuples(st.integers(0, 8), st.integers(-1, 8)), max_size=12))
+def test_islands_are_the_connected_components_of_what_touches(edges: set[tuple[int, int]]) -> None:
+    """-1 is the block, which many may touch without being of one island."""
+    geo, skel, t = FOUND.world.geometry, FOUND.world.skeleton, FOUND.state.touching
+    first, pairs = int(geo.first_shape[skel.first]), sorted(edge for edge in edges if edge[0] != edge[1])
+    t.used[0] = len(pairs)
+    t.pair[: len(pairs)] = np.array([(first + a, first + b if b >= 0 else 0) for a, b in pairs]).reshape(-1, 2)
+    form_islands(geo, skel, FOUND.avatars, FOUND.state, FOUND.working)
+    wanted = components(9, {(a, b) for a, b in pairs if b >= 0})
+    assert FOUND.state.tracking.island.tolist() == wanted
+    members = FOUND.working.members.tolist()
+    assert sorted(members) == list(range(9)) and members == sorted(range(9), key=lambda one: (wanted[one], one))
+
+
+def moved(found: Solver, seed: int, far: float) -> None:
+    """The first avatar at a random posture near the origin, and its trial a random step away."""
+    rng, posture = np.random.default_rng(seed), random_posture(found, seed)
+    posture.root[0] = rng.uniform(-2.0, 2.0, 3)
+    found.take(posture)
+    found.working.step[:] = rng.normal(0.0, far, len(found.working.step))
+    try_step(found.world.geometry, found.world.skeleton, found.avatars, 0, posture, found.working)
+    sweep_boxes(found.world.geometry, found.world.skeleton, found.avatars, 0, found.world.poses, 1e-3, found.working)
+
+
+@given(st.integers(0, 10**6), st.floats(0.0, 0.5))
+def test_swept_boxes_hold_both_ends_of_every_vertex(seed: int, far: float) -> None:
+    moved(AMONG, seed, far)
+    geo, skel, s = AMONG.world.geometry, AMONG.world.skeleton, AMONG.working
+    for body in range(skel.first, len(geo.first_shape) - 1):
+        for piece in range(geo.first_shape[body], geo.first_shape[body + 1]):
+            for poses in (AMONG.world.poses, s.trial):
+                vertices = poses.vertices[geo.shapes.start[piece] : geo.shapes.start[piece + 1]]
+                margin = geo.shapes.radius[piece] + 1e-3 - 1e-12
+                for box in (s.swept[piece], s.swept_links[body], s.swept_avatars[0]):
+                    assert (vertices - margin >= box[:3]).all() and (vertices + margin <= box[3:]).all()
+
+
+@given(st.lists(st.tuples(st.integers(0, 10**6), st.floats(0.0, 0.5), st.booleans()), min_size=1, max_size=5))
+def test_the_list_of_near_bodies_misses_none_that_the_step_could_meet(steps: list[tuple[int, float, bool]]) -> None:
+    """Listed once, it serves until the avatar leaves the box that it was made for or a body moves."""
+    s, state, skel = AMONG.working, AMONG.state, AMONG.world.skeleton
+    forget_near(state)
+    s.swept_links[: skel.first] = AMONG.world.poses.hulls[: skel.first]
+    for seed, far, forgets in steps:
+        moved(AMONG, seed, far)
+        if forgets:
+            forget_near(state)
+        list_near_bodies(skel, 0, state, s)
+        listed = state.near[0, : state.near_count[0]].tolist()
+        assert listed == sorted(set(listed))
+        for b in range(skel.first):
+            if any(boxes_meet(s.swept_links, b, link) for link in range(skel.first, len(s.swept_links))):
+                assert b in listed
+
+
+def test_boxes_meet_where_they_share_a_point() -> None:
+    boxes = np.array([[0, 0, 0, 1, 1, 1], [1, 1, 1, 2, 2, 2], [1.1, 0, 0, 2, 1, 1], [0.2, 0.2, 0.2, 0.3, 0.3, 0.3]], dtype=float)
+    meets = {(i, k) for i in range(4) for k in range(4) if boxes_meet(boxes, i, k)}
+    assert meets == {(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (1, 0), (0, 3), (3, 0), (1, 2), (2, 1)}
+    for axis in range(3):
+        for shift in (-1.5, 1.5):
+            other = boxes[:1].copy()
+            other[0, [axis, axis + 3]] += shift
+            assert not any(boxes_meet(np.vstack([a, b]), 0, 1) for a, b in pairwise([boxes[:1], other, boxes[:1]]))

@@ -1,0 +1,148 @@
+"""Frames of preset `ik` where it is hard: leaps into things, squeezes, walls between avatar and target; and what rests, rests."""
+
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from avatarsim.errors import AvatarsimError
+from avatarsim.scene.joint import Hinges
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.spatial import rotation
+from tests.ik.scenes import block, walled_hinged
+from tests.posture.little_worlds import at, hand
+from tests.posture.ride import Ride, ride
+from tests.stability.hostile import DT, TRIALS, hostile_motion, outside_room
+
+
+@pytest.mark.parametrize("dt", [1 / 30, 1 / 60, 1 / 90, 1 / 240])
+@pytest.mark.parametrize("name", TRIALS)
+def test_hostile_motion_at_any_frame_rate(name: str, dt: float) -> None:
+    """Teleports into furniture, targets beyond limits, tangles and swings; nothing leaves the room or is no number."""
+    trial = TRIALS[name]()
+    go = ride(trial.scene, preset="ik")
+    for _, sample in islice(hostile_motion(trial, 7, 24, 12), 180):
+        shown = go.frame(sample, dt).shown
+        assert np.isfinite(shown.positions).all() and np.isfinite(shown.orientations).all()
+        assert outside_room(trial.scene, go.record) <= 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_half_turns_of_everything_at_once(seed: int) -> None:
+    """There the tangent error jumps from one side to the other."""
+    scene, rng = walled_hinged(), np.random.default_rng(seed)
+    go, start = ride(scene, preset="ik"), scene.first_sample
+    for k in range(60):
+        axis = rng.normal(size=3) if k % 2 else np.array([0.0, 0.0, 1.0])
+        half = rotation.from_axis_angle(axis / np.linalg.norm(axis), np.pi * (1.0 + 1e-9 * (k % 3 - 1)))
+        turned = rotation.multiply(start.rotations, half)
+        go.frame(at(replace(start, rotations=turned), (0.0, 0.0, 1.2)))
+    for _ in range(200):
+        go.frame(start)
+    assert go.error(start) < 1e-6
+
+
+def pressed(scene: Scene, **options: float) -> tuple[Ride, TrackerSample]:
+    """Sixteen hulls that were led half a metre into a wall, and the target that rests there from now on."""
+    go, start = ride(scene, preset="ik", **options), scene.first_sample
+    sample = start
+    for k in range(60):
+        sample = at(start, (0.012 * k, 0.01 * np.sin(k / 5.0), 1.1 - 0.001 * k))
+        go.frame(sample)
+    return go, sample
+
+
+def motions(go: Ride, sample: TrackerSample, frames: int) -> np.ndarray:
+    """How far the farthest link goes [m] in each of so many frames."""
+    found, before = [], go.record.shown.positions
+    for _ in range(frames):
+        shown = go.frame(sample).shown.positions
+        found.append(float(np.abs(shown - before).max()))
+        before = shown
+    return np.array(found)
+
+
+def test_the_constrained_minimum_is_a_fixed_point_though_the_budget_stays_open() -> None:
+    """With a settle time of eleven days nothing but the minimum itself brings an avatar to rest."""
+    moved = motions(*pressed(walled_hinged(), settle_time=1e6), 900)
+    assert moved[120] < 1e-4 and moved[400] < 1e-6 and moved[-1] < 1e-9
+    waves = np.abs(np.diff(moved[30:])) > moved[30:-1]
+    assert not waves.any(), "it comes to rest and does not go to and fro"
+
+
+def test_before_a_target_that_rests_an_avatar_rests() -> None:
+    go, sample = pressed(walled_hinged())
+    moved = motions(go, sample, 700)
+    assert moved[240:].sum() < 5e-3 and (moved[-60:] < 1e-7).all()
+    home = at(sample, (0.0, 0.0, 1.1))
+    for _ in range(60):
+        go.frame(home)
+    assert go.error(home) < 1e-9, "and comes away when its target does"
+
+
+@pytest.mark.parametrize("far", [2.0, 50.0])
+def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> None:
+    """However far beyond a wall the target is, and though arms and legs could stretch after it."""
+    scene = walled_hinged()
+    limits = [(h.lower, h.upper) for link in scene.links if isinstance(link.joint, Hinges) for h in link.joint.hinges]
+    low, high = np.array(limits).T
+    go, start = ride(scene, preset="ik"), scene.first_sample
+    wanted = np.clip(start.angles + 0.3 * np.clip(np.random.default_rng(1).normal(size=len(low)), -1.0, 1.0), low, high)
+    for k in range(240):
+        share = min(1.0, k / 120)
+        sample = at(replace(start, angles=start.angles + share * (wanted - start.angles)), (far * share, 0.0, 1.1))
+        record = go.frame(sample)
+    off = np.abs(record.angles - wanted)
+    assert np.degrees(off.max()) < 25.0 and np.degrees(off.mean()) < 6.0
+    turn = Rotation.from_quat(record.shown.orientations[len(scene.bodies)], scalar_first=True).magnitude()
+    assert np.degrees(turn) < 10.0
+    assert record.statuses["waiting"] == 1
+
+
+def plates(apart: float) -> tuple[Scene, TrackerSample]:
+    """A box of a decimetre between two plates, and where it begins."""
+    box = hand((Piece(Box((0.2, 0.16, 0.1))),))
+    away, size = 0.1 + 0.5 * apart, (2.0, 2.0, 0.2)
+    both = block("under", (0.0, 0.0, -away), size), block("over", (0.0, 0.0, away), size)
+    return Scene("plates", both, (box,), start=rest((box,))), rest((box,))
+
+
+@pytest.mark.parametrize("apart", [0.2, 0.1003, 0.1001, 0.10002, 0.100001])
+def test_what_is_squeezed_between_two_plates_comes_free_and_is_never_stuck(apart: float) -> None:
+    scene, home = plates(apart)
+    go, rng = ride(scene, preset="ik"), np.random.default_rng(0)
+    for k in range(60):
+        target = at(replace(home, rotations=rotation.normalised(rng.normal(size=(1, 4)))), (0.01 * k, 0.0, 0.3 * np.sin(k)))
+        go.frame(target)
+    for _ in range(90):
+        go.frame(at(home, (0.5, 0.0, 0.0)))
+    assert go.place("hand") == pytest.approx((0.5, 0.0, 0.0), abs=1e-6)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
+def test_a_sample_that_is_no_place_is_refused_and_changes_nothing(number: float) -> None:
+    scene = walled_hinged()
+    go = ride(scene, preset="ik")
+    start = scene.first_sample
+    positions, rotations, angles = start.positions.copy(), start.rotations.copy(), start.angles.copy()
+    for part in (positions[0], rotations[0], angles):
+        kept, part[0] = part[0], number
+        before = go.record.shown.positions.copy()
+        with pytest.raises(AvatarsimError):
+            go.engine.advance(TrackerSample(0.0, positions, rotations, angles), DT)
+        part[0] = kept
+        assert (go.frame(scene.first_sample).shown.positions == before).all()
+
+
+def test_waiting_is_said_once_it_comes_no_nearer_and_no_longer_than_that() -> None:
+    scene, home = plates(0.2)
+    go = ride(scene, preset="ik")
+    said = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.3))).statuses for _ in range(60)]
+    assert not any(said[:5]) and all(said[30:])
+    assert "waiting" not in go.frame(home).statuses
+    near = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.09))).statuses for _ in range(60)]
+    assert not any(near), "4 cm behind a plate is near"
