@@ -100,7 +100,8 @@ class IkSettings(NamedTuple):
                     it is spent the last certified state is shown, and the record says so.
     plan_work       the part of it that searches for paths may take, in the same units. 0: no path is searched; more: paths are
                     found in fewer frames, each of which takes longer.
-    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a hand
+    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a
+    hand
                     without any that is pushed through a table is to lie on it. 2: for all.
     """
 

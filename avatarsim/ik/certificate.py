@@ -21,7 +21,7 @@ from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
 from avatarsim.world.geometry import Geometry, Poses
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
-"""Trace of the turn [rad] up to which directions are carried by bodies."""
+"""Trace of the turn [rad] of two bodies against each other up to which directions are carried by one of them."""
 
 EXACT = 0.02
 """[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
@@ -115,10 +115,10 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
         n = scale(middle, 1.0 / length)
         if is_apart(geo, poses, a, b, n, scratch_out) and is_apart(geo, trial, a, b, n, scratch_out):
             return True
+    if not turn_little(poses, trial, geo.body[a], geo.body[b]):
+        return False
     for side in range(2):
         body = geo.body[a] if side == 0 else geo.body[b]
-        if not turns_little(poses, trial, body):
-            continue
         carried = turned(columns(trial.rotation, body), turned_back(columns(poses.rotation, body), n0))
         if is_apart(geo, trial, a, b, carried, scratch_out):
             return True
@@ -131,22 +131,24 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
             if is_apart(geo, trial, a, b, n, scratch_out) and is_apart(geo, poses, a, b, back, scratch_out):
                 return True
     body = geo.body[a]
-    if not turns_little(poses, trial, body):
-        return False
     carried = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n1))
     return is_apart(geo, poses, a, b, carried, scratch_out)
 
 
 @kernel
-def turns_little(poses: Poses, trial: Poses, body: int) -> bool:
-    """Whether a step turns a body by so little that a direction that it carries proves something.
+def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
+    """Whether a step turns two bodies by so little against each other that a direction that one carries proves something.
 
     Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in
     between."""
     trace = 0.0
     for i in range(3):
         for k in range(3):
-            trace += poses.rotation[body, i, k] * trial.rotation[body, i, k]
+            now, then = 0.0, 0.0
+            for m in range(3):
+                now += poses.rotation[one, m, i] * poses.rotation[other, m, k]
+                then += trial.rotation[one, m, i] * trial.rotation[other, m, k]
+            trace += now * then
     return trace > LEAST_TRACE
 
 
