@@ -12,7 +12,7 @@ from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.pair_cache import forget_pairs
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.sqp_step import copy_poses, sqp_step
-from avatarsim.ik.state import Avatars
+from avatarsim.ik.state import FORWARDS, Avatars
 from avatarsim.ik.target import copy_posture, largest
 from avatarsim.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
@@ -105,6 +105,7 @@ def put_ghost(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, ghos
     g.state.touching.used[0], g.state.contacts.used[0] = 0, 0
     g.state.pairs.step[0] += 1
     forget_forces(avatars, avatar, g.state)
+    g.scratch.counts[FORWARDS] += 1
 
 
 @kernel

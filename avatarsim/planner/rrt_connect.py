@@ -8,11 +8,12 @@ Plan.
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import FORWARDS, Avatars
+from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import (
     ADVANCED,
+    LONGEST,
     REACHED,
     TRAPPED,
     aim_ghost,
@@ -154,7 +155,6 @@ def find_goal(
     if number >= CANDIDATES:
         return NO_GOAL
     s.candidate[avatar] = number + 1
-    ghost_out.scratch.counts[FORWARDS] += 1
     if not place_candidate(geo, skel, avatars, avatar, number, shown, target, ghost_out):
         return SEARCHING
     if not is_goal(geo, skel, avatars, settings, avatar, target, value, ghost_out):
@@ -176,6 +176,7 @@ def begin_extension(
         return FAILED
     draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
     s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    ghost_out.scratch.counts[PRODUCTS] += s.count[avatar]
     s.begun[avatar], s.phase[avatar] = s.count[avatar], EXTEND
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
     return SEARCHING
@@ -188,16 +189,12 @@ def extend(
 ) -> None:
     """One step of the extension that is under way, and what follows if it was the last."""
     s, phase = plan_out.searches, plan_out.searches.phase[avatar]
+    pace = s.pace[avatar]
     outcome, s.value[avatar], s.pace[avatar] = step_ghost(
-        geo, skel, avatars, settings, avatar, s.pace[avatar], most_work, s.value[avatar], ghost_out
+        geo, skel, avatars, settings, avatar, pace, most_work, s.value[avatar], ghost_out
     )
-    if outcome != TRAPPED:
-        tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
-        k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
-        if k == NONE:
-            outcome = TRAPPED
-        else:
-            s.at[avatar] = k
+    if outcome != TRAPPED and not keep_step(skel, avatars, avatar, pace, plan_out, ghost_out):
+        outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
         end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
         return
@@ -212,6 +209,26 @@ def extend(
 
 
 @kernel
+def keep_step(skel: Skeleton, avatars: Avatars, avatar: int, pace: float, plan_out: Plan, ghost_out: Ghost) -> bool:
+    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step; False without
+    room.
+
+    Short steps in contact would else fill the trees with nodes that lie side by side."""
+    s = plan_out.searches
+    s.edge[avatar] += pace
+    if s.count[avatar] > s.begun[avatar] and s.edge[avatar] <= LONGEST:
+        put_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], plan_out)
+        return True
+    phase = s.phase[avatar]
+    tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
+    k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
+    if k == NONE:
+        return False
+    s.at[avatar], s.edge[avatar] = k, pace
+    return True
+
+
+@kernel
 def begin_connection(
     geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
 ) -> None:
@@ -222,6 +239,7 @@ def begin_connection(
     put_node(skel, avatars, avatar, ghost_out.posture, AIM, plan_out)
     s.tree[avatar] = 1 - s.tree[avatar]
     s.at[avatar] = nearest_node(skel, avatars, avatar, AIM, s.tree[avatar], plan_out)
+    ghost_out.scratch.counts[PRODUCTS] += s.count[avatar]
     s.begun[avatar], s.phase[avatar] = s.count[avatar], CONNECT
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
 

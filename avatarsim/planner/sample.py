@@ -12,12 +12,12 @@ from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import AIM, get_node, put_node
 from avatarsim.posture.chain import MODULUS, MULTIPLIER
 from avatarsim.spatial.tangent import columns, put_columns, stepped, turned_back
-from avatarsim.spatial.vec3 import along, dot, put_row, row
+from avatarsim.spatial.vec3 import along, dot, norm, put_row, row, sub
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Skeleton
 
 MARGIN = 4.0
-"""[mean reaches of a link] how far beyond start and goal the first places are drawn: an arm's length. The room around them grows
-with the root of the samples drawn."""
+"""[mean reaches of a link] how far beyond start and goal the first places are drawn, an arm's length, and half of their distance
+more. The room around them grows with the root of the samples drawn."""
 
 TURN, MOVE = 1.2, 3.0
 """[rad, mean reaches] how far at most joints and root of a local sample are from those of its node. Larger: they end in what
@@ -62,7 +62,8 @@ def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_
     elif kind >= 2:
         copy_posture(skel, avatars, avatar, ghost_out.travel, target)
     samples = plan_out.searches.samples[avatar]
-    margin = MARGIN * ghost_out.state.tracking.reach[avatar] * sqrt(1.0 + samples)
+    margin = MARGIN * ghost_out.state.tracking.reach[avatar] + 0.5 * norm(sub(there, here))
+    margin *= sqrt(1.0 + samples)
     for i in range(3):
         low, high = min(here[i], there[i]) - margin, max(here[i], there[i]) + margin
         target.root[root, i] = low + (high - low) * drawn(avatar, plan_out)

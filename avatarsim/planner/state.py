@@ -48,8 +48,8 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"), ("cuts", "i8"),
-        ("cut_from", "i8"),
+        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"),
+        ("cuts", "i8"), ("cut_from", "i8"),
         ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("random", "i8"),
     ],
     align=True,
@@ -80,6 +80,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[m^2] objective towards the end of the extension after its last step."""
     pace: Array
     """[strides] how long its next step may be."""
+    edge: Array
+    """[strides] how long the edge is that its steps are put into."""
     length: Index
     """Nodes of the path."""
     place: Index

@@ -100,7 +100,8 @@ def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> N
     assert np.degrees(off.max()) < 25.0 and np.degrees(off.mean()) < 6.0
     turn = Rotation.from_quat(record.shown.orientations[len(scene.bodies)], scalar_first=True).magnitude()
     assert np.degrees(turn) < 10.0
-    assert record.statuses["waiting"] == 1
+    # what holds it off is said: it waits, or a path is sought meanwhile
+    assert sum(record.statuses.get(name, 0) for name in ("waiting", "planning")) == 1
 
 
 def plates(apart: float) -> tuple[Scene, TrackerSample]:

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from avatarsim.ik.solve import solve
+from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.loops.ik_loop import NOT_KNOWN, IkLoop
+from avatarsim.planner.follow_path import aim_along_paths
+from avatarsim.planner.make import make_planner
+from avatarsim.planner.supervisor import drop_paths, supervise
 from avatarsim.settings import Chosen
 from avatarsim.world.target import Target
 from avatarsim.world.world import build, posture_of
@@ -19,16 +22,23 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
     apart, world = solver_of(scene), build(scene)
     target, lower = Target(world), IkLoop(world, chosen.ik, chosen.coupling)
     lower.watch(NOT_KNOWN)
-    worked = 0
+    worked, w = 0, apart.world
+    plan, ghost = make_planner(
+        w.geometry, w.skeleton, apart.avatars, apart.state, w.posture, w.poses, np.array(scene.gravity), 0
+    )
     for sample in drawn(scene, 11, 40):
         target.read(sample)
         lower.follow(target, 1.0 / 60.0)
-        w = apart.world
-        solve(
-            w.geometry, w.skeleton, apart.avatars, chosen.ik, posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0, NOT_KNOWN,
-            w.posture, w.poses, apart.state, apart.working,
-        )
-        plain, packed = leaves((w.posture, w.poses, apart.state)), leaves((world.posture, world.poses, lower.state))
+        tracker, dt = posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0
+        geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
+        avatars, state, working = apart.avatars, apart.state, apart.working
+        begin_frame(geo, skel, avatars, chosen.ik, tracker, dt, NOT_KNOWN, poses, state, working)
+        drop_paths(geo, skel, avatars, tracker, posture, poses, plan, ghost, state, working)
+        aim_along_paths(skel, avatars, dt, posture, plan, state, working)
+        solve(geo, skel, avatars, chosen.ik, posture, poses, state, working)
+        supervise(geo, skel, avatars, chosen.ik, tracker, dt, posture, poses, plan, ghost, state, working)
+        plain = leaves((w.posture, w.poses, apart.state, plan))
+        packed = leaves((world.posture, world.poses, lower.state, lower.plan))
         for one, other in zip(plain, packed, strict=True):
             assert np.asarray(one).tobytes() == np.asarray(other).tobytes()
         worked += lower.counts()["rows"]

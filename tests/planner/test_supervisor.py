@@ -1,0 +1,113 @@
+"""Which avatars are led around what holds them off, along which paths, and what their frames say and cost."""
+
+import numpy as np
+import pytest
+
+from avatarsim.planner.supervisor import LEAST_SLICE
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.settings import IkSettings
+from reference.judge import Judge
+from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
+
+SETTINGS = IkSettings()
+SECONDS = 60
+
+
+def test_a_door_is_found_and_gone_through_within_the_motion_budget() -> None:
+    scene, target = behind_the_wall(walker())
+    run, judge = Run(scene), Judge(scene)
+    before, first = run.record.shown.positions[3], True
+    for record in (one for _ in range(3 * SECONDS) for one in run.go(target, 1)):
+        shown = record.shown
+        assert judge.overlaps(shown.positions, shown.orientations).deepest == 0.0
+        moved_by = float(np.linalg.norm(shown.positions[3] - before))
+        # the first frame has the leap of the target in its budget
+        assert first or moved_by <= SETTINGS.catch_up_move * DT * 1.2
+        before, first = shown.positions[3], False
+    assert run.far(target) < 1e-3 and run.said["planning"] > 0 and run.said["following"] > 0
+    assert run.record.statuses == {}
+
+
+def test_without_work_for_searches_the_avatar_waits_behind_the_wall_and_says_so() -> None:
+    scene, target = behind_the_wall(walker())
+    run = Run(scene, plan_work=0)
+    run.go(target, 2 * SECONDS)
+    assert run.far(target) > 0.5 and run.said["waiting"] > SECONDS and "planning" not in run.said
+
+
+@pytest.mark.parametrize(("around", "is_led"), [(0, False), (1, False), (2, True)])
+def test_a_hand_without_joints_is_led_only_if_asked_for(around: int, is_led: bool) -> None:
+    scene, target = behind_the_wall(palm())
+    run = Run(scene, around=around)
+    run.go(target, 5 * SECONDS)
+    assert (run.far(target) < 1e-3) == is_led and ("following" in run.said) == is_led
+    assert is_led or run.said["waiting"] > SECONDS
+
+
+def test_an_arm_that_a_post_holds_folds_to_get_past_it() -> None:
+    scene, target = held_arm()
+    stuck, run = Run(scene, plan_work=0), Run(scene)
+    stuck.go(target, 3 * SECONDS)
+    run.go(target, 3 * SECONDS)
+    assert stuck.far(target) > 0.05 and run.far(target) < 1e-3 and run.said["following"] > 0
+
+
+def test_what_presses_on_a_table_is_led_nowhere() -> None:
+    avatar = walker()
+    table = block("table", (0.0, 0.0, -0.55), (3.0, 3.0, 0.1))
+    scene = Scene("table", (table,), (avatar,), start=rest((avatar,)))
+    target = moved(scene, (0.0, 0.0, -0.4))
+    run = Run(scene)
+    run.go(target, 2 * SECONDS)
+    assert run.far(target) > SETTINGS.near and run.said["waiting"] > SECONDS and "following" not in run.said
+
+
+def test_same_seed_same_bits_and_another_seed_another_path() -> None:
+    scene, target = behind_the_wall(walker())
+    runs = [[record.state_hash() for record in Run(scene, seed).go(target, SECONDS)] for seed in (1, 1, 2)]
+    assert runs[0] == runs[1] and runs[0] != runs[2]
+
+
+@pytest.mark.parametrize("status", ["planning", "following"])
+def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) -> None:
+    scene, target = behind_the_wall(walker())
+    run, other = Run(scene, plan_work=200), Run(scene, plan_work=200)
+    while not run.record.statuses.get(status):
+        run.go(target, 1)
+    run.go(target, 2)
+    assert run.record.statuses.get(status)
+    other.engine.restore(run.engine.snapshot())
+    assert [one.state_hash() for one in run.go(target, SECONDS)] == [one.state_hash() for one in other.go(target, SECONDS)]
+
+
+@pytest.mark.parametrize("plan_work", [150, 800])
+def test_searches_keep_their_work_but_for_the_rest_of_a_step(plan_work: int) -> None:
+    scene, target = behind_the_wall(walker())
+    spent = [record.counts["plan_work"] for record in Run(scene, plan_work=plan_work).go(target, SECONDS)]
+    assert 0 < max(spent) <= plan_work + LEAST_SLICE
+
+
+def test_a_path_is_dropped_when_its_end_is_no_nearer_to_the_target_than_the_avatar_is() -> None:
+    scene, target = behind_the_wall(walker())
+    run, home = Run(scene), scene.first_sample
+    while not run.record.statuses.get("following"):
+        run.go(target, 1)
+    run.go(home, 1)
+    assert not run.record.statuses.get("following")
+    run.go(home, SECONDS)
+    assert run.far(home) < 1e-3
+
+
+def test_two_avatars_are_led_at_once_and_neither_waits_for_the_other() -> None:
+    one, other = walker(), palm()
+    alone, _ = behind_the_wall(one)
+    start = rest((one, other))
+    start.positions[3] = (0.0, -1.5, 0.3)
+    scene = Scene("both", alone.bodies, (one, other), start=start)
+    positions = start.positions.copy()
+    positions[[0, 3], 0] += 1.4
+    goal = TrackerSample(0.0, positions, start.rotations, start.angles)
+    run = Run(scene, around=2)
+    run.go(goal, 6 * SECONDS)
+    assert run.far(goal) < 1e-3 and run.said["following"] > SECONDS
