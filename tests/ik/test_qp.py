@@ -106,8 +106,8 @@ def within_budgets(found: Solver, left: float) -> Array:
     return np.asarray(got.x)
 
 
-@pytest.mark.parametrize("seed", range(8))
-@pytest.mark.parametrize("left", [0.02, 0.06, 0.15])
+@pytest.mark.parametrize("seed", range(22))
+@pytest.mark.parametrize("left", [0.02, 0.15])
 def test_a_step_within_budgets_is_as_good_as_the_best_that_keeps_them(seed: int, left: float) -> None:
     """And better, where it uses what it may go beyond them."""
     found, _, _ = asked(seed, 0)
