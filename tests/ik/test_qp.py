@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
@@ -94,9 +94,10 @@ def test_bounds_that_are_violated_join(seed: int) -> None:
 def within_budgets(found: Solver, left: float) -> Array:
     """The nearest step of which no group goes farther than `left`, by scipy."""
     metric, wish = metric_of(found), found.working.objective.newton
-    balls = [
-        {"type": "ineq", "fun": lambda x, at=at: left**2 - x[at] @ x[at]} for at, _ in groups(found)
-    ]
+    masks = np.zeros((len(groups(found)), len(wish)))
+    for mask, (at, _) in zip(masks, groups(found), strict=True):
+        mask[at] = 1.0
+    balls = {"type": "ineq", "fun": lambda x: left**2 - masks @ x**2, "jac": lambda x: -2.0 * masks * x}
     got = minimize(
         lambda x: 0.5 * (x - wish) @ metric @ (x - wish), np.zeros(len(wish)), jac=lambda x: metric @ (x - wish), method="SLSQP",
         constraints=balls, options={"ftol": 1e-12, "maxiter": 300},
@@ -105,14 +106,14 @@ def within_budgets(found: Solver, left: float) -> Array:
     return np.asarray(got.x)
 
 
-@settings(max_examples=25)
-@given(st.integers(0, 10**6), st.floats(0.02, 0.2))
+@pytest.mark.parametrize("seed", range(22))
+@pytest.mark.parametrize("left", [0.02, 0.15])
 def test_a_step_within_budgets_is_as_good_as_the_best_that_keeps_them(seed: int, left: float) -> None:
-    """To a hundredth: planes cut off what is beyond the budgets, and are no balls."""
+    """And better, where it uses what it may go beyond them."""
     found, _, _ = asked(seed, 0)
     found.state.budget.turn[:], found.state.budget.move[:], found.state.budget.slack[:] = left, left, 0.15 * left
     none, best = cost(found, np.zeros(len(found.avatars.joint_of))), cost(found, within_budgets(found, left))
-    assert cost(found, solved(found)) - best <= 0.01 * (none - best)
+    assert cost(found, solved(found)) - best <= 1e-6 * (none - best)
 
 
 @given(st.integers(0, 10**6), st.floats(0.005, 0.2))

@@ -145,5 +145,6 @@ def test_waiting_is_said_once_it_comes_no_nearer_and_no_longer_than_that() -> No
     said = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.3))).statuses for _ in range(60)]
     assert not any(said[:5]) and all(said[30:])
     assert "waiting" not in go.frame(home).statuses
+    go = ride(scene, preset="ik")
     near = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.09))).statuses for _ in range(60)]
     assert not any(near), "4 cm behind a plate is near"
