@@ -82,15 +82,12 @@ class IkSettings(NamedTuple):
     least_gap       [m] gap accepted. Room for curvature and solver error between this and `stand_off`.
     wedged_gap      [m] gap accepted when squeezed from two sides; 0 would let a wedged link never move again.
     catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller:
-    limbs
-                    that come free are late.
-    catch_up_move   [m/s] the same of a root, and of the origin of a link.
-    damping_time    [s] in which a step in contact goes half of the way to the nearest posture, beyond the target's own motion. 0:
-    limbs
-                    in contact go to and fro a little more; 0.05: contacts that give way are followed late.
-    settle_time     [s] for which the catch-up speeds hold at a target that rests; each such time later they have halved. Larger:
-                    limbs that are pressed on things wander for longer; smaller: what is far away when its target rests comes
-                    late.
+                    limbs that come free are late.
+    catch_up_move   [m/s] the same of a root. Larger: jumps; smaller: a body that was held off comes late.
+    damping_time    [s] in which a step in contact goes half of the way to the nearest posture, beyond the target's own motion.
+                    0: limbs in contact go to and fro a little more; 0.05: contacts that give way are followed late.
+    settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
+                    still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
     stall_time      [s] without progress after which the frame record says that an avatar waits.
     near            [m] an avatar whose link origins are all nearer than this to the target does not wait.
     steps           steps per frame at most. 1: fast targets lag in contact; 3 only costs time.

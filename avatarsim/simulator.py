@@ -47,7 +47,7 @@ CHOICES = {"untie": 1, "around": 2, "couple": 1}
 LEAST = {
     "steps": 1, "corrections": 1, "attempts": 1, "sweeps": 1, "work": 1, "turn_cap": 1e-3, "move_cap": 1e-3, "stand_off": 1e-7,
     "turn_share": 1e-3, "turn_alone": 1e-3, "stuck_frames": 1, "search_after": 1, "trapped_frames": 1, "rounds": 1,
-    "spring": 1e-3, "walk_back": 1e-12,
+    "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3, "catch_up_turn": 1e-3, "catch_up_move": 1e-3,
 }
 """Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
 
