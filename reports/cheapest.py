@@ -323,8 +323,8 @@ def _asleep(case: Case) -> str:
     mine, theirs = (cell.attempt.any_point for cell in (case.ours, case.rival) if cell.attempt is not None)
     medians = f"{mine.run} {quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
     sleep = "both sleep" if mine.is_asleep and theirs.is_asleep else "ours sleeps" if mine.is_asleep else f"{theirs.run} sleeps"
-    moving = f"{quantity(mine.p95, 'us')} and {quantity(theirs.p95, 'us')}"
-    return f"{sleep}: {medians}; in frames that move (95th percentile): {moving}"
+    moving = f"{quantity(mine.tail, 'us')} and {quantity(theirs.tail, 'us')}"
+    return f"{sleep}: {medians}; in frames that move ({mine.tail_said}): {moving}"
 
 
 def _beside(found: Table) -> list[str]:
@@ -376,5 +376,7 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
             said.append(f"{line.engine} by none of {line.measured} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
-    tail = "; 95th percentile, as what rests sleeps in the median frame" if block.basis is Basis.TAIL else ""
+    named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
+    of_tail = named is not None and block.basis is Basis.TAIL
+    tail = f"; {named.any_point.tail_said}, as what rests sleeps in the median frame" if named and of_tail else ""
     return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from avatarsim.settings import PostureSettings, meanings
+from reports import piles
 from reports.growth import Growth
 from reports.load import Results, Row
 from reports.metric_words import words
@@ -64,6 +65,8 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
         Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
         Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
+        Answer("Stacks of boxes", PARTLY, f"{piles.which(results)} {piles.in_motion(results, ours)}".strip() or (
+            f"Stacks are {ABSENT}.")),
         Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
                f"{grown(growth, ours, 'contacts')}"),
         Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),

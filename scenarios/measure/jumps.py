@@ -39,8 +39,8 @@ def beyond_user(recording: Recording, scene: Scene) -> tuple[Array, Array]:
 
 
 def jumps(recording: Recording, scene: Scene) -> Values:
-    """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0; link_jump_max [m]: the same of
-    each link's origin against its own target's. Empty without avatars."""
+    """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0; link_jump_max [m]: the
+    same of each link's origin against its own target's. Empty without avatars."""
     if not scene.links or recording.frames == 0:
         return {}
     turn, way = beyond_user(recording, scene)

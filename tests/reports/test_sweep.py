@@ -73,7 +73,7 @@ def test_ratios_that_hold_are_said_with_where_they_are_closest(tmp_path: Path) -
     assert ten is not None and three is not None and ten[1] == pytest.approx(15.0) and three[1] == pytest.approx(3.5)
     said = sweep.conclusion(found)
     assert "of other engines is both as fast and as accurate as ours, in 1 scene" in said
-    assert "×15.0 where it is closest (wall, pybullet/tuned)" in said and "×3.50" in said
+    assert "×15.0 where it is closest (wall, deepest overlap shown alone, pybullet/tuned)" in said and "×3.50" in said
 
 
 def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
@@ -82,9 +82,11 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
     stack, drop, _ = found.rivalries
     assert "takes ×5.00, not ×10" in stack.said and drop.said == "as fast and as accurate: mujoco/tuned" and drop.ratios == ()
     said = sweep.conclusion(found)
-    assert said.startswith("Without an avatar another engine is both as fast and as accurate as ours in drop (apex_error_max: "
-                           "mujoco/tuned).")
-    assert "10 times faster than any measured that leaves at most 10 µm in stack (×5.00, pybullet/tuned)" in said
+    assert said.startswith("Taken for one kind of error alone, where the cases above and the table below count all errors of a "
+                           "scene at once, without an avatar another engine is both as fast and as accurate as ours in drop "
+                           "(error of the bounce height alone: mujoco/tuned).")
+    assert "10 times faster than any measured that leaves at most 10 µm in stack (deepest overlap shown alone: "
+            "×5.00, pybullet/tuned)" in said
 
 
 def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
