@@ -53,7 +53,7 @@ class Kind:
         share = _share(self.nearest)
         if share == 0.0:
             return "0 in all"
-        size = "above it" if not share <= 1.0 else f"{100.0 * share:.2g} %" if share >= LOOSE else f"less than {LOOSE:.1%}"
+        size = f"less than {100.0 * LOOSE:g} %" if share < LOOSE else f"{100.0 * share:.2g} %" if share <= 1.0 else "above it"
         return f"{size} ({self.nearest.scenario})"
 
 
@@ -80,11 +80,12 @@ def kinds(verdict: Verdict) -> tuple[Kind, ...]:
 
 def promised(found: Sequence[Kind]) -> str:
     """What is promised everywhere, in numbers; "" where nothing of it was measured."""
-    said = [
-        f"{words(one.metric)} at most {one.bound} in {count(one.scenes, 'scene')}, largest "
-        f"{quantity(one.largest.value, one.largest.unit)}" + (f" ({one.largest.scenario})" if one.largest.value else "")
-        for one in found if one.metric in PROMISED
-    ]
+    said = []
+    for one in (kind for kind in found if kind.metric in PROMISED):
+        text = f"{words(one.metric)} {one.bound} at most, in {count(one.scenes, 'scene')}"
+        if one.largest.value:
+            text += f", largest {quantity(one.largest.value, one.largest.unit)}, nearest to its bound {one.nearest_said}"
+        said.append(text if one.largest.value else f"{text}, 0 in all")
     return f"Promised everywhere: {'; '.join(said)}." if said else ""
 
 

@@ -1,8 +1,10 @@
 """Stacking and granular benchmarks: which engine for stacks of boxes, at rest and in motion, by time and by overlap."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from reports.asleep import asleep, sleepers
 from reports.load import Results
 from reports.tables import RAW_TRACKER, engine_of
 from reports.wording import factor, limit, quantity
@@ -57,21 +59,24 @@ def in_motion(results: Results, ours: str) -> str:
     return f"Piles of bodies in motion: {'; '.join(worst_first)}." if worst_first else ""
 
 
-def which(results: Results) -> str:
-    """For stacks at rest and piles in motion the fastest run that leaves at most so much, scene by scene."""
-    said = []
+def which(results: Results, ours: str) -> str:
+    """For stacks at rest and piles in motion the fastest run that leaves at most so much, scene by scene, of ours as it comes and
+    of all presets of other engines."""
+    said, sleeping = [], sleepers(results)
     for kind, scenes in (("At rest", RESTS), ("In motion", MOVES)):
         for scene in scenes:
-            found = paces(results, scene)
+            found = [one for one in paces(results, scene) if one.run == ours or engine_of(one.run) != engine_of(ours)]
             if found:
-                said.append(f"{kind} ({scene}), fastest median with an overlap of {_by_level(found)}.")
+                sleeps = asleep(sleeping.get(scene, {}), "p50")
+                said.append(f"{kind} ({scene}), fastest median with an overlap of {_by_level(found, sleeps)}.")
     return " ".join(said)
 
 
-def _by_level(found: tuple[Pace, ...]) -> str:
+def _by_level(found: Sequence[Pace], sleeps: Sequence[str]) -> str:
     """"at most 10 mm: ...; 1 mm: ...", equal answers together."""
     answers: dict[str, list[str]] = {}
     for level in LEVELS:
         best = next((one for one in found if one.overlap <= level), None)
-        answers.setdefault(best.said if best else "none of those run", []).append(limit(level, "m"))
+        text = "none of those run" if best is None else f"{best.said}{', asleep' if best.run in sleeps else ''}"
+        answers.setdefault(text, []).append(limit(level, "m"))
     return "; ".join(f"at most {' or '.join(levels)}: {text}" for text, levels in answers.items())

@@ -12,7 +12,7 @@ from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.files import WHOLE, lines, number
 from reports.metric_words import words
 from reports.wording import count, figures, limit, listed, quantity
-from scenarios.measure.protocol import TAIL_FRAMES
+from scenarios.measure.protocol import REPEATS, TAIL_FRAMES
 from scenarios.native import FOLDER
 
 FILES = ROWS, ABOUT = "sweep.csv", "sweep.json"
@@ -90,6 +90,11 @@ class Point:
         if self._few and self.slowest == self.slowest:
             return f"slowest of {self.frames} frames"
         return f"95th percentile of {self.frames} frames" if self._few else "95th percentile"
+
+    @property
+    def has_tail(self) -> bool:
+        """Whether `tail` is that of the engine: what ran once holds what the machine did beside it."""
+        return self.tail == self.tail and (not self.repeats or self.repeats >= REPEATS)
 
     @property
     def _few(self) -> bool:

@@ -88,7 +88,7 @@ def _front_words(rivalry: Rivalry) -> str:
 def tooltip(point: Point) -> str:
     """Everything about one point: run, error, time and what it stands on, options."""
     stands = f", {point.repeats} × {point.frames} frames" if point.repeats else ""
-    tail = f"; {point.tail_said} {quantity(point.tail, 'us')}" if point.tail == point.tail else ""
+    tail = f"; {point.tail_said} {quantity(point.tail, 'us')}" if point.has_tail else ""
     time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
@@ -227,7 +227,7 @@ def budget_sentence(sweep: Sweep) -> str:
     most = max(fronts, key=lambda p: p.p50)
     if slow:
         return f"On a front and slower in the median than 11.1 ms, a frame at 90 Hz: {listed(slow)}."
-    tail = max((p for p in fronts if p.tail == p.tail), key=lambda p: p.tail, default=None)
+    tail = max((p for p in fronts if p.has_tail), key=lambda p: p.tail, default=None)
     said = (f"; the dearest in its tail has {quantity(tail.tail, 'us')} ({tail.tail_said}), {tail.scenario} {tail.run}"
             if tail is not None else "")
     return (f"All settings on a front take less than 11.1 ms, a whole frame at 90 Hz: the slowest median is "

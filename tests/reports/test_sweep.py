@@ -85,8 +85,8 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
     assert said.startswith("Taken for one kind of error alone, where the cases above and the table below count all errors of a "
                            "scene at once, without an avatar another engine is both as fast and as accurate as ours in drop "
                            "(error of the bounce height alone: mujoco/tuned).")
-    assert "10 times faster than any measured that leaves at most 10 µm in stack (deepest overlap shown alone: "
-            "×5.00, pybullet/tuned)" in said
+    assert ("10 times faster than any measured that leaves at most 10 µm in stack (deepest overlap shown alone: ×5.00, "
+            "pybullet/tuned)") in said
 
 
 def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
