@@ -176,7 +176,8 @@ class Case:
     def times(self) -> str:
         """Both times, the rival's first, with what sleeps in the median frame."""
         ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
-        return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}"
+        which = {Basis.TAIL: ", in frames that move", Basis.SLOWEST: ", in the slowest frame"}.get(self.block.basis, "")
+        return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}{which}"
 
 
 def _time(cell: Cell | None) -> float:
@@ -323,8 +324,9 @@ def _asleep(case: Case) -> str:
     mine, theirs = (cell.attempt.any_point for cell in (case.ours, case.rival) if cell.attempt is not None)
     medians = f"{mine.run} {quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
     sleep = "both sleep" if mine.is_asleep and theirs.is_asleep else "ours sleeps" if mine.is_asleep else f"{theirs.run} sleeps"
-    moving = f"{quantity(mine.tail, 'us')} and {quantity(theirs.tail, 'us')}"
-    return f"{sleep}: {medians}; in frames that move ({mine.tail_said}): {moving}"
+    slowest = case.block.basis is Basis.SLOWEST
+    moving = " and ".join(quantity(point.slowest if slowest else point.tail, "us") for point in (mine, theirs))
+    return f"{sleep}: {medians}; in frames that move ({'the slowest' if slowest else mine.tail_said}): {moving}"
 
 
 def _beside(found: Table) -> list[str]:
@@ -377,6 +379,8 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
     named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
-    of_tail = named is not None and block.basis is Basis.TAIL
-    tail = f"; {named.any_point.tail_said}, as what rests sleeps in the median frame" if named and of_tail else ""
+    tail = ""
+    if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
+        time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
+        tail = f"; {time}, as what rests sleeps in the others"
     return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."

@@ -24,6 +24,8 @@ SLEEPS = 0.5
 """Share of frames at rest from which on a median is the time of a frame at rest."""
 ALONE = "Taken for one kind of error alone, where the cases above and the table below count all errors of a scene at once, "
 """How what is said of single errors begins."""
+SLEEPS_THROUGH = 0.95
+"""The same share for a 95th percentile."""
 RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 """At least so many times faster (second) than any setting of another engine that leaves at most so much overlap (first) [m]."""
 
@@ -105,6 +107,11 @@ class Point:
     def is_asleep(self) -> bool:
         """Whether its median is the time of a frame in which what rests sleeps."""
         return self.sleeps and self.rests >= SLEEPS
+
+    @property
+    def sleeps_through(self) -> bool:
+        """Whether what rests sleeps in all but so few frames that a 95th percentile is the time of a frame at rest too."""
+        return self.sleeps and self.rests >= SLEEPS_THROUGH
 
     @property
     def run(self) -> str:
@@ -277,7 +284,8 @@ def conclusion(sweep: Sweep) -> str:
 
 def _by_tail(rivalry: Rivalry) -> str:
     """What is compared where it is not a median."""
-    return ", in frames that move" if basis_of(rivalry.points) is Basis.TAIL else ""
+    basis = basis_of(rivalry.points)
+    return ", in frames that move" if basis is Basis.TAIL else ", in the slowest frame" if basis is Basis.SLOWEST else ""
 
 
 def _promise(overlaps: Sequence[Rivalry], k: int, most: float, least: float) -> str:
