@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -227,3 +228,29 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     assert 'href="#sweep"' in page and "takes ×5.00, not ×10" in page
     assert 'id="cheapest"' in page and "Performance profile" in page and "at most 1 mm" in page
     assert "none of 1 setting measured here" in page and "ours is kinematic" in page
+
+
+def test_few_frames_have_a_slowest_and_no_percentile_and_one_repeat_has_no_tail(tmp_path: Path) -> None:
+    (point, *_) = loaded(tmp_path, WON).points
+    few = replace(point, p95=30.0, slowest=50.0, repeats=3, frames=60)
+    assert (few.tail, few.tail_said, few.has_tail) == (50.0, "slowest of 60 frames", True)
+    many = replace(few, frames=200)
+    assert (many.tail, many.tail_said) == (30.0, "95th percentile") and not replace(many, repeats=1).has_tail
+    assert replace(few, slowest=math.nan).tail_said == "95th percentile of 60 frames"
+
+
+def test_a_gap_is_said_beside_the_error_that_does_not_count_it(tmp_path: Path) -> None:
+    (point, *_) = loaded(tmp_path, WON).points
+    assert replace(point, gap=4e-3).hovers == "hovers 4.00 mm" and point.hovers == replace(point, gap=5e-7).hovers == ""
+    assert "hovers 4.00 mm" in sweep_chart.tooltip(replace(point, gap=4e-3))
+
+
+def test_the_model_of_a_setting_is_that_of_the_preset_beneath_if_it_is_there(tmp_path: Path) -> None:
+    turned = replace(loaded(tmp_path, WON).points[0], scenario="wall", engine="mujoco", setting="tuned dt=1/60", base="tuned")
+    (tmp_path / "native").mkdir()
+    assert sweep.load(tmp_path) is not None and sweep.Sweep((turned,)).model(turned) == ""
+    for name in ("wall.mujoco.tuned.0.xml.gz", "wall.mujoco.tuned.0.steps.npz", "wall_b.mujoco.tuned.0.xml.gz"):
+        (tmp_path / "native" / name).write_bytes(b"")
+    found = sweep.load(tmp_path)
+    assert found is not None and found.model(turned) == "native/wall.mujoco.tuned.0.xml.gz"
+    assert found.model(replace(turned, base="default", setting="default")) == ""
