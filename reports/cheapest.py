@@ -275,7 +275,7 @@ def sentence(found: Table) -> str:
         return "No error of this sweep is a length: there is no cheapest setting to name."
     cases, lost, parts = found.cases, found.lost, list[str]()
     if cases:
-        said = tuple(f"{case.where} ({case.times})" for case in lost)
+        said = _where(lost)
         parts.append(f"Of {count(len(cases), 'case')} without an avatar (scene × accuracy) a rival is cheaper in {len(lost)}"
                      f"{f': {listed(said)}' if lost else ''}.")
     neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
@@ -285,6 +285,14 @@ def sentence(found: Table) -> str:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
                      f"does: of {_tried(alone)}.")
     return " ".join([*parts, *_factors(cases), *_beside(found)])
+
+
+def _where(cases: Sequence[Case]) -> tuple[str, ...]:
+    """Scene, accuracies and both times; accuracies of a scene at which the times are the same stand together."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for case in cases:
+        found.setdefault((case.block.scenario, case.times), []).append(limit(LEVELS[case.level], "m"))
+    return tuple(f"{scene} at {', '.join(levels)} ({times})" for (scene, times), levels in found.items())
 
 
 def asleep(found: Table) -> list[str]:
@@ -334,8 +342,9 @@ def _beside(found: Table) -> list[str]:
     cases = found.side_by_side
     if not cases:
         return []
-    less = tuple(f"{case.where} ({case.times})" for case in cases if case.lost)
-    where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {listed(less)}" if less else (
+    less = [case for case in cases if case.lost]
+    said = listed(_where(less))
+    where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {said}" if less else (
         "in none of them does a rival take less time")
     return [f"With an avatar, in {count(len(cases), 'case')}, ours is kinematic and theirs has dynamics: times stand side by "
             f"side below, without factor, rank or share; {where}."]
