@@ -56,6 +56,8 @@ def write_report(run_dir: Path) -> tuple[str, ...]:
         narrow=part(narrow_phase.load), broad=part(broad_phase.load), two=part(table_2.load), growth=part(growth.load),
         close=part(closeness.load), ablation=part(effects.load), figure_7=part(figure_7.load) or (), sweep=part(sweep.load),
         converging=part(convergence.load), law_map=part(law_map.load), steady=part(stability.load), judge=part(judge.load),
+        # this one is written together with the pages
+        files=frozenset({SUMMARY, *(entry.name for entry in run_dir.iterdir() if entry.is_file())}),
     )
     _replace(run_dir, _texts(run_dir, results, verdict(results), extras, damage))
     return tuple(damage)

@@ -18,17 +18,23 @@ of two runs by up to 10 %. Larger hides a difference that comes back in every ru
 
 
 class Point(Protocol):
-    """Times [us] of one setting in one scene: median, 95th percentile, median of frames in motion (nan where these are not told
-    from frames at rest); whether what rests sleeps in its median frame; whether the scene has an avatar."""
+    """Times [us] of one setting in one scene: median, 95th percentile (of few frames the slowest), median of frames in
+    motion (nan where these are not told from frames at rest); whether what rests sleeps in its median frame, and in that of its
+    tail; whether the scene
+    has an avatar."""
 
     @property
     def p50(self) -> float: ...
     @property
-    def p95(self) -> float: ...
+    def tail(self) -> float: ...
     @property
     def moving(self) -> float: ...
     @property
+    def slowest(self) -> float: ...
+    @property
     def is_asleep(self) -> bool: ...
+    @property
+    def sleeps_through(self) -> bool: ...
     @property
     def avatar(self) -> bool: ...
 
@@ -38,21 +44,27 @@ class Basis(Enum):
 
     MEDIAN = "the median of all frames"
     MOVING = "the median of frames in motion"
-    TAIL = "the 95th percentile, a frame in motion: in the median frame what rests sleeps in one engine at least"
+    TAIL = ("the 95th percentile (of fewer than 200 frames the slowest), a frame in motion: in the median frame what rests "
+            "sleeps in one engine at least")
+    SLOWEST = ("the slowest frame: in 95 of 100 frames what rests sleeps in one engine at least, so that no percentile is of a "
+               "frame in motion")
 
 
 def basis_of(points: Iterable[Point]) -> Basis:
     """The time that all `points` of one scene are compared by: of frames in motion where all tell them from frames at rest, the
-    95th percentile where any sleeps in its median frame, else the median."""
+    95th percentile where any sleeps in its median frame, the slowest where any sleeps in that percentile too, else the median."""
     timed = [point for point in points if point.p50 > 0.0]
     if timed and all(point.moving == point.moving for point in timed):
         return Basis.MOVING
+    if timed and any(point.sleeps_through for point in timed) and all(point.slowest == point.slowest for point in timed):
+        return Basis.SLOWEST
     return Basis.TAIL if any(point.is_asleep for point in timed) else Basis.MEDIAN
 
 
 def time_by(point: Point, basis: Basis) -> float:
     """That time [us]; nan where the point has none."""
-    return {Basis.MEDIAN: point.p50, Basis.MOVING: point.moving, Basis.TAIL: point.p95}[basis]
+    return {Basis.MEDIAN: point.p50, Basis.MOVING: point.moving, Basis.TAIL: point.tail,
+            Basis.SLOWEST: point.slowest}[basis]
 
 
 def level(one: float, other: float) -> bool:
@@ -68,7 +80,7 @@ def is_more(one: float, other: float) -> bool:
 def factor(point: Point, base: Point, basis: Basis) -> float:
     """How many times the time of `base` a frame of `point` takes; nan where there is an avatar, or where one of the two sleeps in
     the median frame and frames in motion have no median of their own."""
-    if point.avatar or base.avatar or basis is Basis.TAIL:
+    if point.avatar or base.avatar or basis in (Basis.TAIL, Basis.SLOWEST):
         return math.nan
     of = time_by(base, basis)
     return time_by(point, basis) / of if of > 0.0 else math.nan

@@ -176,7 +176,8 @@ class Case:
     def times(self) -> str:
         """Both times, the rival's first, with what sleeps in the median frame."""
         ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
-        return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}"
+        which = {Basis.TAIL: ", in frames that move", Basis.SLOWEST: ", in the slowest frame"}.get(self.block.basis, "")
+        return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}{which}"
 
 
 def _time(cell: Cell | None) -> float:
@@ -274,7 +275,7 @@ def sentence(found: Table) -> str:
         return "No error of this sweep is a length: there is no cheapest setting to name."
     cases, lost, parts = found.cases, found.lost, list[str]()
     if cases:
-        said = tuple(f"{case.where} ({case.times})" for case in lost)
+        said = _where(lost)
         parts.append(f"Of {count(len(cases), 'case')} without an avatar (scene × accuracy) a rival is cheaper in {len(lost)}"
                      f"{f': {listed(said)}' if lost else ''}.")
     neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
@@ -284,6 +285,14 @@ def sentence(found: Table) -> str:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
                      f"does: of {_tried(alone)}.")
     return " ".join([*parts, *_factors(cases), *_beside(found)])
+
+
+def _where(cases: Sequence[Case]) -> tuple[str, ...]:
+    """Scene, accuracies and both times; accuracies of a scene at which the times are the same stand together."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for case in cases:
+        found.setdefault((case.block.scenario, case.times), []).append(limit(LEVELS[case.level], "m"))
+    return tuple(f"{scene} at {', '.join(levels)} ({times})" for (scene, times), levels in found.items())
 
 
 def asleep(found: Table) -> list[str]:
@@ -323,8 +332,9 @@ def _asleep(case: Case) -> str:
     mine, theirs = (cell.attempt.any_point for cell in (case.ours, case.rival) if cell.attempt is not None)
     medians = f"{mine.run} {quantity(mine.p50, 'us')} and {theirs.run} {quantity(theirs.p50, 'us')}, no factor"
     sleep = "both sleep" if mine.is_asleep and theirs.is_asleep else "ours sleeps" if mine.is_asleep else f"{theirs.run} sleeps"
-    moving = f"{quantity(mine.p95, 'us')} and {quantity(theirs.p95, 'us')}"
-    return f"{sleep}: {medians}; in frames that move (95th percentile): {moving}"
+    slowest = case.block.basis is Basis.SLOWEST
+    moving = " and ".join(quantity(point.slowest if slowest else point.tail, "us") for point in (mine, theirs))
+    return f"{sleep}: {medians}; in frames that move ({'the slowest' if slowest else mine.tail_said}): {moving}"
 
 
 def _beside(found: Table) -> list[str]:
@@ -332,8 +342,9 @@ def _beside(found: Table) -> list[str]:
     cases = found.side_by_side
     if not cases:
         return []
-    less = tuple(f"{case.where} ({case.times})" for case in cases if case.lost)
-    where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {listed(less)}" if less else (
+    less = [case for case in cases if case.lost]
+    said = listed(_where(less))
+    where = f"a rival takes less time, or reaches what ours does not, in {len(less)} of them: {said}" if less else (
         "in none of them does a rival take less time")
     return [f"With an avatar, in {count(len(cases), 'case')}, ours is kinematic and theirs has dynamics: times stand side by "
             f"side below, without factor, rank or share; {where}."]
@@ -376,5 +387,9 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
             said.append(f"{line.engine} by none of {line.measured} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
-    tail = "; 95th percentile, as what rests sleeps in the median frame" if block.basis is Basis.TAIL else ""
+    named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
+    tail = ""
+    if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
+        time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
+        tail = f"; {time}, as what rests sleeps in the others"
     return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."

@@ -167,13 +167,16 @@ def asleep_sentence(block: Block) -> str:
     does."""
     if not block.asleep:
         return ""
-    places = {"median": "frame_time_p50", "tail": "frame_time_p95"}
+    places = {"median": "frame_time_p50", "tail": "frame_time_p95", "slowest": "frame_time_max"}
     times = {
-        line.run: {name: next((quantity(cell.value, "us") for cell in line.cells if cell.row and cell.row.metric == metric), "")
+        line.run: {name: next((quantity(cell.value, "us") for cell in line.cells
+                               if cell.row and cell.row.metric == metric and cell.value is not None), "")
                    for name, metric in places.items()} for line in block.lines if not line.tracker
     }
     medians = tuple(f"{run} {times[run]['median']}" for run in block.asleep if times.get(run, {}).get("median"))
-    tails = tuple(f"{run} {of['tail']}" for run, of in times.items() if of["tail"])
+    tails = tuple(f"{run} {of['tail']}" for run, of in times.items() if of["tail"] and run not in block.asleep_through)
+    tails += tuple(f"{run} {of['slowest']} (its slowest: it sleeps in the 95th percentile too)" if of["slowest"] else
+                   f"{run} sleeps in that too" for run, of in times.items() if run in block.asleep_through)
     each = "both sleep" if len(medians) == 2 else "all sleep" if len(medians) > 2 else "one sleeps"
     if not medians:
         return ""

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from reports.columns import COLUMNS
+from reports.cut_short import cuts
 from reports.load import Results
 from reports.metric_words import words
 from reports.tables import RAW_TRACKER, Block, engine_of
@@ -26,7 +27,7 @@ class Picture:
 @dataclass(frozen=True)
 class Card:
     """What the index shows of a scene; `status` is a class of the style sheet, `said` the same in words, `figures` (what, text),
-    `behind` the measures in which another engine is better."""
+    `behind` the measures in which another engine is better, `cut` how much of a scene ran that was cut short, else ""."""
 
     scene: str
     title: str
@@ -36,18 +37,20 @@ class Card:
     figures: tuple[tuple[str, str], ...]
     behind: tuple[str, ...]
     picture: Picture
+    cut: str = ""
 
 
 def cards(results: Results, shown: Sequence[Block], verdict: Verdict, pictures: Mapping[str, Picture]) -> tuple[Card, ...]:
     """One card per scene, in the order of the table."""
-    said = _statuses(verdict)
+    said, cut = _statuses(verdict), cuts(results)
     behind: dict[str, dict[str, None]] = defaultdict(dict)
     for loss in verdict.losses:
         if loss.kind == "behind":
             behind[loss.scene][words(loss.what)] = None
     return tuple(
         Card(block.scene, block.title, results.family(block.scene), *said.get(block.scene, ("none", "no bound of the gate")),
-             _figures(block, verdict.gated), tuple(behind[block.scene]), pictures.get(block.scene, Picture("", 0.0)))
+             _figures(block, verdict.gated), tuple(behind[block.scene]), pictures.get(block.scene, Picture("", 0.0)),
+             cut[block.scene].said if block.scene in cut else "")
         for block in shown
     )
 

@@ -27,6 +27,9 @@ TERMS = (
      "user."),
     ("frames far from a free user without a status", "The target has been free for half a second, a link is more than 10 cm off, "
      "and the engine says nothing of it."),
+    ("lift, energy of a lift", "A body that is inside another is moved out of it by its place alone. Upwards that is a height, "
+     "which is ranked, and weight times that height a potential energy in joule. No velocity comes of it, so that the energy "
+     "audit, which counts kinetic energy that nothing explains, does not count it."),
     ("left the allowed side", "Something was where the scene says that it cannot be, such as behind a wall."),
     ("bound, ceiling", "A bound is a figure that our engine promises in a scene; a ceiling stands in for one that does not hold "
      "yet. The gate, which can fail, is all bounds of one engine and preset."),

@@ -75,8 +75,9 @@ class EngineNote:
 class Results:
     """Everything a report is made of. `titles`: scene -> one sentence about it, where the file has one; `everyday`: the scenes
     that stand for the others in short tables; `families`: scene -> the scene that it is a variant of; `frame_times`: scene ->
-    length of a frame [s]; `scales`: scene -> size of its world, where it is another made larger or smaller; `notes`: the run's
-    own remarks; `exit_code` is None while a run has not ended."""
+    length of a frame [s]; `scales`: scene -> size of its world, where it is another made larger or smaller; `lengths`: scene ->
+    frames of its full length, where the file has them; `notes`: the run's own remarks; `exit_code` is None while a run has not
+    ended."""
 
     rows: tuple[Row, ...]
     series: Mapping[str, Mapping[str, Series]]
@@ -89,6 +90,7 @@ class Results:
     families: Mapping[str, str] = field(default_factory=dict)
     frame_times: Mapping[str, float] = field(default_factory=dict)
     scales: Mapping[str, float] = field(default_factory=dict)
+    lengths: Mapping[str, int] = field(default_factory=dict)
 
     def family(self, scene: str) -> str:
         """The scene that `scene` is a variant of: itself where the file does not say."""
@@ -156,6 +158,10 @@ def load(run_dir: Path) -> Results:
             scales={
                 name: float(raw["scale"]) for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("scale")
+            },
+            lengths={
+                name: int(raw["frames"]) for name, raw in (data.get("scenes") or {}).items()
+                if isinstance(raw, Mapping) and raw.get("frames")
             },
         )
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:

@@ -7,16 +7,20 @@ in seven variants of one scene counts once, and the worst of the seven is named.
 import math
 from collections.abc import Iterable, Sequence
 
-from reports.load import Results
+from reports import piles
+from reports.load import Results, Row
 from reports.metric_words import words
 from reports.moment import moment
 from reports.wording import count, factor, limit, listed
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
+from scenarios.measure.protocol import brief
 from scenarios.metrics import METRICS
 from scenarios.ranked import KINDS, RANKED, UNRANKED
 
-FIRST = 8
+FIRST = 4
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
+TIMES = ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max")
+"""Metrics that stand there whatever their place in that order: what a frame costs is asked first of an engine."""
 MOST_NAMED = 3
 """Metrics that the sentence names."""
 
@@ -44,12 +48,14 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     made = _most_lost_first(by_family(found, results.families))
     lost = [one for one in made if one.lost]
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
+    times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
         "lost_shown": shown, "lost_kinds": kinds_sentence(made),
         "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
-        "lost_first": lost[:FIRST], "lost_all": lost, "lost_nowhere": [one for one in made if not one.lost],
+        "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
+        "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
-        "same": same,
+        "same": same, "lost_over": over,
     }
 
 
@@ -80,6 +86,12 @@ def silent_sentence(found: Compared) -> str:
 def at(results: Results, one: Behind, ours: str) -> str:
     """"#t=0.3417", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series; else ""."""
     return moment(results, one.row.scenario, ours, one.row.metric)
+
+
+def over(one: Behind) -> str:
+    """Over how many repeats and frames a time of ours is, "3 x 200 frames"; "" for what is no time, or does not say."""
+    row = one.row
+    return brief(row.note.partition(";")[0]) if isinstance(row, Row) and row.metric in TIMES else ""
 
 
 def same(metric: str) -> str:

@@ -7,13 +7,13 @@ from reports.verdict import believed
 from reports.wording import limit
 from scenarios.measure.protocol import brief
 
-TIMED_OVER = ("frame_time_p50", "frame_time_max")
+TIMED_OVER = ("frame_time_p50", "frame_time_p95", "frame_time_max")
 """Times beside which stands how many repeats of which frames they are over."""
 
 
 def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
-    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour; of a median time and a
-    slowest frame, over which frames it was taken."""
+    """(class, word) of a cell: what the gate says about it, in a word as well as in a colour; of a time, over
+    which frames it was taken."""
     row = cell.row
     if row is None or row.value is None:
         return ("missing", "")

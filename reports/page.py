@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from reports import (
+    bounds_by_kind,
     broad_phase,
     broad_phase_chart,
     closeness,
     convergence,
+    cut_short,
     effects,
     explained,
     figure_7,
@@ -140,6 +142,8 @@ class Extras:
     law_map: LawMap | None = None
     steady: Stability | None = None
     judge: Trust | None = None
+    files: frozenset[str] = frozenset()
+    """Names of the files that lie in the run's folder."""
 
 
 class Layout(NamedTuple):
@@ -185,7 +189,9 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
-        scenes_said=scenes_sentence(verdict),
+        scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
+        promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
+        cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
         answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.TERMS,
         downloads=_downloads(extras), again=_again(results.provenance),
@@ -246,12 +252,15 @@ def _rendered(template: str, names: Mapping[str, object]) -> str:
     return environment().get_template(template).render({**SHARED, **names})
 
 
+DOWNLOADS = (
+    "results.json", "results.csv", "summary.md", "sweep.csv", "ablation.json", "stability.csv", "judge.json", "bench.csv",
+)
+"""Files of figures that may stand beside the page."""
+
+
 def _downloads(extras: Extras) -> tuple[str, ...]:
-    """Names of the files of figures that stand beside the page."""
-    found = ["results.json", "results.csv", "summary.md"]
-    found += ["sweep.csv"] if extras.sweep else []
-    found += ["ablation.json"] if extras.ablation else []
-    return (*found, *(["stability.csv"] if extras.steady else []), *(["judge.json"] if extras.judge else []))
+    """Names of the files of figures that stand beside the page; of others there is no link."""
+    return tuple(name for name in DOWNLOADS if name in extras.files)
 
 
 def _again(provenance: Mapping[str, object]) -> str:

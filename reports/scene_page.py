@@ -15,6 +15,7 @@ from reports.charts import Panel
 from reports.columns import COLUMNS
 from reports.conclusions import CAVEAT, asleep_sentence
 from reports.courses import Course, charts, courses
+from reports.cut_short import scene_sentence
 from reports.extra_sections import UNDRAWABLE
 from reports.gallery import Picture
 from reports.kept import Drawn, Shown, drawn, fitting, shown
@@ -62,7 +63,7 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 class Kept:
     """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
     settings in force; `damage` is a sentence for each file that could not be used, and is left out; `grasped` says where what
-    hands close on ends."""
+    hands close on ends, `cut` how much of the scene ran where it was cut short."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
@@ -72,6 +73,7 @@ class Kept:
     settings: Sequence[AsRun]
     damage: tuple[str, ...] = ()
     grasped: str = ""
+    cut: str = ""
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -83,7 +85,7 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     scene, recorded, damage = _readable(run_dir, name, runs, seed)
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
-    settings = as_run(run_dir, results, name, seed)
+    settings, cut = as_run(run_dir, results, name, seed), scene_sentence(results, name)
     try:
         replayed = replay(scene, recorded, ours, depths) if scene else None
         # what cannot be written into the page is noticed here
@@ -91,8 +93,8 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
         lines, picture = courses(series, recorded, scene), _picture(name, scene, recorded, ours, series, replayed)
     except UNDRAWABLE as error:
         said = f"what was recorded cannot be drawn ({type(error).__name__}: {error})"
-        return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said))
-    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)))
+        return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said), cut=cut)
+    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)), cut)
 
 
 def _readable(run_dir: Path, name: str, runs: Sequence[str], seed: int) -> tuple[Drawn | None, list[Shown], tuple[str, ...]]:
@@ -148,7 +150,7 @@ def page(
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
         replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
-        asleep_said=asleep_sentence(block), as_run=found.settings, charts=drawn_charts,
+        asleep_said=asleep_sentence(block), cut_said=found.cut, as_run=found.settings, charts=drawn_charts,
         courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),
     ))

@@ -10,13 +10,22 @@ from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import read_json
 from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.files import WHOLE, lines, number
-from reports.wording import count, figures, limit, listed
+from reports.metric_words import words
+from reports.wording import count, figures, limit, listed, quantity
+from scenarios.measure.protocol import REPEATS, TAIL_FRAMES
+from scenarios.native import FOLDER
 
 FILES = ROWS, ABOUT = "sweep.csv", "sweep.json"
 OURS = ("avatarsim", "default")
 OVERLAP = "residual_overlap_max"
+SEEN_GAP = 1e-6
+"""Gap [m] in contact below which an avatar is said to touch: what counts as no overlap."""
 SLEEPS = 0.5
 """Share of frames at rest from which on a median is the time of a frame at rest."""
+ALONE = "Taken for one kind of error alone, where the cases above and the table below count all errors of a scene at once, "
+"""How what is said of single errors begins."""
+SLEEPS_THROUGH = 0.95
+"""The same share for a 95th percentile."""
 RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 """At least so many times faster (second) than any setting of another engine that leaves at most so much overlap (first) [m]."""
 
@@ -28,7 +37,7 @@ class Point:
     text to copy, `native` the engine's own words for it, `repeats` and `frames` what its times stand on, 0 where the file does
     not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and `at_rest` the median of either kind [us];
     `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s]; `avatar`: whether the scene has one, which
-    is kinematic in ours and dynamic in the others."""
+    is kinematic in ours and dynamic in the others; `slowest` frame [us]; `gap`: median [m] from an avatar to what it touches."""
 
     scenario: str
     engine: str
@@ -54,6 +63,8 @@ class Point:
     sleeps: bool = False
     step: float = math.nan
     avatar: bool = False
+    slowest: float = math.nan
+    gap: float = math.nan
 
     @property
     def family(self) -> str:
@@ -66,9 +77,41 @@ class Point:
         return self.setting == (self.base or self.setting.partition(" ")[0])
 
     @property
+    def hovers(self) -> str:
+        """"hovers 4.00 mm", the gap of an avatar in contact that no error counts; "" where there is none that is seen."""
+        return f"hovers {quantity(self.gap, 'm')}" if self.gap > SEEN_GAP else ""
+
+    @property
+    def tail(self) -> float:
+        """What the dear frames take [us]: the 95th percentile, of few frames the slowest."""
+        return self.slowest if self._few and self.slowest == self.slowest else self.p95
+
+    @property
+    def tail_said(self) -> str:
+        """What `tail` is, in words."""
+        if self._few and self.slowest == self.slowest:
+            return f"slowest of {self.frames} frames"
+        return f"95th percentile of {self.frames} frames" if self._few else "95th percentile"
+
+    @property
+    def has_tail(self) -> bool:
+        """Whether `tail` is that of the engine: what ran once holds what the machine did beside it."""
+        return self.tail == self.tail and (not self.repeats or self.repeats >= REPEATS)
+
+    @property
+    def _few(self) -> bool:
+        """Whether too few frames were timed for a percentile of the dear ones."""
+        return 0 < self.frames < TAIL_FRAMES
+
+    @property
     def is_asleep(self) -> bool:
         """Whether its median is the time of a frame in which what rests sleeps."""
         return self.sleeps and self.rests >= SLEEPS
+
+    @property
+    def sleeps_through(self) -> bool:
+        """Whether what rests sleeps in all but so few frames that a 95th percentile is the time of a frame at rest too."""
+        return self.sleeps and self.rests >= SLEEPS_THROUGH
 
     @property
     def run(self) -> str:
@@ -166,6 +209,14 @@ class Sweep:
 
     points: tuple[Point, ...]
     about: Mapping[str, object] = field(default_factory=dict)
+    models: tuple[str, ...] = ()
+    """Names of the files in which engines left what they loaded, in their own words."""
+
+    def model(self, point: Point) -> str:
+        """Path, beside the page, of what the engine loaded in the scene with the preset beneath a setting; "" without."""
+        stem = f"{point.scenario}.{point.family.replace('/', '.')}."
+        name = next((name for name in self.models if name.startswith(stem) and name.endswith(".gz")), "")
+        return f"{FOLDER}/{name}" if name else ""
 
     @cached_property
     def rivalries(self) -> tuple[Rivalry, ...]:
@@ -185,7 +236,8 @@ class Sweep:
 def load(run_dir: Path) -> Sweep | None:
     """The file of a run; None when there is none. Raises InvalidFile for a file that is damaged."""
     found = lines(run_dir / ROWS, _point)
-    return Sweep(found, _about(run_dir / ABOUT)) if found else None
+    models = sorted(path.name for path in (run_dir / FOLDER).glob("*.gz"))
+    return Sweep(found, _about(run_dir / ABOUT), tuple(models)) if found else None
 
 
 def _about(path: Path) -> Mapping[str, object]:
@@ -198,7 +250,7 @@ def _about(path: Path) -> Mapping[str, object]:
 
 
 def _point(row: Mapping[str, str]) -> Point:
-    told = {name: number(row.get(name) or "") for name in ("p95", "rests", "moving", "at_rest", "step")}
+    told = {name: number(row.get(name) or "") for name in ("p95", "rests", "moving", "at_rest", "step", "slowest", "gap")}
     return Point(
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
@@ -208,7 +260,8 @@ def _point(row: Mapping[str, str]) -> Point:
 
 
 def conclusion(sweep: Sweep) -> str:
-    """Whether the ratios of speed hold, what fails first. Of scenes with an avatar nothing is said but what they are."""
+    """Whether the ratios of speed hold, error by error, what fails first, and that this is not all errors of a scene at once as
+    in the table. Of scenes with an avatar nothing is said but what they are."""
     known = [r for r in sweep.rivalries if r.ours is not None and not r.avatar]
     if not known:
         return "Ours was not measured in a scene without an avatar: nothing can be said of ratios."
@@ -216,10 +269,10 @@ def conclusion(sweep: Sweep) -> str:
     parts = []
     others = f"{_settings(p for r in known for p in r.points if p.engine != OURS[0])} of other engines"
     if beaten:
-        names = tuple(f"{r.scenario} ({r.metric}: {r.better[0].run}{_by_tail(r)})" for r in beaten)
-        parts.append(f"Without an avatar another engine is both as fast and as accurate as ours in {listed(names)}.")
+        names = tuple(f"{r.scenario} ({words(r.metric)} alone: {r.better[0].run}{_by_tail(r)})" for r in beaten)
+        parts.append(f"{ALONE}without an avatar another engine is both as fast and as accurate as ours in {listed(names)}.")
     else:
-        parts.append(f"Without an avatar none of {others} is both as fast and as accurate as ours, in {_scenes(known)}.")
+        parts.append(f"{ALONE}without an avatar none of {others} is both as fast and as accurate as ours, in {_scenes(known)}.")
     overlaps = [r for r in known if r.ratios]
     for k, (most, least) in enumerate(RATIOS):
         parts.append(_promise(overlaps, k, most, least))
@@ -231,7 +284,8 @@ def conclusion(sweep: Sweep) -> str:
 
 def _by_tail(rivalry: Rivalry) -> str:
     """What is compared where it is not a median."""
-    return ", in frames that move" if basis_of(rivalry.points) is Basis.TAIL else ""
+    basis = basis_of(rivalry.points)
+    return ", in frames that move" if basis is Basis.TAIL else ", in the slowest frame" if basis is Basis.SLOWEST else ""
 
 
 def _promise(overlaps: Sequence[Rivalry], k: int, most: float, least: float) -> str:
@@ -241,11 +295,12 @@ def _promise(overlaps: Sequence[Rivalry], k: int, most: float, least: float) -> 
     short = [(r, entry) for r, entry in entries if entry[1] < least]
     promised = f"at least {least:g} times faster than any measured that leaves at most {limit(most, 'm')}"
     if short:
-        names = tuple(f"{r.scenario} (×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
+        names = tuple(f"{r.scenario} ({words(r.metric)} alone: ×{figures(ratio)}, {point.run})" for r, (point, ratio) in short)
         return f"Ours is not {promised} in {listed(names)}."
     if entries:
         low = min(entries, key=lambda e: e[1][1])
-        return f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({low[0].scenario}, {low[1][0].run})."
+        return (f"Ours is {promised}: ×{figures(low[1][1])} where it is closest ({low[0].scenario}, "
+                f"{words(low[0].metric)} alone, {low[1][0].run}).")
     if not overlaps:
         return ""
     if reached:

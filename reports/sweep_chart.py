@@ -10,6 +10,7 @@ from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
 from reports.log_log import LogLog, decades
 from reports.metric_words import words
+from reports.page_paths import path_of
 from reports.palette import MUTED, Stroke, strokes
 from reports.performance_profile import Steps, profiles
 from reports.performance_profile import sentence as profile_sentence
@@ -87,12 +88,13 @@ def _front_words(rivalry: Rivalry) -> str:
 def tooltip(point: Point) -> str:
     """Everything about one point: run, error, time and what it stands on, options."""
     stands = f", {point.repeats} × {point.frames} frames" if point.repeats else ""
-    tail = f"; 95th percentile {quantity(point.p95, 'us')}" if point.p95 == point.p95 else ""
+    tail = f"; {point.tail_said} {quantity(point.tail, 'us')}" if point.has_tail else ""
     time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
     copied = [text for text in (point.options, point.native) if text]
-    return "\n".join([f"{point.run}: {error}, {time}{state}", *copied])
+    hovers = f"; {point.hovers}" if point.hovers else ""
+    return "\n".join([f"{point.run}: {error}{hovers}, {time}{state}", *copied])
 
 
 def short_name(point: Point) -> str:
@@ -225,8 +227,9 @@ def budget_sentence(sweep: Sweep) -> str:
     most = max(fronts, key=lambda p: p.p50)
     if slow:
         return f"On a front and slower in the median than 11.1 ms, a frame at 90 Hz: {listed(slow)}."
-    tail = max((p for p in fronts if p.p95 == p.p95), key=lambda p: p.p95, default=None)
-    said = f"; the largest 95th percentile is {quantity(tail.p95, 'us')}, {tail.scenario} {tail.run}" if tail is not None else ""
+    tail = max((p for p in fronts if p.has_tail), key=lambda p: p.tail, default=None)
+    said = (f"; the dearest in its tail has {quantity(tail.tail, 'us')} ({tail.tail_said}), {tail.scenario} {tail.run}"
+            if tail is not None else "")
     return (f"All settings on a front take less than 11.1 ms, a whole frame at 90 Hz: the slowest median is "
             f"{quantity(most.p50, 'us')}, {most.scenario} {most.run}{said}.")
 
@@ -269,4 +272,5 @@ def section(sweep: Sweep) -> dict[str, object]:
         "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
+        "model_of": sweep.model, "path_of": path_of,
     }

@@ -61,6 +61,8 @@ class Block:
     ceiling: float | None
     asleep: tuple[str, ...] = ()
     """Engines and presets that sleep in the median frame: of medians no factor is made then."""
+    asleep_through: tuple[str, ...] = ()
+    """Those of them that sleep in the frame of the 95th percentile too."""
 
 
 def gated_run(rows: Iterable[Row]) -> str:
@@ -102,7 +104,8 @@ def _block(
         _line(run, runs[run], found[run], best, ours, unsaid) for run in sorted(runs, key=lambda run: _order(run, ours))
     ]
     overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
-    return Block(scene, title, tuple(lines), truth, max(overlap, default=None), asleep(sleeping, "p50"))
+    return Block(scene, title, tuple(lines), truth, max(overlap, default=None), asleep(sleeping, "p50"),
+                 asleep(sleeping, "p95"))
 
 
 def engine_of(run: str) -> str:

@@ -34,7 +34,8 @@ def protocol(provenance: Mapping[str, object]) -> str:
         f"{tail} frames on, and not given where they would lie below a 95th percentile that is over fewer. Where at "
         f"least {count(phase, 'frame')} rest and as many move, each kind has its own median beside the common one. The engine "
         "that the gate covers is timed over whole scenes (of long ones the first quarter of a minute): its slowest frame is that "
-        "of the scene, however short the window is by which engines are compared."
+        "of the scene, however short the window is by which engines are compared. Of a scene of the short sweep the window is "
+        "all of it, run as often as the sweep runs it, so that both have one time."
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from avatarsim.settings import PostureSettings, meanings
+from reports import piles
 from reports.growth import Growth
 from reports.load import Results, Row
 from reports.metric_words import words
@@ -64,11 +65,18 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Bodies that come and go", NO, "A scene is loaded whole; another one is another load."),
         Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
         Answer("Several threads", NO, "A frame is computed on the thread that asks for it."),
+        Answer("Stacks of boxes: which engine", PARTLY, stacks(results, ours)),
         Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
                f"{grown(growth, ours, 'contacts')}"),
         Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),
         Answer("Licence", YES, "Apache-2.0."),
     )
+
+
+def stacks(results: Results, ours: str) -> str:
+    """Which engine for stacks, at rest and in motion, and where settings to copy stand."""
+    said = piles.which(results, ours)
+    return f"{said} More settings, to copy: Cheapest setting, stack_ten." if said else f"Stacks are {ABSENT}."
 
 
 def _figures(results: Results, run: str, metric: str) -> list[tuple[float, str]]:

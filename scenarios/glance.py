@@ -37,12 +37,18 @@ PATIENCE = 60.0
 
 def glance(
     jobs: Sequence[Job], costs: Sequence[float], length: int, seats: Seats, at_length: bool = False, meter: Meter | None = None,
-    meets: int = 0,
+    meets: int = 0, swept: int = 0,
 ) -> list[Clocked]:
     """Time all `jobs` of one scene of `length` frames, as `rounds` says for what a frame of each `costs` [s] and for the frame in
-    which the user `meets` something; of an everyday scene all, `at_length`. Loading is done side by side."""
+    which the user `meets` something; of an everyday scene all, `at_length`; of one that a sweep times all too, as often
+    as it does (`swept` times, 0: no sweep does), so that both find one time. Loading is done side by side."""
     gated = [(job.engine, job.preset) == GATED for job in jobs]
-    plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs) if at_length else rounds(costs, length, meets, gated)
+    if at_length:
+        plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs)
+    elif swept:
+        plan = [Round(REPEATS if promised else swept, 0, MOST_FRAMES) for promised in gated]
+    else:
+        plan = rounds(costs, length, meets, gated)
     return timed_pass(
         jobs, True, frames=[each.frames for each in plan], repeats=[each.repeats for each in plan],
         seats=[seats.at(job.run) for job in jobs], meter=meter, firsts=[each.first for each in plan],

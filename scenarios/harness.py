@@ -25,7 +25,8 @@ from scenarios.run import accuracy, described
 from scenarios.sayable import Unsaid
 from scenarios.scenario import Scenario
 from scenarios.seats import Seats
-from scenarios.timing import Clocked, compared, timed_pass, timing_facts
+from scenarios.sweep.phenomena import errors_of, repeats_of
+from scenarios.timing import MOST_FRAMES, Clocked, compared, timed_pass, timing_facts
 
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
@@ -164,7 +165,9 @@ class Run:
         ran = [self.outcomes[job.stem] for job in jobs]
         costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)
         at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
-        return glance(jobs, costs, length, seats, at_length, meter, self._meets(jobs[0]))
+        swept = any(errors_of(job.scenario, self.scenarios[job.scenario]) for job in jobs)
+        often = repeats_of(min(length, MOST_FRAMES)) if swept else 0
+        return glance(jobs, costs, length, seats, at_length, meter, self._meets(jobs[0]), often)
 
     def _meets(self, job: Job) -> int:
         """The frame in which the user of a scene is first in something, from the raw tracker's own overlaps; 0 without any."""
@@ -235,7 +238,7 @@ class Run:
             outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
             scenes={
                 name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt,
-                       "scale": s.scale}
+                       "scale": s.scale, "frames": s.frames}
                 for name, s in self.scenarios.items()
             },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,

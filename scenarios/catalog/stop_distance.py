@@ -65,8 +65,8 @@ def at_rate(rate: int) -> Scenario:
         dt=1.0 / rate,
         bounds=(
             NO_OVERLAP, RIGHT_SIDE, FINITE,
-            Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth, in every direction"),
-            Bound("stop_direction_error_max", 0.01, "friction acts against the motion, and there is nothing sideways"),
+            Bound("stop_distance_error_max", 1e-5, "v^2 / (2 mu g) in every direction, to a ten-millionth"),
+            Bound("stop_direction_error_max", 1e-5, "friction acts against the motion, and there is nothing sideways"),
             Bound("energy_gain_max", 1e-9, "friction only takes"),
         ),
         regions=(Region(("box_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "no box falls through the floor"),),

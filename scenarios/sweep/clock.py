@@ -53,10 +53,11 @@ def times(
 
 
 def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
-    """Median, 95th and 99th percentile of a rendered frame [us], engine only, each frame the least of its `repeats`; None and
-    why. A 99th percentile that too few `frames` or repeats stand behind is None as well. `rests` is the share of frames in which
+    """Median, 95th and 99th percentile and slowest of the rendered frames [us], engine only, each frame the least of
+    its `repeats`; None and why. A 99th percentile that too few `frames` or repeats stand behind is None as well. `rests` is the
+    share of frames in which
     nothing moves, `moving` and `at_rest` the median of either kind where both are many; None where that is not known."""
-    nothing = dict.fromkeys(("p50", "p95", "p99", "rests", "moving", "at_rest"))
+    nothing = dict.fromkeys(("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest"))
     if found.timed is None:
         return {"run": found.job.run, **nothing, "repeats": 0, "frames": 0, "note": found.note}
     whole, repeats = np.array(rendered(found.timed.best_us, cut)), len(found.timed.around_ns)
@@ -71,7 +72,8 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
         if min(still.sum(), (~still).sum()) >= PHASE_FRAMES:
             phases |= {"moving": float(np.median(whole[~still])), "at_rest": float(np.median(whole[still]))}
     return {
-        "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None, **phases, "repeats": repeats,
+        "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
+        "slowest": float(whole.max()), **phases, "repeats": repeats,
         "frames": len(whole), "note": found.note,
     }
 

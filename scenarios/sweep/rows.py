@@ -16,7 +16,7 @@ from scenarios.sweep.grid import sleeps
 from scenarios.sweep.native import native
 from scenarios.sweep.pareto import front
 
-WRONG_SIDE, NOT_FINITE = "wrong_side_frames", "not_finite_frames"
+WRONG_SIDE, NOT_FINITE, GAP = "wrong_side_frames", "not_finite_frames", "contact_gap_p50"
 
 REACHED: Mapping[str, float] = {"m": 1e-6, "deg": 1e-6, "": 1e-6, "m/s": 1e-6, "rad/s": 1e-5, "%": 1e-2, "s": 1e-6, "frames": 0.0}
 """By unit, the error that counts as none: the bounds of the catalogue. Smaller figures differ by rounding or by the judge's own
@@ -33,7 +33,8 @@ class Row:
     `native` the same in the engine's own words, `repeats` and `frames` what its times stand on. `p95` [us]; `rests` is the share
     of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind where both are many; `sleeps` 1 where
     what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the scene has an avatar, which is
-    kinematic in ours and dynamic in the others.
+    kinematic in ours and dynamic in the others; `slowest` is its slowest frame [us], `gap` the median [m] from an avatar
+    to what it touches, nan without one.
     """
 
     scenario: str
@@ -60,6 +61,8 @@ class Row:
     sleeps: int = 0
     step: float = math.nan
     avatar: int = 0
+    slowest: float = math.nan
+    gap: float = math.nan
 
 
 def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Entry | None) -> list[Row]:
@@ -85,13 +88,14 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Ent
 def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
     """A row with all that is the same for every error of a cell."""
     setting = cell.setting
-    times = {name: _number(clocked, name) for name in ("p50", "p95", "p99", "rests", "moving", "at_rest")}
+    times = {name: _number(clocked, name) for name in ("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest")}
     repeats, frames = (0 if clocked is None else int(clocked.get(name, 0)) for name in ("repeats", "frames"))
     return Row(
         cell.scenario, setting.engine, setting.name, "", "", math.nan, times["p50"], times["p99"], "", "", 0.0, "", setting.base,
         copyable(setting), repeats, frames, native(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
         int(sleeps(setting, _scene(cell.scenario, cell.full))), _number(found, "step"),
-        int(bool(_scene(cell.scenario, cell.full).avatars)),
+        int(bool(_scene(cell.scenario, cell.full).avatars)), times["slowest"],
+        math.nan if found is None else float(found["values"].get(GAP, math.nan)),
     )
 
 

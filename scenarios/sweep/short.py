@@ -22,7 +22,6 @@ from scenarios.job import Outcome
 from scenarios.measure.protocol import REPEATS, WARM_FRAMES
 from scenarios.own_settings import OwnSettings
 from scenarios.sayable import unsaid
-from scenarios.scenario import Scenario
 from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.studies import Request, Study
@@ -30,24 +29,12 @@ from scenarios.sweep import clock, measure
 from scenarios.sweep.accuracy import Reached, largest, missing
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
+from scenarios.sweep.phenomena import ONCE, errors_of, repeats_of
 from scenarios.sweep.rows import Row, rows_of, with_fronts
-from scenarios.sweep.telling import OFFSET, OVERLAP
 from scenarios.timing import MOST_FRAMES
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""
-
-PHENOMENA: Mapping[str, tuple[str, ...]] = {
-    "bounce_ladder": ("apex_error_max", OVERLAP),
-    "stop_distance": ("stop_distance_error_max", OVERLAP),
-    "slide_to_roll": ("course_error_max", OVERLAP),
-    "coupling_sweep": ("course_error_max", OVERLAP),
-    "stack_ten": (OVERLAP, "drift_max"),
-    "driven_10cm_wall": (OVERLAP, OFFSET),
-}
-"""Scene -> its errors, the first is drawn: bounce, stop by friction, roll, spring of eq. 6, rest, a driven body at a wall."""
-ALSO: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
-"""Everyday scenes with a closed form; of all others the penetration counts, and the offset from the tracker stands beside it."""
 
 SHORT: Mapping[str, tuple[str, ...]] = {
     "avatarsim": (
@@ -87,9 +74,6 @@ PACES = (0.25, 4.0)
 """Least and largest measured time over estimated time that is believed: of a round of few settings it says little."""
 LATEST = 2.0
 """Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
-ONCE = 300
-"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
-many it had, and has no 99th percentile."""
 JUDGED = 1.2
 """Cost of a frame that is measured, in frames that are only recorded: the judge's share in the everyday scenes."""
 STARTED = 0.15
@@ -107,13 +91,6 @@ class Choice:
     asked: tuple[Cell, ...]
     left: tuple[tuple[Cell, float], ...]
     estimated: float
-
-
-def errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
-    """The errors of a scene in the short sweep; none for a scene that is not in it."""
-    if name in PHENOMENA:
-        return PHENOMENA[name]
-    return ALSO.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()
 
 
 def cells_of(request: Request) -> list[Cell]:
@@ -234,11 +211,6 @@ def cost(cell: Cell, request: Request) -> float:
     measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
     timed = 0.0 if known_times(cell, request) else (few * repeats_of(few) + WARM_FRAMES) * bare
     return measured + timed + (STARTED if measured or timed else 0.0)
-
-
-def repeats_of(frames: int) -> int:
-    """How often so many rendered frames are timed."""
-    return 1 if frames >= ONCE else REPEATS
 
 
 def frames_of(cell: Cell, request: Request) -> int:

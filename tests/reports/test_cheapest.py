@@ -102,7 +102,8 @@ def test_a_sleeping_engine_has_no_factor_and_is_compared_in_frames_that_move() -
     assert basis_of((ours, awake)) is basis_of((ours, asleep)) is Basis.TAIL and basis_of((awake,)) is Basis.MEDIAN
     assert math.isnan(factor(awake, ours, Basis.TAIL)) and math.isnan(factor(asleep, ours, Basis.TAIL))
     said = sentence(table(Sweep((ours, awake))))
-    assert "a rival is cheaper in 4: wall at 10 mm (m/tuned 700 µs, ours 1.50 ms)" in said
+    assert ("a rival is cheaper in 4: wall at 10 mm, 1 mm, 100 µm, 1 µm (m/tuned 700 µs, ours 1.50 ms, in frames that move)"
+            in said)
     assert "×" not in said.replace("scene ×", "")
     (said,) = asleep_cases(table(Sweep((ours, awake))))
     assert ("ours sleeps: avatarsim/default 500 ns and m/tuned 400 µs, no factor; in frames that move (95th percentile): 1.50 ms "
@@ -188,9 +189,11 @@ def test_what_is_lost_is_said_first() -> None:
         point("avatarsim/default", 5e-3, 10.0, "drop"), point("mujoco/tuned", 1e-9, 40.0, "drop"),
     )))
     said = sentence(found)
-    first = "Of 8 cases without an avatar (scene × accuracy) a rival is cheaper in 5: wall at 10 mm (mujoco/tuned 8.00 µs, ours"
+    first = ("Of 8 cases without an avatar (scene × accuracy) a rival is cheaper in 5: wall at 10 mm, 1 mm (mujoco/tuned 8.00 "
+             "µs, ours")
     assert said.startswith(first)
-    assert "drop at 1 mm (mujoco/tuned 40.0 µs, ours does not reach it)" in said and "×4.0 (drop at 10 mm, mujoco/tuned)" in said
+    assert "drop at 1 mm, 100 µm, 1 µm (mujoco/tuned 40.0 µs, ours does not reach it)" in said
+    assert "×4.0 (drop at 10 mm, mujoco/tuned)" in said
     assert "In 2 cases ours reaches an accuracy that none of the settings of other engines does: of 1 cell measured" in said
     assert "the time of avatarsim/default" in said
 
@@ -200,3 +203,14 @@ def test_nothing_lost_and_nothing_reached_are_said_too() -> None:
     assert won.startswith("Of 4 cases without an avatar (scene × accuracy) a rival is cheaper in 0.")
     assert "Not reached by any setting measured here of any engine: wall at 100 µm, wall at 1 µm." in won
     assert sentence(table(Sweep((point("m/x", 1.0, 1.0, metric="spin_error_max", unit="rad/s"),)))).startswith("No error of this")
+
+
+def test_where_what_rests_sleeps_through_the_tail_the_slowest_frames_are_compared() -> None:
+    ours = replace(point("avatarsim/default", 0.0, 0.5), sleeps=True, rests=0.97, p95=0.6, slowest=4000.0)
+    awake = replace(point("m/tuned", 0.0, 700.0), rests=0.98, p95=750.0, slowest=900.0)
+    assert basis_of((ours, awake)) is Basis.SLOWEST and math.isnan(factor(awake, ours, Basis.SLOWEST))
+    said = sentence(table(Sweep((ours, awake))))
+    assert "wall at 10 mm, 1 mm, 100 µm, 1 µm (m/tuned 900 µs, ours 4.00 ms, in the slowest frame)" in said
+    assert "in frames that move (the slowest): 4.00 ms and 900 µs." in asleep_cases(table(Sweep((ours, awake))))[0]
+    # a file without slowest frames has its percentile
+    assert basis_of((replace(ours, slowest=math.nan), awake)) is Basis.TAIL

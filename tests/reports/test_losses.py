@@ -6,7 +6,7 @@ from pathlib import Path
 
 from reports import write_report
 from reports.load import load
-from reports.losses import FIRST, beside, kinds_sentence, section, sentence, silent_sentence
+from reports.losses import FIRST, beside, kinds_sentence, over, section, sentence, silent_sentence
 from reports.metric_words import words
 from reports.moment import moment
 from reports.summary import summary
@@ -137,3 +137,22 @@ def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json
     assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
     assert all(metric in RANKED for metrics in KINDS.values() for metric in metrics)
     assert kinds_sentence(()) == ""
+
+
+def test_times_stand_in_the_table_whatever_their_place(run_dir: Write, results: Json) -> None:
+    found = load(run_dir(changed(results, metric="frame_time_p50", value=5000.0, unit="us")))
+    shown = section(found, verdict(found).ranked, OURS)["lost_first"]
+    assert isinstance(shown, list)
+    times = [one for one in shown if one.metric.startswith("frame_time")]
+    assert {one.metric for one in times} == {"frame_time_p50", "frame_time_p95", "frame_time_p99"}
+    folder = run_dir(results)
+    write_report(folder)
+    assert ">none</td>" in (folder / "index.html").read_text(encoding="utf-8")
+
+
+def test_a_time_says_over_which_frames_it_is(run_dir: Write, results: Json) -> None:
+    slow = changed(results, metric="frame_time_p99", value=5e3, unit="us", note="1 x 60 frames, 30 warm-up frames; moving 3 us")
+    found = load(run_dir(slow))
+    own = [one for one in found.rows if one.note.startswith("1 x 60")]
+    assert over(Behind(own[0], 1.0, (("a/b", 0.5),), 2.0, 2.0)) == "1 x 60 frames"
+    assert over(Behind(found.rows[0], 1.0, (("a/b", 0.5),), 2.0, 2.0)) == ""

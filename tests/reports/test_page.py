@@ -58,7 +58,7 @@ def test_the_page_is_whole_and_self_contained(run_dir: Write, results: Json) -> 
     text, tree = written(run_dir(results))
     assert len(tree.ids) == len(set(tree.ids))
     pages = {f"scenes/{scene}.html" for scene in ("arm_wall", "hand_over_table", "ball_drop")}
-    files = {"results.json", "results.csv", "summary.md"}
+    files = {"results.json", "summary.md"}
     assert {link for link in tree.links if not link.startswith(("#", "data:"))} == pages | files
     assert {link[1:] for link in tree.links if link.startswith("#")} <= set(tree.ids)
     assert not tree.tags & {"iframe", "img", "object"}
@@ -193,3 +193,12 @@ def test_whoever_holds_bodies_apart_is_named_under_the_overlap(run_dir: Write, r
     part = text.split('id="overlap"')[1].split("</section>")[0]
     assert "mujoco/tuned keeps a contact margin of 4 mm: its links hover" in part
     assert "mine/tuned keeps a stand-off of 200 µm" in part and "pybullet/tuned keeps" not in part
+
+
+def test_only_files_that_are_there_are_offered(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    (folder / "bench.csv").write_text("", encoding="utf-8")
+    write_report(folder)
+    found = (folder / "index.html").read_text(encoding="utf-8")
+    assert all(f'<a href="{name}" download>' in found for name in ("results.json", "summary.md", "bench.csv"))
+    assert all(f'href="{name}"' not in found for name in ("judge.json", "ablation.json", "sweep.csv", "results.csv"))

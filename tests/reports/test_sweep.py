@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -73,7 +74,7 @@ def test_ratios_that_hold_are_said_with_where_they_are_closest(tmp_path: Path) -
     assert ten is not None and three is not None and ten[1] == pytest.approx(15.0) and three[1] == pytest.approx(3.5)
     said = sweep.conclusion(found)
     assert "of other engines is both as fast and as accurate as ours, in 1 scene" in said
-    assert "×15.0 where it is closest (wall, pybullet/tuned)" in said and "×3.50" in said
+    assert "×15.0 where it is closest (wall, deepest overlap shown alone, pybullet/tuned)" in said and "×3.50" in said
 
 
 def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
@@ -82,9 +83,11 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
     stack, drop, _ = found.rivalries
     assert "takes ×5.00, not ×10" in stack.said and drop.said == "as fast and as accurate: mujoco/tuned" and drop.ratios == ()
     said = sweep.conclusion(found)
-    assert said.startswith("Without an avatar another engine is both as fast and as accurate as ours in drop (apex_error_max: "
-                           "mujoco/tuned).")
-    assert "10 times faster than any measured that leaves at most 10 µm in stack (×5.00, pybullet/tuned)" in said
+    assert said.startswith("Taken for one kind of error alone, where the cases above and the table below count all errors of a "
+                           "scene at once, without an avatar another engine is both as fast and as accurate as ours in drop "
+                           "(error of the bounce height alone: mujoco/tuned).")
+    assert ("10 times faster than any measured that leaves at most 10 µm in stack (deepest overlap shown alone: ×5.00, "
+            "pybullet/tuned)") in said
 
 
 def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
@@ -225,3 +228,29 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     assert 'href="#sweep"' in page and "takes ×5.00, not ×10" in page
     assert 'id="cheapest"' in page and "Performance profile" in page and "at most 1 mm" in page
     assert "none of 1 setting measured here" in page and "ours is kinematic" in page
+
+
+def test_few_frames_have_a_slowest_and_no_percentile_and_one_repeat_has_no_tail(tmp_path: Path) -> None:
+    (point, *_) = loaded(tmp_path, WON).points
+    few = replace(point, p95=30.0, slowest=50.0, repeats=3, frames=60)
+    assert (few.tail, few.tail_said, few.has_tail) == (50.0, "slowest of 60 frames", True)
+    many = replace(few, frames=200)
+    assert (many.tail, many.tail_said) == (30.0, "95th percentile") and not replace(many, repeats=1).has_tail
+    assert replace(few, slowest=math.nan).tail_said == "95th percentile of 60 frames"
+
+
+def test_a_gap_is_said_beside_the_error_that_does_not_count_it(tmp_path: Path) -> None:
+    (point, *_) = loaded(tmp_path, WON).points
+    assert replace(point, gap=4e-3).hovers == "hovers 4.00 mm" and point.hovers == replace(point, gap=5e-7).hovers == ""
+    assert "hovers 4.00 mm" in sweep_chart.tooltip(replace(point, gap=4e-3))
+
+
+def test_the_model_of_a_setting_is_that_of_the_preset_beneath_if_it_is_there(tmp_path: Path) -> None:
+    turned = replace(loaded(tmp_path, WON).points[0], scenario="wall", engine="mujoco", setting="tuned dt=1/60", base="tuned")
+    (tmp_path / "native").mkdir()
+    assert sweep.load(tmp_path) is not None and sweep.Sweep((turned,)).model(turned) == ""
+    for name in ("wall.mujoco.tuned.0.xml.gz", "wall.mujoco.tuned.0.steps.npz", "wall_b.mujoco.tuned.0.xml.gz"):
+        (tmp_path / "native" / name).write_bytes(b"")
+    found = sweep.load(tmp_path)
+    assert found is not None and found.model(turned) == "native/wall.mujoco.tuned.0.xml.gz"
+    assert found.model(replace(turned, base="default", setting="default")) == ""

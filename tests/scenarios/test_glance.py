@@ -115,3 +115,12 @@ def test_an_everyday_scene_is_timed_at_its_length_as_often_as_any() -> None:
     with Seats() as seats:
         [clocked] = module.glance([Job("ball_drop", "avatarsim", "default")], [1.0], frames, seats, at_length=True)
     assert clocked.timed is not None and clocked.timed.around_ns.shape == (REPEATS, frames)
+
+
+def test_a_scene_that_a_sweep_times_is_timed_as_often_and_over_the_same_frames() -> None:
+    frames = get("stack_ten").as_run(False).frames
+    jobs = [Job("stack_ten", "avatarsim", preset) for preset in ("default", "paper")]
+    with Seats() as seats:
+        found = module.glance(jobs, [1.0, 1.0], frames, seats, swept=1)
+    # the gated one all the same as often as any, since its slowest frame is that of the scene
+    assert [each.timed.around_ns.shape for each in found if each.timed] == [(REPEATS, frames), (1, frames)]

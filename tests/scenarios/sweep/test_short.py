@@ -14,7 +14,7 @@ from scenarios.found.store import Entry
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
 from scenarios.studies import Request
-from scenarios.sweep import clock, grid, measure, short
+from scenarios.sweep import clock, grid, measure, phenomena, short
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import BY_ENGINE
 from scenarios.timing import Clocked
@@ -88,9 +88,9 @@ def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
 
 def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
     scenes = catalog.scenarios()
-    taken = {name for name, scenario in scenes.items() if short.errors_of(name, scenario)}
+    taken = {name for name, scenario in scenes.items() if phenomena.errors_of(name, scenario)}
     everyday = {name for name, scenario in scenes.items() if scenario.everyday}
-    assert taken == everyday | set(short.PHENOMENA) and len(everyday) == 5 and len(short.PHENOMENA) == 6
+    assert taken == everyday | set(phenomena.PHENOMENA) and len(everyday) == 5 and len(phenomena.PHENOMENA) == 6
 
 
 def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
@@ -226,7 +226,7 @@ def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path, fakes: Fakes) -> 
 
 
 def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
-    assert short.repeats_of(short.ONCE) == 1 and short.repeats_of(short.ONCE - 1) == short.REPEATS == 3
+    assert phenomena.repeats_of(phenomena.ONCE) == 1 and phenomena.repeats_of(phenomena.ONCE - 1) == short.REPEATS == 3
 
 
 def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
