@@ -82,26 +82,23 @@ class IkSettings(NamedTuple):
     least_gap       [m] gap accepted. Room for curvature and solver error between this and `stand_off`.
     wedged_gap      [m] gap accepted when squeezed from two sides; 0 would let a wedged link never move again.
     catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller:
-    limbs
-                    that come free are late.
+                    limbs that come free are late.
     catch_up_move   [m/s] the same of a root, and of the origin of a link.
     damping_time    [s] in which a step in contact goes half of the way to the nearest posture, beyond the target's own motion. 0:
-    limbs
-                    in contact go to and fro a little more; 0.05: contacts that give way are followed late.
+                    limbs in contact go to and fro a little more; 0.05: contacts that give way are followed late.
     settle_time     [s] for which the catch-up speeds hold at a target that rests; each such time later they have halved. Larger:
                     limbs that are pressed on things wander for longer; smaller: what is far away when its target rests comes
                     late.
-    stall_time      [s] without progress after which the frame record says that an avatar waits.
+    stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.
     near            [m] an avatar whose link origins are all nearer than this to the target does not wait.
     steps           steps per frame at most. 1: fast targets lag in contact; 3 only costs time.
     corrections     rounds of new contact rows per step; 8 makes the slowest frames 2.5 times slower.
     work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat.
-    When
-                    it is spent the last certified state is shown, and the record says so.
+                    When it is spent the last certified state is shown, and the record says so.
     plan_work       the part of it that searches for paths may take, in the same units. 0: no path is searched; more: paths are
                     found in fewer frames, each of which takes longer.
-    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a hand
-                    without any that is pushed through a table is to lie on it. 2: for all.
+    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a
+                    hand without any that is pushed through a table is to lie on it. 2: for all.
     """
 
     stand_off: float = 2e-4

@@ -133,7 +133,8 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
 def turns_little(poses: Poses, trial: Poses, body: int) -> bool:
     """Whether a step turns a body by so little that a direction that it carries proves something.
 
-    Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in between."""
+    Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in
+    between."""
     trace = 0.0
     for i in range(3):
         for k in range(3):

@@ -269,8 +269,8 @@ COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
     "bad_queries", "waiting", "out_of_work", "adopted", "islands", "products", "planning", "following", "plan_work",
 )
-"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work of
-searches, beside all else."""
+"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work
+of searches, beside all else."""
 
 (
     QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK,

@@ -125,7 +125,8 @@ class IkLoop:
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {
-            **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST), "used": (0, MOST),
+            **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
+            "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
@@ -138,7 +139,8 @@ class IkLoop:
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
-            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0, MOST), "cut_from": (0, NODES - 1),
+            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0, MOST),
+            "cut_from": (0, NODES - 1),
             "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
             "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
         }
@@ -147,7 +149,9 @@ class IkLoop:
         """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
         is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
         if not is_sound or not plan_is_sound(self.plan):
-            raise InvalidSnapshot("state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene")
+            raise InvalidSnapshot(
+                "state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene"
+            )
         # what has not moved since is not looked at again
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0

@@ -11,8 +11,8 @@ from avatarsim.world.skeleton import Posture, Skeleton
 FOLLOW_PATH = int(Mode.FOLLOW_PATH)
 
 AHEAD = 3.0
-"""Budgets of a frame that the target is ahead of the avatar. 1: kinks of the path are shown as shaking limbs; more: corners are cut until
-something is in the way, and then one budget is all it is ahead."""
+"""Budgets of a frame that the target is ahead of the avatar. 1: kinks of the path are shown as shaking limbs; more: corners are
+cut until something is in the way, and then one budget is all it is ahead."""
 
 
 @kernel

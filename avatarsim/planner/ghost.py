@@ -1,6 +1,7 @@
 """The ghost: certified steps of an unseen avatar, the local planner of RRT-Connect (LaValle 2006, section 5.4).
 
-A step is one of the posture solver, towards any posture, so it slides along what is in its way; all else stands where it is shown.
+A step is one of the posture solver, towards any posture, so it slides along what is in its way; all else stands where it is
+shown.
 """
 
 from avatarsim.ik.active_forces import forget_forces
@@ -122,7 +123,8 @@ def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan,
 
 @kernel
 def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
-    """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at hand."""
+    """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at
+    hand."""
     g = ghost_out
     g.state.tracking.is_located[avatar] = 0
     locate(skel, avatars, avatar, g.aim, g.state.tracking, g.scratch.objective)
@@ -151,11 +153,12 @@ def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, gh
 
 @kernel
 def step_ghost(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, strides: float, most_work: int, value: float,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, strides: float, most_work: int,
+    value: float,
     ghost_out: Ghost,
 ) -> tuple[int, float, float]:
-    """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after it,
-    and how long the next step may be."""
+    """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after
+    it, and how long the next step may be."""
     g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
     set_carrot(skel, avatars, avatar, strides, g)
     moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)

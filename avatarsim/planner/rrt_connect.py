@@ -1,7 +1,7 @@
 """RRT-Connect (Kuffner and LaValle 2000): two trees of certified steps, from the shown posture and from the goal.
 
-Each in turn is extended towards a sample, as far as it gets, and the other towards where that ended. The first extension of all goes
-straight from the start to the goal. Anytime: `search` goes on until a slice of work is spent, and finds all it needs in the Plan.
+Each in turn is extended towards a sample, as far as it gets, and the other towards where that ended. The first extension of all
+goes straight from the start to the goal. Anytime: `search` goes on until a slice of work is spent, and finds all it needs in the Plan.
 """
 
 from avatarsim.ik.kinematics import tangent_error
@@ -59,8 +59,8 @@ def search(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
     shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
-    """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with objective
-    `value` [m^2]. is_followed: the path is followed already, and improved."""
+    """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
+    objective `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
     found = SEARCHING
@@ -209,7 +209,8 @@ def extend(
 
 @kernel
 def keep_step(skel: Skeleton, avatars: Avatars, avatar: int, pace: float, plan_out: Plan, ghost_out: Ghost) -> bool:
-    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step; False without room.
+    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step; False without
+    room.
 
     Short steps in contact would else fill the trees with nodes that lie side by side."""
     s = plan_out.searches

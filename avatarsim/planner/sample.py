@@ -20,8 +20,8 @@ MARGIN = 4.0
 more. The room around them grows with the root of the samples drawn."""
 
 TURN, MOVE = 1.2, 3.0
-"""[rad, mean reaches] how far at most joints and root of a local sample are from those of its node. Larger: they end in what stands
-around; smaller: they stay in the trap."""
+"""[rad, mean reaches] how far at most joints and root of a local sample are from those of its node. Larger: they end in what
+stands around; smaller: they stay in the trap."""
 
 
 @kernel
@@ -49,7 +49,8 @@ def draw_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_o
 
 @kernel
 def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
-    """A place in the room around start and goal, any heading, with the joints of the travel posture, the start's or the goal's."""
+    """A place in the room around start and goal, any heading, with the joints of the travel posture, the start's or the
+    goal's."""
     target, root, up = ghost_out.scratch.target, avatars.first_link[avatar], (ghost_out.up[0], ghost_out.up[1], ghost_out.up[2])
     kind = int(4.0 * drawn(avatar, plan_out))
     get_node(skel, avatars, avatar, goal, plan_out, target)

@@ -1,4 +1,5 @@
-"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between (Geraerts, Overmars 2007).
+"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between (Geraerts,
+Overmars 2007).
 
 A path is improved before it is followed, and what is ahead of the avatar also while it is: there every other shortcut goes to
 where the target is by now, since targets move on while paths are searched and followed.
@@ -21,7 +22,8 @@ alone, since the avatar goes on meanwhile."""
 
 @kernel
 def begin_cut(avatar: int, first: int, plan_out: Plan) -> bool:
-    """Choose two places of the path, from `first` on, between which a straight way is tried; False where there is nothing to gain."""
+    """Choose two places of the path, from `first` on, between which a straight way is tried; False where there is nothing to
+    gain."""
     s = plan_out.searches
     last = s.length[avatar] - 1
     if last - first <= SHORT or s.count[avatar] >= NODES:
@@ -52,8 +54,8 @@ def begin_at(avatar: int, start: int, phase: int, plan_out: Plan) -> None:
 
 @kernel
 def end_cut(avatar: int, has_reached: bool, is_trapped: bool, plan_out: Plan) -> None:
-    """After a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or longer than what
-    it spares, or if the avatar has gone past where it leaves."""
+    """After a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or longer
+    than what it spares, or if the avatar has gone past where it leaves."""
     s, path = plan_out.searches, plan_out.path
     start, begun, to_end = s.cut_from[avatar], s.begun[avatar], s.phase[avatar] == TRY_END
     end = s.length[avatar] if to_end else s.cut_to[avatar]

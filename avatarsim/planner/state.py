@@ -1,7 +1,8 @@
-"""State of the planner: what each avatar's search keeps from frame to frame, and the ghost, an unseen avatar that takes its steps.
+"""State of the planner: what each avatar's search keeps from frame to frame, and the ghost, an unseen avatar that takes its
+steps.
 
-A search goes on over many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The ghost is
-working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
+A search goes on over many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The
+ghost is working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
 """
 
 from enum import IntEnum
@@ -19,8 +20,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 NODES = 512
-"""Most nodes of a search, of both trees and of its shortcuts, per avatar. A node is a posture: 1.2 kB of a human of 16 balls. Half of
-them: searches in rooms with a door end for want of nodes."""
+"""Most nodes of a search, of both trees and of its shortcuts, per avatar. A node is a posture: 1.2 kB of a human of 16 balls.
+Half of them: searches in rooms with a door end for want of nodes."""
 
 NONE = -1
 
@@ -47,7 +48,8 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"), ("cuts", "i8"), ("cut_from", "i8"),
+        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"),
+        ("cuts", "i8"), ("cut_from", "i8"),
         ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("random", "i8"),
     ],
     align=True,
@@ -105,8 +107,9 @@ searches_in = table_of(Searches, SEARCH)
 
 
 class Plan(NamedTuple):
-    """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the extension;
-    before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of shortcuts; path
+    """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the
+    extension; before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of
+    shortcuts; path
     (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first slice."""
 
     searches: Searches
@@ -118,8 +121,8 @@ class Plan(NamedTuple):
 
 
 class Ghost(NamedTuple):
-    """The unseen avatar: posture, poses, state and working memory of its steps; aim: the posture that it goes to. travel: the posture that avatars began with, in which
-    they are led through rooms; up (3): against gravity, zero without."""
+    """The unseen avatar: posture, poses, state and working memory of its steps; aim: the posture that it goes to. travel: the
+    posture that avatars began with, in which they are led through rooms; up (3): against gravity, zero without."""
 
     posture: Posture
     poses: Poses

@@ -69,7 +69,8 @@ def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int
 
 @kernel
 def choose_mode(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, dt: float, value: float, posture: Posture, plan_out: Plan,
+    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, dt: float, value: float, posture: Posture,
+    plan_out: Plan,
     state_out: IkState,
 ) -> None:
     """The mode of an avatar but for what a search or a path decides."""
@@ -137,7 +138,8 @@ def search_all(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, posture: Posture, poses: Poses,
     plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the frame's whole budget."""
+    """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
+    frame's whole budget."""
     t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
         waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
@@ -169,8 +171,8 @@ def search_all(
 
 @kernel
 def note_outcome(avatar: int, found: int, settings: IkSettings, plan_out: Plan, state_out: IkState) -> None:
-    """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each rest is
-    twice as long."""
+    """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each
+    rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches
     if found == FOUND:
         t.mode[avatar], s.place[avatar], s.held[avatar] = FOLLOW_PATH, 0, 0.0

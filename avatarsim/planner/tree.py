@@ -1,7 +1,7 @@
 """Trees of postures: nodes packed one after the other, nearest node by linear search.
 
-A linear search beats any tree of cells below some thousand nodes, and adds no state. The distance is that of the objective: metres
-of link origins, and radians as the mean reach of a link.
+A linear search beats any tree of cells below some thousand nodes, and adds no state. The distance is that of the objective:
+metres of link origins, and radians as the mean reach of a link.
 """
 
 from math import inf

@@ -30,7 +30,8 @@ def walker() -> Avatar:
         "walker",
         (
             Link("trunk", None, Free(), trunk, solid(trunk, 10.0)),
-            Link("upper", "trunk", Hinges((Hinge(Y, -3.0, 3.0), Hinge(X, -2.0, 2.0))), arm, solid(arm, 1.0), anchor=(0.0, 0.22, 0.2)),
+            Link("upper", "trunk", Hinges((Hinge(Y, -3.0, 3.0), Hinge(X, -2.0, 2.0))), arm, solid(arm, 1.0), anchor=(0.0, 0.22,
+            0.2)),
             Link("lower", "upper", Hinges((Hinge(Y, -2.5, 2.5),)), arm, solid(arm, 1.0), anchor=(0.0, 0.0, -0.34)),
         ),
     )
