@@ -152,6 +152,12 @@ class IkLoop:
             raise InvalidSnapshot(
                 "state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene"
             )
+        # avatars too are where the state says, before their islands are solved for
+        geo, link = self.world.geometry, self.world.skeleton.first
+        piece = geo.first_shape[link]
+        firsts = link, link, geo.shapes.start[piece], piece, link
+        for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
+            trial[first:] = shown[first:]
         # what has not moved since is not looked at again
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
