@@ -88,13 +88,12 @@ class IkSettings(NamedTuple):
                     0: limbs in contact go to and fro a little more; 0.05: contacts that give way are followed late.
     settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
                     still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
-    stall_time      [s] without progress after which the frame record says that an avatar waits.
+    stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.
     near            [m] an avatar whose link origins are all nearer than this to the target does not wait.
     steps           steps per frame at most. 1: fast targets lag in contact; 3 only costs time.
     corrections     rounds of new contact rows per step; 8 makes the slowest frames 2.5 times slower.
     work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat.
-    When
-                    it is spent the last certified state is shown, and the record says so.
+                    When it is spent the last certified state is shown, and the record says so.
     plan_work       the part of it that searches for paths may take, in the same units. 0: no path is searched; more: paths are
                     found in fewer frames, each of which takes longer.
     around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a

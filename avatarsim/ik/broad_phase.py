@@ -48,6 +48,14 @@ def sweep_boxes(
 
 
 @kernel
+def sweep_all(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, least: float, scratch_out: IkScratch) -> None:
+    """As a frame begins: boxes of all avatars, for islands are certified against those that were not solved for yet."""
+    count = avatars.first_link.shape[0] - 1
+    for avatar in range(count if count > 1 else 0):
+        sweep_boxes(geo, skel, avatars, avatar, poses, least, scratch_out)
+
+
+@kernel
 def list_near_bodies(skel: Skeleton, avatar: int, state_out: IkState, scratch: IkScratch) -> None:
     """List the bodies that are no links in reach of an avatar; made again when it leaves the box that the list was made for."""
     box, good, links = scratch.swept_avatars, state_out.near_box, scratch.swept_links

@@ -19,8 +19,8 @@ def measure(
     skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, poses: Poses, state_out: IkState,
     scratch: IkScratch,
 ) -> float:
-    """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how long
-    the objective has not fallen as it must; the objective.
+    """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how
+    long the objective has not fallen as it must; the objective.
 
     It is compared with what it was a stall time before at most, as the frames ended: what is lost again to a target that walks on
     is no progress."""

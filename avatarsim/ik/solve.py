@@ -1,6 +1,6 @@
 """One frame of the posture solver, on one screen: target, budgets, islands, steps. See docs/posture.md."""
 
-from avatarsim.ik.broad_phase import forget_near, form_islands
+from avatarsim.ik.broad_phase import forget_near, form_islands, sweep_all
 from avatarsim.ik.notice import notice_bodies
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
@@ -29,6 +29,7 @@ def begin_frame(
     has_changed = notice_bodies(geo, skel, poses, moving, s)
     if has_changed:
         forget_near(state)
+    sweep_all(geo, skel, avatars, poses, settings.least_gap, s)
     clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
     if dt > 0.0:
         s.counts[:] = 0

@@ -139,8 +139,8 @@ class IkLoop:
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
-            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0,
-            MOST), "cut_from": (0, NODES - 1),
+            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0, MOST),
+            "cut_from": (0, NODES - 1),
             "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
             "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
         }
@@ -149,8 +149,15 @@ class IkLoop:
         """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
         is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
         if not is_sound or not plan_is_sound(self.plan):
-            raise InvalidSnapshot("state of the posture solver", "pairs, avatars or nodes that are not there",
-            "places of this scene")
+            raise InvalidSnapshot(
+                "state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene"
+            )
+        # avatars too are where the state says, before their islands are solved for
+        geo, link = self.world.geometry, self.world.skeleton.first
+        piece = geo.first_shape[link]
+        firsts = link, link, geo.shapes.start[piece], piece, link
+        for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
+            trial[first:] = shown[first:]
         # what has not moved since is not looked at again
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0

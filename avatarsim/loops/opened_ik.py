@@ -102,8 +102,9 @@ def opened_plan(o: Opening) -> Plan:
 @opened
 def opened_ghost(o: Opening) -> Ghost:
     """The next Ghost."""
-    return Ghost(opened_posture(o), opened_poses(o), opened_state(o), opened_working(o), opened_posture(o), opened_posture(o),
-    line(o)[0])
+    return Ghost(
+        opened_posture(o), opened_poses(o), opened_state(o), opened_working(o), opened_posture(o), opened_posture(o), line(o)[0]
+    )
 
 
 @opened

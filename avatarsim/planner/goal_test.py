@@ -1,8 +1,8 @@
 """Goal test: is there a free posture near the target's, and near enough to be worth a path?
 
-Asked one after the other: the target's posture, the target's root with the joints of the shown posture and of the travel posture,
-and the same three with the root drawn aside. The first that is free and has at most half of the shown posture's objective is the
-goal. A hand that presses on a table is half as near nowhere, so it is led nowhere.
+Asked one after the other: the target's posture, the target's root with the joints of the shown posture and of the travel
+posture, and the same three with the root drawn aside. The first that is free and has at most half of the shown posture's
+objective is the goal. A hand that presses on a table is half as near nowhere, so it is led nowhere.
 """
 
 from avatarsim.ik.certify import certify

@@ -1,5 +1,5 @@
-"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between (Geraerts, Overmars
-2007).
+"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between (Geraerts,
+Overmars 2007).
 
 A path is improved before it is followed, and what is ahead of the avatar also while it is: there every other shortcut goes to
 where the target is by now, since targets move on while paths are searched and followed.

@@ -109,8 +109,8 @@ searches_in = table_of(Searches, SEARCH)
 class Plan(NamedTuple):
     """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the
     extension; before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of
-    shortcuts; path (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first
-    slice."""
+    shortcuts; path
+    (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first slice."""
 
     searches: Searches
     node: Array

@@ -111,9 +111,7 @@ def to_root(before: list[int], k: int) -> list[int]:
 
 
 @given(st.lists(st.integers(0, 10**6), max_size=40), st.data())
-def test_a_path_leads_from_root_to_root_over_the_meeting_and_alone_is_kept(
-    parents: list[int], data: st.DataObject
-) -> None:
+def test_a_path_leads_from_one_root_to_the_other_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
     at, before = grown(parents)
     nodes = st.integers(0, len(before) - 1)
     one = data.draw(nodes.filter(lambda k: to_root(before, k)[-1] == 0))
