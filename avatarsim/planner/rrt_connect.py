@@ -6,7 +6,7 @@ Plan.
 """
 
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
@@ -125,7 +125,10 @@ def is_worth_it(
         aim_at_target(skel, avatars, avatar, tracker, target, g)
         there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
         worst = max(worst, there)
-    return worst * settings.stall_time <= FARTHER * value * plan.searches.pause[avatar]
+    links, reach = avatars.first_link[avatar + 1] - avatars.first_link[avatar], g.state.tracking.reach[avatar]
+    # what all links are worth that are a reach farther off
+    least = links * LOSS_RADIUS * reach * reach
+    return worst * settings.stall_time <= (FARTHER * value + least) * plan.searches.pause[avatar]
 
 
 @kernel
