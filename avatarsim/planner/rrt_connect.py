@@ -128,7 +128,7 @@ def is_worth_it(
     links, reach = avatars.first_link[avatar + 1] - avatars.first_link[avatar], g.state.tracking.reach[avatar]
     # what all links are worth that are a reach farther off
     least = links * LOSS_RADIUS * reach * reach
-    return worst * settings.stall_time <= (FARTHER * value + least) * plan.searches.pause[avatar]
+    return bool(worst * settings.stall_time <= (FARTHER * value + least) * plan.searches.pause[avatar])
 
 
 @kernel
