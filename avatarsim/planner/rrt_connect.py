@@ -6,7 +6,7 @@ Plan.
 """
 
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
@@ -40,6 +40,10 @@ GOAL_NODE = 1
 
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
+
+FARTHER = 4.0
+"""Times the shown posture's objective that a path may come to, doubled with each rest. Less: detours through doors are refused;
+more: an avatar that is held off by a little walks about for it."""
 
 SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE = range(6)
 """What a slice of a search came to."""
@@ -78,7 +82,7 @@ def search(
         elif phase == SAMPLE:
             found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
         elif phase == CUT:
-            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
+            found = shorten(geo, skel, avatars, settings, avatar, tracker, target, value, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
     return found
@@ -109,9 +113,28 @@ def aim_at_target(
 
 
 @kernel
+def is_worth_it(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    value: float, plan: Plan, ghost_out: Ghost,
+) -> bool:
+    """Whether a path goes nowhere much farther from the target than the avatar is, or no farther than it has waited for: one
+    that is nearly there, of a tracker that moves, does not walk about."""
+    g, worst = ghost_out, 0.0
+    for i in range(plan.searches.length[avatar]):
+        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, i], plan, g)
+        aim_at_target(skel, avatars, avatar, tracker, target, g)
+        there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+        worst = max(worst, there)
+    links, reach = avatars.first_link[avatar + 1] - avatars.first_link[avatar], g.state.tracking.reach[avatar]
+    # what all links are worth that are a reach farther off
+    least = links * LOSS_RADIUS * reach * reach
+    return bool(worst * settings.stall_time <= (FARTHER * value + least) * plan.searches.pause[avatar])
+
+
+@kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, target: Posture, is_followed: bool,
-    plan_out: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    value: float, is_followed: bool, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Begin the next shortcut, if there is one to try."""
     s = plan_out.searches
@@ -120,7 +143,7 @@ def shorten(
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
     if not is_followed and s.cuts[avatar] > SHORTCUTS:
-        return FOUND
+        return FOUND if is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, value, plan_out, ghost_out) else FAILED
     if is_followed and s.cuts[avatar] % 2 == 0:
         copy_posture(skel, avatars, avatar, target, ghost_out.posture)
         put_ghost(geo, skel, avatars, avatar, ghost_out)
@@ -130,7 +153,9 @@ def shorten(
             resume(geo, skel, avatars, avatar, plan_out, ghost_out)
             return SEARCHING
     if not begin_cut(avatar, first, plan_out):
-        return NOTHING_LEFT if is_followed else FOUND
+        if is_followed:
+            return NOTHING_LEFT
+        return FOUND if is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, value, plan_out, ghost_out) else FAILED
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
     return SEARCHING
 
