@@ -44,7 +44,7 @@ CUT = ("--frames", "12")
 """The length of it unless it is `--whole`: cheap, and every stage is passed."""
 PATIENCE = 600.0
 """Longest a run may take [s]."""
-TIMES = ("p50", "p95", "p99", "moving", "at_rest", "rests", "repeats", "frames", "front")
+TIMES = ("p50", "p95", "p99", "slowest", "moving", "at_rest", "rests", "repeats", "frames", "front")
 """Columns of sweep.csv that times decide."""
 STUDIED = ("sweep.csv", "sweep.json", "ablation.json", "judge.json")
 """What the studies of a whole comparison of these scenes leave; of times, or chosen by them."""
