@@ -59,7 +59,7 @@ SHORT: Mapping[str, tuple[str, ...]] = {
 is cheap, since the question is which cheap setting is accurate enough, then what is accurate at any price. What leaves out an
 effect, and with it a promise, is not among them."""
 
-BUDGET = 45.0
+BUDGET = 35.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
 of steps have too few rungs to show where an engine's error stops falling."""
 FIRST = 0.35
