@@ -1,8 +1,8 @@
 """Motion budget: how far joints and roots may move in a frame, beyond what the target itself moves.
 
 A rate limit (slew rate): what the target moved in this frame plus a catch-up speed times the frame time. A person sees a limb
-that turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: whoever holds still is
-shown no limb that wanders; what converges at all has then long arrived.
+that turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: at a target that holds
+still no limb wanders; what converges at all has then long arrived.
 """
 
 from avatarsim.ik.kinematics import parts_of

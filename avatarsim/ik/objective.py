@@ -5,7 +5,7 @@
 To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w
 each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
 without fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
-(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of (|F| |b| + F . b) / 2 bounds from above. See
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of |F| |b| bounds from above. See
 docs/posture.md.
 """
 
