@@ -150,7 +150,7 @@ lock:  ## write requirements.lock anew from pyproject.toml (UPGRADE=1: newest ve
 	$(firstword $(wildcard $(VENV_PYTHON)) python3) .setup/lock.py $(if $(UPGRADE),--upgrade)
 
 # Names of runs sort by their time; one that is younger than the last has not ended yet.
-prune:  ## remove the runs in reports/out that are older than the last one: a comparison takes 270 MB
+prune:  ## remove the runs in reports/out that are older than the last one: a comparison takes 280 MB
 	@last=$$(readlink reports/out/latest) || { echo "reports/out has no last run; nothing removed"; exit 0; }; \
 	for run in reports/out/[0-9]*-[0-9]*-*; do \
 	  name=$${run##*/}; [ "$$(printf '%s\n' "$$name" "$$last" | LC_ALL=C sort | head -n 1)" = "$$name" ] || continue; \

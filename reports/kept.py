@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.regular_file import parsed_json, read_json
 from scenarios import array_file
-from scenarios.record import misfit
+from scenarios.record import arrays_of, misfit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -85,7 +85,7 @@ def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list
 
 
 def _shown(path: Path, run: str, overlaps: Path) -> Shown:
-    stored = array_file.read(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
+    stored = arrays_of(path, {"meta", *WANTED, *(f"counts:{name}" for name in COUNTED)}.__contains__)
     try:
         version = parsed_json(str(stored["meta"]), f"meta of recording {path}", WHOLE)["schema_version"]
     except (KeyError, TypeError) as error:

@@ -1,7 +1,10 @@
-"""A recording: everything one engine showed in one scene, and what the user did, as one file."""
+"""A recording: everything one engine showed in one scene, and what the user did, as one file, or as one beside the user's motion,
+which is the same in all recordings of a scene: a run keeps it once, under a name that follows from its bytes."""
 
+import hashlib
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -21,6 +24,12 @@ SCHEMA_VERSION = 2
 """Layout of the file. A reader refuses every other one, so raise it with any change of a field's meaning."""
 EVENTS = ("step", "approach", "impact")
 """Names of what a snapshot inside a frame can be (`avatarsim.engine.Snapshot.event`); codes are places in this tuple."""
+MOTIONS = "motions"
+"""Where users' motions lie in a run's folder, named by MOTION."""
+MOTION = "motion"
+"""The array of a recording that names the file of its user's motion, in place of OF_USER."""
+OF_USER = ("raw_positions", "raw_orientations", "raw_angles")
+"""The fields that are the user's motion."""
 COUNTED = ("counts", "statuses")
 """The fields that hold numbers of frames by name."""
 LAYOUT: Mapping[str, tuple[str | int, ...]] = {
@@ -92,8 +101,8 @@ class Recording:
         return float(str(self.meta["dt"]))
 
 
-def save(recording: Recording, path: Path) -> None:
-    """Write `recording` to `path`, whole or not at all."""
+def save(recording: Recording, path: Path, motions: Path | None = None) -> None:
+    """Write `recording` to `path`, whole or not at all; its user's motion into the folder `motions`, if there is one."""
     arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(_json(recording.meta))}
     for entry in fields(recording):
         value = getattr(recording, entry.name)
@@ -101,7 +110,36 @@ def save(recording: Recording, path: Path) -> None:
             arrays[entry.name] = value
         elif entry.name != "meta":
             arrays.update({f"{entry.name}:{name}": numbers for name, numbers in value.items()})
+    if motions is not None:
+        moved = {name: arrays.pop(name) for name in OF_USER}
+        digest = _digest(moved)
+        arrays[MOTION] = np.array(digest)
+        write_whole(motions / f"{digest}.npz", lambda file: array_file.write(file, moved))
     write_whole(path, lambda file: array_file.write(file, arrays))
+
+
+def _digest(moved: Mapping[str, NDArray[np.generic]]) -> str:
+    """The name of a user's motion: equal for equal arrays."""
+    found = hashlib.sha256()
+    for name in OF_USER:
+        found.update(f"{name} {moved[name].dtype.str} {moved[name].shape}".encode())
+        found.update(np.ascontiguousarray(moved[name]).tobytes())
+    return found.hexdigest()[:32]
+
+
+def arrays_of(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[str, NDArray[Any]]:
+    """The arrays of a recording whose name is `wanted`, its user's motion among them wherever it is kept. Raises InvalidFile for
+    one that is missing, damaged or too large, and where the motion's file is."""
+    arrays = array_file.read(path, lambda name: name == MOTION or wanted(name))
+    if (named := arrays.pop(MOTION, None)) is None:
+        return arrays
+    if not re.fullmatch(r"[0-9a-f]{32}", str(named)):
+        raise InvalidFile(f"{MOTION} of recording {path}", str(named)[:64], "32 hexadecimal digits")
+    beside = path.parent.parent / MOTIONS / f"{named}.npz"
+    moved = array_file.read(beside)
+    if moved.keys() != set(OF_USER) or _digest(moved) != str(named):
+        raise InvalidFile(f"the user's motion in {beside}", "another one than its name says", "the whole file that a run wrote")
+    return arrays | {name: array for name, array in moved.items() if wanted(name)}
 
 
 def _json(meta: Mapping[str, object]) -> str:
@@ -111,7 +149,7 @@ def _json(meta: Mapping[str, object]) -> str:
 
 def load(path: Path) -> Recording:
     """Read a recording. Raises InvalidFile when it is missing, truncated, too large, or of another layout."""
-    arrays = array_file.read(path)
+    arrays = arrays_of(path)
     meta, version = about(arrays.pop("meta", None), path)
     if version != SCHEMA_VERSION:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")

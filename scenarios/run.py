@@ -84,7 +84,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
         note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
         if frames:
             left = gathered(job, scenario, scene, what.states, frames, {**about, "error": note})
-            record.save(thinned(left, scenario, scene), path)
+            record.save(thinned(left, scenario, scene), path, folder / record.MOTIONS)
         return Outcome(job, "crashed", note, len(frames), about=about, recording=path if frames else None)
     finally:
         _close(engine)
@@ -112,7 +112,7 @@ def concluded(recording: Recording, what: Asked, judged: int | None, path: Path)
     overlapping.write(found.overlapping, path.parent.parent, path.stem)
     thin = thinned(recording, what.scenario, what.scene.whole)
     left = replace(thin, meta={**thin.meta, **told(found.values, found.notes)}, overlap=found.overlap)
-    record.save(left, path)
+    record.save(left, path, path.parent.parent / record.MOTIONS)
     return left
 
 

@@ -96,7 +96,7 @@ def of_run(folder: Path, whole: bool) -> Kept:
         "pages": sorted(str(path.relative_to(folder)) for path in folder.rglob("*.html")),
         "halves": sorted(str(path.relative_to(folder)) for path in folder.rglob(".*")),
     }
-    for path in sorted((*folder.glob("scenes/*.json"), *folder.glob("overlaps/*.npz"))):
+    for path in sorted((*folder.glob("scenes/*.json"), *folder.glob("overlaps/*.npz"), *folder.glob("motions/*.npz"))):
         kept[str(path.relative_to(folder))] = path.read_bytes()
     for path in sorted(folder.glob("recordings/*.npz")):
         arrays = array_file.read(path)

@@ -69,6 +69,41 @@ def test_nothing_but_the_recording_is_left_behind(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["one.npz"]
 
 
+def test_the_motion_of_a_scene_is_kept_once(tmp_path: Path) -> None:
+    """And is loaded bit for bit with every recording that shows it; another motion has another file."""
+    first, motions = full(), tmp_path / "motions"
+    first = replace(first, raw_positions=np.random.default_rng(5).normal(size=(4, 3, 3)), raw_orientations=np.ones((4, 3, 4)))
+    second = replace(first, raw_positions=np.nextafter(first.raw_positions, 9.0))
+    for name, one in {"a.npz": first, "b.npz": replace(first, times=first.times + 1.0), "c.npz": second}.items():
+        record.save(one, tmp_path / "recordings" / name, motions)
+        again = record.load(tmp_path / "recordings" / name)
+        assert all(getattr(again, field).tobytes() == getattr(one, field).tobytes() for field in record.OF_USER)
+        assert again.times.tolist() == one.times.tolist()
+    assert len(list(motions.iterdir())) == 2
+    assert record.arrays_of(tmp_path / "recordings" / "a.npz", {"raw_angles", "times"}.__contains__).keys() == {"raw_angles", "times"}
+
+
+@pytest.mark.parametrize("harm", ["gone", "half", "other", "elsewhere"])
+def test_a_motion_that_is_damaged_is_an_invalid_file(tmp_path: Path, harm: str) -> None:
+    path, motions = tmp_path / "recordings" / "one.npz", tmp_path / "motions"
+    record.save(full(), path, motions)
+    (motion,) = motions.iterdir()
+    if harm == "gone":
+        motion.unlink()
+    elif harm == "half":
+        motion.write_bytes(motion.read_bytes()[:-9])
+    elif harm == "other":
+        other = {**array_file.read(motion), "raw_angles": np.ones((4, 0)), "raw_positions": np.ones((4, 1, 3))}
+        with motion.open("wb") as file:
+            array_file.write(file, other)
+    else:
+        arrays = array_file.read(path)
+        with path.open("wb") as file:
+            array_file.write(file, {**arrays, "motion": np.array(f"../motions/{motion.stem}")})
+    with pytest.raises(InvalidFile, match="motion"):
+        record.load(path)
+
+
 def test_a_write_that_fails_keeps_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "one.npz"
     record.save(full(), path)
