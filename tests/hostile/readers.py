@@ -19,10 +19,12 @@ from scenarios import record
 from scenarios.avatars.mjcf import Mjcf, parsed
 from scenarios.avatars.stl import hull_of
 from scenarios.found.store import Store
+from scenarios.job import Job
 from scenarios.mocap import read_clip, retimed
 from scenarios.own_settings import read as read_settings
-from scenarios.resume import earlier_run
+from scenarios.resume import check_plan, earlier_run, has_ended, write_plan
 from scenarios.stability.finished import Finished
+from scenarios.table_2 import rows as rows_of_table_2
 from tests.hostile import valid_files as valid
 from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files, sound
 from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
@@ -92,6 +94,12 @@ def replays(folder: Path, path: Path) -> object:
     return kept.shown(folder, valid.SCENE, (valid.RUN,))
 
 
+def apart(folder: Path, path: Path) -> object:
+    """A recording whose user's motion is a file of its own."""
+    (found,) = folder.glob("recordings/*.npz")
+    return record.load(found)
+
+
 def results(folder: Path, path: Path) -> object:
     """The figures of a run."""
     return load_results(folder)
@@ -145,8 +153,37 @@ def finished(folder: Path, path: Path) -> object:
 
 
 def resumed(folder: Path, path: Path) -> object:
-    """The folder of an earlier run."""
-    return earlier_run(folder, "compare")
+    """The folder of an earlier run, and whether it came to its end."""
+    return has_ended(earlier_run(folder, "compare"))
+
+
+JOBS = tuple(Job("ball_drop", "mujoco", preset, seed=1, options={"iterations": 50, "cone": "elliptic"}) for preset in ("a", "b"))
+"""What the plan of a run holds."""
+
+
+def plan() -> valid.Files:
+    """The plan of a run."""
+    with TemporaryDirectory() as made:
+        write_plan(Path(made), ("compare", "--filter", "ball_drop"), JOBS)
+        return {path.name: path.read_bytes() for path in Path(made).iterdir()}
+
+
+def planned(folder: Path, path: Path) -> object:
+    """Whether a run may be gone on with."""
+    return check_plan(folder, JOBS)
+
+
+def table_2(folder: Path, path: Path) -> object:
+    """What Table 2 takes from a run."""
+    found = rows_of_table_2.runs(folder)
+    assert not found or found[0].scene == valid.TABLE_2
+    return found
+
+
+def of_table_2() -> valid.Files:
+    """A run of a scene of Table 2: results, its recording, the user's motion."""
+    results = valid.run()["results.json"].replace(valid.SCENE.encode(), valid.TABLE_2.encode())
+    return {"results.json": results, **valid.recorded_apart()}
 
 
 STORED = {"figures": {"p50": 3.5, "note": ""}, "end": [[0.1, 2.5, -3.0]], "run": "mujoco/default"}
@@ -179,7 +216,10 @@ def doors() -> tuple[Door, ...]:
         of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
         of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),
         of_files("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays), slow=True),
-        of_files("recording", 50.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
+        of_files("recording", 25.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
+        of_files("motion of a user", 25.0, FileDoor(valid.recorded_apart, damaged_zip, apart), slow=True),
+        of_files("plan of a run", 15.0, FileDoor(plan, damaged_json, planned)),
+        of_files("run for Table 2", 15.0, FileDoor(of_table_2, damaged_of_run, table_2), slow=True),
         of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
         of_files("found before", 15.0, FileDoor(stored, damaged_json, store)),
         of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
@@ -191,6 +231,11 @@ def doors() -> tuple[Door, ...]:
     for module, names in TABLES.items():
         found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
     return tuple(found)
+
+
+def damaged_of_run(data: bytes, rng: random.Random) -> bytes:
+    """A file of JSON or an archive, told apart by its first byte."""
+    return (damaged_json if data[:1] == b"{" else damaged_zip)(data, rng)
 
 
 def damaged_line(data: bytes, rng: random.Random) -> bytes:

@@ -5,16 +5,18 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from scenarios import array_file, overlapping, record
+from scenarios import array_file, catalog, overlapping, record
 from tests.pieces.solids import cube, ell, torus
 from tests.reports import recorded, test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability, test_sweep
 from tests.reports.conftest import whole_run
+from tests.scenarios import examples
 
 Files = Mapping[str, bytes]
 
@@ -141,7 +143,7 @@ def figures() -> dict[str, str]:
     }
 
 
-SCENE, RUN = "arm_wall", "avatarsim/default"
+SCENE, RUN, TABLE_2 = "arm_wall", "avatarsim/default", "two_arms"
 """A scene and an engine that the run has."""
 
 
@@ -176,6 +178,21 @@ def recording() -> Files:
         "statuses:led": np.zeros(states, dtype=np.int64), "frame_times_ns": np.full((3, states - 1), 30_000),
     })
     return {"recording.npz": stream.getvalue()}
+
+
+@cache
+def recorded_apart() -> Files:
+    """A recording of a scene of Table 2 as a run keeps it: its user's motion beside it."""
+    scenario = catalog.get(TABLE_2)
+    scene = scenario.build()
+    motion = scenario.motion(scene, 0)
+    held = examples.recorded(scene, [scene.first_sample, motion(0), motion(1)])
+    with TemporaryDirectory() as made:
+        folder = Path(made)
+        name = f"{TABLE_2}.{RUN.replace('/', '.')}.0.npz"
+        whole = replace(held, meta=dict(held.meta) | {"full": True})
+        record.save(whole, folder / "recordings" / name, folder / record.MOTIONS)
+        return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*.npz")}
 
 
 def overlaps_folder() -> str:

@@ -80,7 +80,8 @@ def test_the_motion_of_a_scene_is_kept_once(tmp_path: Path) -> None:
         assert all(getattr(again, field).tobytes() == getattr(one, field).tobytes() for field in record.OF_USER)
         assert again.times.tolist() == one.times.tolist()
     assert len(list(motions.iterdir())) == 2
-    assert record.arrays_of(tmp_path / "recordings" / "a.npz", {"raw_angles", "times"}.__contains__).keys() == {"raw_angles", "times"}
+    wanted = {"raw_angles", "times"}
+    assert record.arrays_of(tmp_path / "recordings" / "a.npz", wanted.__contains__).keys() == wanted
 
 
 @pytest.mark.parametrize("harm", ["gone", "half", "other", "elsewhere"])
