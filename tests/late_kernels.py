@@ -11,11 +11,11 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
-from tests.posture.little_worlds import at, hand, mixed_avatar, panel
-from tests.posture.test_trapped import BEFORE, BEHIND, limbed, pocket
-from tests.posture.test_two_hands import tube
-from tests.posture.test_untie import APART, PAIR, SWAPPED
+from tests.ik.test_trapped import BEFORE, BEHIND, limbed, pocket
+from tests.ik.test_two_hands import tube
+from tests.ik.test_untie import APART, PAIR, SWAPPED
 from tests.stability.hostile import DT
+from tests.worlds.little_worlds import at, hand, mixed_avatar, panel
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.settings import Chosen, CouplingSettings, PostureSettings, meanings
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand_scene
 from tests.stability.hostile import DT
 from tests.test_simulator import SCENE, loaded
+from tests.worlds.little_worlds import at, hand_scene
 
 
 def test_an_unknown_preset_is_named_and_the_known_ones_listed() -> None:

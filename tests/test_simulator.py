@@ -17,8 +17,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand_scene, panel
 from tests.stability.hostile import DT, hinged_trial
+from tests.worlds.little_worlds import at, hand_scene, panel
 
 BALL = (Piece(Sphere(0.1)),)
 SCENE = hand_scene((-0.5, 0.0, 0.0), panel())

@@ -25,9 +25,9 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.snapshot import DIGEST, HEAD, digest_of
-from tests.posture.little_worlds import at
-from tests.posture.test_trapped import limbed, pocket
+from tests.ik.test_trapped import limbed, pocket
 from tests.stability.hostile import DT, hinged_trial, hostile_motion
+from tests.worlds.little_worlds import at
 
 FRAMES = 1000
 """Frames after a snapshot that have to be the same."""

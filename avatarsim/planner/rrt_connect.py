@@ -28,7 +28,7 @@ from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
@@ -61,7 +61,7 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
@@ -114,7 +114,7 @@ def aim_at_target(
 
 @kernel
 def is_worth_it(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     value: float, plan: Plan, ghost_out: Ghost,
 ) -> bool:
     """Whether a path goes nowhere much farther from the target than the avatar is, or no farther than it has waited for: one
@@ -133,7 +133,7 @@ def is_worth_it(
 
 @kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     value: float, is_followed: bool, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Begin the next shortcut, if there is one to try."""
@@ -171,7 +171,7 @@ def resume(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan: P
 
 @kernel
 def find_goal(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, shown: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
     value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Ask of one candidate whether it may be the goal; if so, the first extension goes straight to it."""
@@ -209,7 +209,7 @@ def begin_extension(
 
 @kernel
 def extend(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, most_work: int, plan_out: Plan,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, most_work: int, plan_out: Plan,
     ghost_out: Ghost,
 ) -> None:
     """One step of the extension that is under way, and what follows if it was the last."""

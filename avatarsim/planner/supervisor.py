@@ -13,7 +13,7 @@ from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
 from avatarsim.planner.state import Ghost, Plan
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
@@ -31,7 +31,7 @@ NEVER, JOINTED = 0, 1
 
 @kernel
 def supervise(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, posture: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture,
     poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """After the steps of a frame of dt [s]: progress, modes, and a slice of each search."""
@@ -58,9 +58,9 @@ def supervise(
 
 
 @kernel
-def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int) -> bool:
+def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int) -> bool:
     """Whether paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
-    if settings.plan_work <= 0 or settings.around == NEVER:
+    if settings.around == NEVER:
         return False
     root = avatars.first_link[avatar]
     has_joints = avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
@@ -69,7 +69,7 @@ def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int
 
 @kernel
 def choose_mode(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, dt: float, value: float, posture: Posture,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture,
     plan_out: Plan,
     state_out: IkState,
 ) -> None:
@@ -92,7 +92,7 @@ def choose_mode(
 
 @kernel
 def follow_on(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
     state_out: IkState,
 ) -> None:
     """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
@@ -135,7 +135,7 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, posture: Posture, poses: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses,
     plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
@@ -143,7 +143,7 @@ def search_all(
     t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
         waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
-    left = min(settings.plan_work, settings.work - work_done(scratch_out))
+    left = min(settings.work * 2 // 3, settings.work - work_done(scratch_out))
     first = plan_out.turn[0]
     for k in range(count):
         avatar = (first + k) % count
@@ -170,7 +170,7 @@ def search_all(
 
 
 @kernel
-def note_outcome(avatar: int, found: int, settings: IkSettings, plan_out: Plan, state_out: IkState) -> None:
+def note_outcome(avatar: int, found: int, settings: PostureSettings, plan_out: Plan, state_out: IkState) -> None:
     """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each
     rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches

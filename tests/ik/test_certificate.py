@@ -20,12 +20,12 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.pair_filter import may_meet
 from tests.ik.solvers import Solver, solver_of
-from tests.posture.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
+from tests.worlds.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
 
-SETTINGS, SCRATCH, ANY = IkSettings(), make_scratch(), np.zeros(0, dtype=np.int64)
+SETTINGS, SCRATCH, ANY = PostureSettings(), make_scratch(), np.zeros(0, dtype=np.int64)
 HANDS = {
     "ball": (Piece(Sphere(0.05)),), "box": (Piece(Box((0.1, 0.08, 0.06))),), "capsule": (Piece(Capsule(0.03, 0.1)),),
     "hull": (Piece(ellipsoid_hull((0.05, 0.04, 0.08))),),

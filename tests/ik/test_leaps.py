@@ -4,8 +4,8 @@ from itertools import islice
 
 import pytest
 
-from tests.posture.ride import ride
 from tests.stability.hostile import TRIALS, one_return, outside_room
+from tests.worlds.ride import ride
 
 
 @pytest.mark.parametrize(("seed", "frames"), [(85, 13), (35, 13), (55, 37)])

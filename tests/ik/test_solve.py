@@ -14,13 +14,13 @@ from avatarsim.ik.motion_budget import SLACK
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from tests.ik.scenes import SCENES, both_hands, drawn, free_hinged, posed
-from tests.posture.ride import Ride, ride
 from tests.stability.hostile import DT
+from tests.worlds.ride import Ride, ride
 
-SETTINGS = IkSettings()
+SETTINGS = PostureSettings()
 
 
 def turns_and_moves(scene: Scene, positions: np.ndarray, orientations: np.ndarray, angles: np.ndarray) -> tuple[list, list]:

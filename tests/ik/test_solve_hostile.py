@@ -14,9 +14,9 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from tests.ik.scenes import block, walled_hinged
-from tests.posture.little_worlds import at, hand
-from tests.posture.ride import Ride, ride
 from tests.stability.hostile import DT, TRIALS, hostile_motion, outside_room
+from tests.worlds.little_worlds import at, hand
+from tests.worlds.ride import Ride, ride
 
 
 @pytest.mark.parametrize("dt", [1 / 30, 1 / 60, 1 / 90, 1 / 240])

@@ -12,7 +12,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand
+from tests.worlds.little_worlds import at, hand
 
 DT = 1.0 / 60.0
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

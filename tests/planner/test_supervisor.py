@@ -6,11 +6,11 @@ import pytest
 from avatarsim.planner.supervisor import LEAST_SLICE
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from reference.judge import Judge
 from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
 
-SETTINGS = IkSettings()
+SETTINGS = PostureSettings()
 SECONDS = 60
 
 

@@ -13,11 +13,11 @@ from numba.core.registry import cpu_target
 
 from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
 from avatarsim.collide.scratch import Scratch, make_scratch, scratch_at
+from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
 from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
 from avatarsim.loops import opened_checked, opened_paper, opened_upper
-from avatarsim.loops.coupling import make_springs
 from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
@@ -34,7 +34,7 @@ from avatarsim.world.shapes import SHAPE
 from avatarsim.world.view import declared
 from avatarsim.world.view import opened as laid_open
 from avatarsim.world.world import World, build
-from tests.posture.little_worlds import mixed_avatar, panel
+from tests.worlds.little_worlds import mixed_avatar, panel
 
 ROOT = Path(__file__).parents[2]
 CRATE = (Piece(Box((0.1, 0.2, 0.3))),)
