@@ -88,7 +88,8 @@ def row_of(engine: str, group: str, runs: Sequence[Seen]) -> Row:
     overlap, *limits = (float(np.max(figures(name), initial=0.0)) for name in PROMISED)
     times = np.concatenate([run.times for run in runs])
     return Row(
-        engine, group, len(runs), held.size, overlap, float(np.max(limits)), total("not_finite_frames"), total("wrong_side_frames"),
+        engine, group, len(runs), held.size, overlap, float(np.max(limits)),
+        total("not_finite_frames"), total("wrong_side_frames"),
         int(held.sum()), share(pooled(runs, lambda s: s.shakes)[held] > 0.0),
         percentile(pooled(runs, lambda s: s.reversal)[held], 95.0), percentile(figures("jerk_ratio"), 50.0),
         int(pooled(runs, lambda s: jumped(s, s.turn, TURNS)).sum()), float(np.max(turn, initial=0.0)),
