@@ -26,7 +26,7 @@ from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at
 
 TOGETHER = part_scene("together")[0]
-PRESETS = ("default", "ik", "paper")
+PRESETS = ("default", "paper")
 SCENES = {
     "an avatar and a ball": TOGETHER,
     "an avatar that removes no overlap": replace(TOGETHER, narrow=("overlap_removal",)),

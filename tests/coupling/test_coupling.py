@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from avatarsim.coupling.spring import coupled
-from avatarsim.coupling.virtual_coupling import give, give_to_roots, make_springs, place_displaced, pull, relax
+from avatarsim.coupling.virtual_coupling import Springs, give, give_to_roots, make_springs, place_displaced, pull, relax
 from avatarsim.engine import Settings
 from avatarsim.ik.state import make_contacts
-from avatarsim.posture.workspace import ready_memory
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -18,7 +17,7 @@ from avatarsim.scene.material import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.settings import CouplingSettings
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.kinematics import carry, forward
 from avatarsim.world.world import World, build
@@ -58,6 +57,11 @@ def world() -> World:
     return build(Scene("point", (block(1.0, 0.5),), (pointing(),)))
 
 
+def springs_of(w: World) -> Springs:
+    """Springs at rest."""
+    return make_springs(w.geometry, w.skeleton, w.dynamics, w.posture, w.poses, CouplingSettings())
+
+
 @pytest.mark.nojit
 def test_an_impulse_changes_the_velocity_of_the_link_that_took_it_and_of_no_other() -> None:
     w = world()
@@ -89,7 +93,7 @@ def test_a_push_that_met_nobody_is_taken_back() -> None:
 @pytest.mark.nojit
 def test_only_who_has_an_offset_gets_the_box_that_whole_kinematics_give() -> None:
     w = world()
-    springs = make_springs(w.skeleton, w.dynamics, w.poses, CouplingSettings())
+    springs = springs_of(w)
     w.posture.root[0], w.posture.angle[6] = (0.3, 0.1, 0.2), 0.4
     forward(w.geometry, w.skeleton, w.posture, springs.still, springs.one, springs.axes)
     carry(w.skeleton, w.posture, springs.still, springs.other, springs.axes)
@@ -107,7 +111,7 @@ def test_only_who_has_an_offset_gets_the_box_that_whole_kinematics_give() -> Non
 def test_every_link_returns_by_eq_6_with_its_own_mass() -> None:
     """The closed form, over ten frames at once and one by one; only the root displaces the target's root."""
     w, settings = world(), CouplingSettings()
-    springs, root = make_springs(w.skeleton, w.dynamics, w.poses, settings), np.zeros((2, 3))
+    springs, root = springs_of(w), np.zeros((2, 3))
     springs.offset[:] = (0.01, 0.0, 0.02)
     springs.rate[:] = (-0.5, 1.0, 0.0)
     for _ in range(10):
@@ -162,13 +166,12 @@ def test_who_is_held_presses_with_the_spring_and_a_wall_feels_nothing_of_it() ->
 @pytest.mark.nojit
 def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -> None:
     """A tracker's posture is taken as it is, or its body would be placed elsewhere for as long as the hit lasts."""
-    w, springs = world(), make_springs(world().skeleton, world().dynamics, world().poses, CouplingSettings())
-    memory = ready_memory(w.geometry, w.skeleton, w.posture, w.poses, PostureSettings())
+    w = world()
+    springs = springs_of(w)
     d = int(w.skeleton.first_dof[1])
     w.posture.angle[d] = 2.0
     springs.offset[1] = 0.0, 1e-3, 1e-3
-    weight = memory.goal.inverse_weight
-    pull(w.geometry, w.skeleton, w.dynamics, w.poses, make_contacts(1), weight, DT, w.posture, w.velocities, springs)
+    pull(w.geometry, w.skeleton, w.dynamics, w.poses, make_contacts(1), DT, w.posture, w.velocities, springs)
     assert w.posture.angle[d] > 1.9
 
 

@@ -9,7 +9,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.world.kinematics import forward, take
+from avatarsim.world.kinematics import displace, forward
 from avatarsim.world.world import World, build
 
 BONE = (Piece(Box((0.04, 0.04, 0.3)), (0.0, 0.0, 0.15)),)
@@ -39,7 +39,7 @@ def yielded(world: World, offsets: dict[int, tuple[float, float, float]], bend: 
     weights = np.ones(degrees)
     weights[: 3 if skel.kind[0] == 3 else 0] = 0.001
     assert recoil(skel, world.posture, world.poses, axes, offset, weights, way) == bool(set(offsets) - {0} or skel.kind[0] != 3)
-    take(skel, world.posture, way)
+    displace(skel, world.posture, way)
     forward(world.geometry, skel, world.posture, np.zeros(degrees), world.poses, axes)
     return way, np.array([middle(world.poses, skel.first + k) for k in range(links)]) - before
 

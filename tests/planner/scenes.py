@@ -80,11 +80,11 @@ def palm() -> Avatar:
 
 
 class Run:
-    """An engine of preset `ik` with its scene."""
+    """An engine of preset `default` with its scene."""
 
     def __init__(self, scene: Scene, seed: int = 0, **options: object) -> None:
         self.scene, self.engine = scene, AvatarsimEngine()
-        self.record: FrameRecord = self.engine.load(scene, Settings("ik", options, seed=seed), DT)
+        self.record: FrameRecord = self.engine.load(scene, Settings("default", options, seed=seed), DT)
         self.said: dict[str, int] = {}
 
     def go(self, sample: TrackerSample, frames: int) -> list[FrameRecord]:
