@@ -5,12 +5,6 @@ from math import cos, exp, sin, sqrt
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, along, scale
 
-SPRING = 1000.0
-"""K [N/m] that the authors found to work well. (Their text calls it damping; the units say otherwise.)"""
-
-DAMPING = 40.0
-"""R [N s/m] that goes with it: critical for 0.4 kg, damping ratio 0.63 for 1 kg."""
-
 NEARLY_CRITICAL = 1e-3
 """|frequency x time| below which sin x/x is taken by its series; x^6/5040 is then far below rounding."""
 

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from avatarsim.coupling.spring import DAMPING, SPRING, coupled
+from avatarsim.coupling.spring import coupled
+from avatarsim.settings import CouplingSettings
 
 START, PUSH = (0.1, -0.02, 0.0), (0.0, 1.0, -3.0)
 
