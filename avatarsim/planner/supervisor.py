@@ -11,7 +11,7 @@ from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import put_ghost_at
-from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
+from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, TOO_DEAR, begin_search, search
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
@@ -79,8 +79,9 @@ def choose_mode(
     if mode == FOLLOW_PATH:
         return
     if t.distance[avatar] <= settings.near or not (is_stalled or mode == PLAN):
-        t.mode[avatar], s.rest[avatar], s.pause[avatar] = TRACK, 0.0, settings.stall_time
+        t.mode[avatar], s.rest[avatar], s.pause[avatar], s.paid[avatar] = TRACK, 0.0, settings.stall_time, 0.0
         return
+    s.paid[avatar] += dt * value
     if mode == PLAN:
         return
     s.rest[avatar] -= dt
@@ -164,7 +165,7 @@ def search_all(
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
-        if found == STALE:
+        if found == STALE or found == TOO_DEAR:
             begin_search(skel, avatars, avatar, posture, plan_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
