@@ -10,8 +10,9 @@ from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
+from avatarsim.planner.follow_path import is_near
 from avatarsim.planner.ghost import put_ghost_at
-from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
+from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, TOO_DEAR, begin_search, search
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
@@ -49,7 +50,7 @@ def supervise(
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
-            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out)
+            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out, scratch_out)
     search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
@@ -79,8 +80,9 @@ def choose_mode(
     if mode == FOLLOW_PATH:
         return
     if t.distance[avatar] <= settings.near or not (is_stalled or mode == PLAN):
-        t.mode[avatar], s.rest[avatar], s.pause[avatar] = TRACK, 0.0, settings.stall_time
+        t.mode[avatar], s.rest[avatar], s.pause[avatar], s.paid[avatar] = TRACK, 0.0, settings.stall_time, 0.0
         return
+    s.paid[avatar] += dt * value
     if mode == PLAN:
         return
     s.rest[avatar] -= dt
@@ -93,13 +95,14 @@ def choose_mode(
 @kernel
 def follow_on(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
-    state_out: IkState,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
     catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
-    if s.place[avatar] == s.length[avatar] - 1 and s.held[avatar] == 0.0:
+    is_at_end = s.place[avatar] == s.length[avatar] - 1 and is_near(skel, avatars, avatar, 1.0, posture, state_out, scratch_out)
+    if is_at_end:
         set_free(avatar, value, state_out)
     elif s.held[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
@@ -164,7 +167,7 @@ def search_all(
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
-        if found == STALE:
+        if found == STALE or found == TOO_DEAR:
             begin_search(skel, avatars, avatar, posture, plan_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
