@@ -101,7 +101,7 @@ def test_so_does_any_palm_on_any_table() -> None:
 def test_a_target_on_the_far_side_is_led_to_only_if_that_is_asked_for(gap: float, around: int) -> None:
     table = slab("table", (0.0, 0.0, 0.0), (0.05, 0.3, 0.3))
     go = ride(Scene("s", (table,), (hand(),), start=at(rest((hand(),)), (-0.3, 0.0, 0.0))), around=around)
-    led = sum(go.frame(at(go.scene.first_sample, (0.025 + 0.05 + gap, 0.0, 0.0))).counts["following"] for _ in range(90))
+    led = sum(go.frame(at(go.scene.first_sample, (0.025 + 0.05 + gap, 0.0, 0.0))).counts["following"] for _ in range(240))
     assert (led > 0) == (around == 2) and (go.record.shown.positions[1, 0] > 0.0) == (led > 0)
 
 

@@ -90,7 +90,7 @@ def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> N
     scene = walled_hinged()
     limits = [(h.lower, h.upper) for link in scene.links if isinstance(link.joint, Hinges) for h in link.joint.hinges]
     low, high = np.array(limits).T
-    go, start = ride(scene, plan_work=0), scene.first_sample
+    go, start = ride(scene, around=0), scene.first_sample
     wanted = np.clip(start.angles + 0.3 * np.clip(np.random.default_rng(1).normal(size=len(low)), -1.0, 1.0), low, high)
     for k in range(240):
         share = min(1.0, k / 120)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from avatarsim.coupling.spring import coupled
+from avatarsim.settings import CouplingSettings
 
 SPRING, DAMPING = CouplingSettings()
 """K [N/m] that the authors found to work well, and R [N s/m] that goes with it: critical for 0.4 kg."""

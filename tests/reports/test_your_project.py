@@ -78,7 +78,8 @@ def test_rates_are_those_measured_and_settings_that_are_per_frame_are_named(run_
     said = fact(made(run_dir, row("maze", OURS, "tracker_offset_rms", 0.1, "m")), "Other frame rates")
     assert "1 at 90 Hz" in said and all(f"{name} {getattr(PostureSettings(), name)}" in said for name in PER_FRAME)
     # all others have a unit, in which no frame occurs
-    assert {name for name, text in meanings(PostureSettings).items() if "per frame" in text or "a frame" in text} == set(PER_FRAME)
+    said_so = {name for name, text in meanings(PostureSettings).items() if "per frame" in text or "a frame" in text}
+    assert said_so == set(PER_FRAME)
 
 
 def test_sizes_carry_a_time_of_this_run_or_none(run_dir: Write) -> None:
