@@ -23,8 +23,7 @@ FOLLOWS_WHEN_FREE = Bound(
 
 NO_LEAP = Bound(
     "pose_jump_max", 15.0,
-    "a limb that catches up is seen to turn and not to be elsewhere: at 60 Hz 15 degrees are 16 rad/s beyond the user's own turn, "
-    "as fast as a person's elbow",
+    "a limb that catches up is seen to turn and not to be elsewhere: at 60 Hz 15 degrees are 16 rad/s beyond the user's own turn",
 )
 NO_LEAP_OF_THE_ROOT = Bound(
     "root_jump_max", 0.1,

@@ -266,7 +266,7 @@ FORGED = [-(2**63), -(10**12), -2, -1, 0, 1, 5, 63, 10**6, 2**40, 2**63 - 1, 0x7
 """Words that are laid in: far too small and too large, nearly right, and the bits of infinity and of what is no number."""
 
 
-@pytest.mark.parametrize("name", ["a heap", "a path", "a heap, method paper", "thrown about, method ik"])
+@pytest.mark.parametrize("name", ["a heap", "a path", "a heap, method paper", "thrown about"])
 def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
     """A checksum keeps no forger out. Whatever number stands in a state, no kernel leaves its memory."""
     case = cases()[name]

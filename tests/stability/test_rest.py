@@ -1,6 +1,6 @@
 """At a tracker that rests, wherever it rests, nothing moves more than a millimetre per frame after two seconds.
 
-What goes along a way out of a trap is another thing: its frames say `led`, and it ends.
+What goes along a way out of a trap is another thing: its frames say `following`, and it ends.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ def moved(name: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
         record = engine.advance(replace(last, time=last.time + (k + 1) * DT), DT)
         here = record.shown.positions[first:].copy()
         ways.append(float(np.linalg.norm(here - before, axis=1).max()))
-        led.append(record.counts["led"] > 0)
+        led.append(record.counts["following"] > 0)
         before = here
     return np.array(ways), np.array(led)
 
