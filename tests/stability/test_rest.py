@@ -1,4 +1,6 @@
-"""At a tracker that rests, wherever it rests, nothing moves more than a millimetre per frame after two seconds.
+"""At a tracker that rests, wherever it rests, nothing moves more than a millimetre per frame after six seconds.
+
+Until then the catch-up speeds fall with the low-passed speed of the target, and limbs that hold each other may go to and fro.
 
 What goes along a way out of a trap is another thing: its frames say `following`, and it ends.
 """
@@ -15,7 +17,7 @@ from tests.stability.hostile import DT, TRIALS, hostile_motion
 
 AWAY, HOME = 60, 30
 """Frames of a hostile stretch and of the rest at home after it."""
-STILL, LATER = 120, 200
+STILL, LATER = 360, 120
 """Frames at rest after which nothing may move, and for which it is then watched."""
 
 
