@@ -43,8 +43,8 @@ RETURN_SEEDS = range(1, 501)
 
 @dataclass
 class Return:
-    """One return: where it was, after which kind of motion, frames until home (None: not within PATIENCE), whether one of SAID was
-    said."""
+    """One return: where it was, after which kind of motion, frames until home (None: not within PATIENCE), whether one of SAID
+    was said."""
 
     where: int
     kind: str
