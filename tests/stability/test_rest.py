@@ -1,4 +1,4 @@
-"""At a tracker that rests, wherever it rests, nothing moves more than a millimetre per frame after six seconds.
+"""At a tracker that rests, wherever it rests, nothing moves more than a millimetre per frame after seven seconds.
 
 Until then the catch-up speeds fall with the low-passed speed of the target, and limbs that hold each other may go to and fro.
 
@@ -17,7 +17,7 @@ from tests.stability.hostile import DT, TRIALS, hostile_motion
 
 AWAY, HOME = 60, 30
 """Frames of a hostile stretch and of the rest at home after it."""
-STILL, LATER = 360, 120
+STILL, LATER = 430, 60
 """Frames at rest after which nothing may move, and for which it is then watched."""
 
 
