@@ -1,7 +1,7 @@
 """The hard cases under changes that should not matter, from what `scenarios.stability` left in the run: lines, charts, words."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -12,6 +12,7 @@ from reports.wording import count, listed, quantity
 
 ROWS, LONG, SLICE = "stability.csv", "long", "slice"
 COMMAND = "make stability"
+LARGEST = "end moved, most"
 OURS = "avatarsim/default"
 SURVIVED, BAD, UNASKED = "survived", "not a number", ("cannot say", "not measured")
 SLACK = 1.05
@@ -45,30 +46,42 @@ class Figure:
     unit: str
     seen: float
     of: Callable[[tuple[Trial, ...]], float]
+    each: Callable[[Trial], float] | None = None
+    """The value of one trial; None for a share of trials."""
+
+    def worst(self, trials: Sequence[Trial]) -> str:
+        """The case of the largest value; "" for a share, or without a number."""
+        known = [(self.each(trial), trial.case) for trial in trials] if self.each else []
+        return max(((value, case) for value, case in known if value == value), default=(0.0, ""))[1]
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """An engine that is better than ours in one figure over `trials` trials that both have, which are of `cases` cases; `case`
+    is that of our largest value, "" for what has none."""
+
+    run: str
+    theirs: float
+    ours: float
+    trials: int
+    cases: int
+    case: str
 
 
 @dataclass(frozen=True)
 class Line:
-    """One figure under one kind of change: a value per engine and preset, and whether another engine's is better than ours.
-    `asked`: whether ours was, which a change of the solver's step cannot be."""
+    """One figure under one kind of change: a value per engine and preset over all its trials, and those ahead of ours over the
+    trials that both have: with a change that ours cannot be asked, as of the solver's step, there are none."""
 
     kind: str
     figure: Figure
     values: Mapping[str, float]
-    asked: bool = True
-
-    @property
-    def best(self) -> float:
-        """The least of all others; nan without others."""
-        return min((v for run, v in self.values.items() if not run.startswith("avatarsim/") and v == v), default=math.nan)
+    ahead: tuple["Ahead", ...] = ()
 
     @property
     def lost(self) -> bool:
-        """Whether ours is worse than another engine's by more than rounding; a figure that ours has not is lost as well."""
-        ours = self.values.get(OURS, math.nan)
-        if math.isnan(self.best) or not self.asked:
-            return False
-        return not ours <= max(SLACK * self.best, self.figure.seen)
+        """Whether another engine is ahead of ours."""
+        return bool(self.ahead)
 
 
 @dataclass(frozen=True)
@@ -107,6 +120,12 @@ class Stability:
         kinds = [kind for kind in self.kinds if self.asked(OURS, kind)] or self.kinds
         return tuple(trial for kind in kinds for trial in self.asked(run, kind))
 
+    def common(self, run: str) -> tuple[tuple[Trial, Trial], ...]:
+        """Trials of ours, each with that of another engine in the same case under the same change, where both say anything."""
+        theirs = {(t.case, t.kind, t.level): t for t in self.trials if t.run == run and t.state not in UNASKED}
+        own = (t for t in self.trials if t.run == OURS and t.state not in UNASKED)
+        return tuple((t, other) for t in own if (other := theirs.get((t.case, t.kind, t.level))) is not None)
+
     def asked(self, run: str, kind: str) -> tuple[Trial, ...]:
         """The trials of one engine under one kind of change that say anything."""
         return tuple(t for t in self.trials if t.run == run and t.kind == kind and t.state not in UNASKED)
@@ -138,20 +157,44 @@ def _known(values: list[float], chosen: Callable[[list[float]], float]) -> float
     return chosen(real) if real else math.nan
 
 
+def _of(name: str, unit: str, seen: float, each: Callable[[Trial], float], chosen: Callable[[list[float]], float]) -> Figure:
+    return Figure(name, unit, seen, lambda t: _known([each(x) for x in t], chosen), each)
+
+
 FIGURES = (
     Figure("trials lost", "%", 0.0, _share),
     Figure("not a number", "%", 0.0, lambda t: 100.0 * sum(x.state == BAD for x in t) / len(t) if t else math.nan),
-    Figure("deepest overlap", "m", 1e-6, lambda t: _known([x.overlap for x in t], max)),
-    Figure("largest gain of energy", "J", 1e-9, lambda t: _known([x.energy for x in t], max)),
-    Figure("end moved, median", "m", 1e-6, lambda t: _known([x.moved for x in t], median)),
-    Figure("end moved, most", "m", 1e-6, lambda t: _known([x.moved for x in t], max)),
+    _of("deepest overlap", "m", 1e-6, lambda t: t.overlap, max),
+    _of("largest gain of energy", "J", 1e-9, lambda t: t.energy, max),
+    _of("end moved, median", "m", 1e-6, lambda t: t.moved, median),
+    _of("end moved, most", "m", 1e-6, lambda t: t.moved, max),
 )
+
+
+def ahead(found: Stability, figure: Figure, kind: str = "") -> tuple[Ahead, ...]:
+    """Engines that are better than ours in a figure over the trials that both have, under one kind of change or, without one,
+    under all; the best first. A trial in which theirs has no number is no part of it; one in which ours has none is."""
+    made = []
+    for run in found.runs:
+        if run.startswith("avatarsim/"):
+            continue
+        pairs = [(own, other) for own, other in found.common(run) if not kind or own.kind == kind]
+        if figure.name.startswith("end moved"):
+            # the plain end is what the others are held against, and no part of the spread
+            pairs = [pair for pair in pairs if pair[0].kind != "plain"]
+        if figure.each is not None:
+            pairs = [pair for pair in pairs if not math.isnan(figure.each(pair[1]))]
+        ours, theirs = (figure.of(trials) for trials in (tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)))
+        if not math.isnan(theirs) and not ours <= max(SLACK * theirs, figure.seen):
+            own = [pair[0] for pair in pairs]
+            made.append(Ahead(run, theirs, ours, len(own), len({trial.case for trial in own}), figure.worst(own)))
+    return tuple(sorted(made, key=lambda one: (-one.trials, one.theirs)))
 
 
 def table(found: Stability) -> tuple[Line, ...]:
     """A line per kind of change and figure, those that ours loses first."""
     made = [
-        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs}, bool(found.asked(OURS, kind)))
+        Line(kind, figure, {run: figure.of(found.asked(run, kind)) for run in found.runs}, ahead(found, figure, kind))
         for kind in found.kinds for figure in FIGURES
     ]
     # the plain trial is where it is by definition, and a line without a number says nothing
@@ -172,22 +215,27 @@ def spread(found: Stability, run: str) -> str:
 @dataclass(frozen=True)
 class Standing:
     """One engine and preset over all its trials: how many it had and got through, and a figure per name in TOLD; `simulated` [m]
-    is its deepest overlap in the world as it was simulated, which the promise is about."""
+    is its deepest overlap in the world as it was simulated, which the promise is about; `cases` are those it was tried in."""
 
     run: str
     tried: int
     survived: int
     values: Mapping[str, float]
     simulated: float
+    cases: int = 0
+
+    def told(self, cases: int) -> str:
+        """"14 of 14 (2 of 9 cases)"; the cases are left out where it has all `cases` of ours."""
+        return f"{self.survived} of {self.tried}{f' ({self.cases} of {cases} cases)' if self.cases < cases else ''}"
 
 
-TOLD = ("deepest overlap", "largest gain of energy", "end moved, median", "end moved, most")
+TOLD = ("deepest overlap", "largest gain of energy", "end moved, median", LARGEST)
 """Figures of the short table, after the count of trials."""
 BETTER = {
-    "trials lost": "loses fewer trials", "deepest overlap": "overlaps less", "largest gain of energy": "gains less energy",
-    "end moved, median": "spreads less in the median", "end moved, most": "spreads less at most",
+    "trials lost": "fewer trials lost", "deepest overlap": "less overlap", "largest gain of energy": "less gain of energy",
+    "end moved, median": "less spread in the median", LARGEST: "less spread at most",
 }
-"""What the engine that is ahead of ours in a figure does."""
+"""What the engines that are ahead of ours in a figure have."""
 
 
 def standings(found: Stability) -> tuple[Standing, ...]:
@@ -200,20 +248,56 @@ def standings(found: Stability) -> tuple[Standing, ...]:
             changed = tuple(trial for trial in own if trial.kind != "plain")
             values = {f.name: f.of(changed if f.name.startswith("end moved") else own) for f in FIGURES}
             deepest = _known([trial.overlap * trial.scale for trial in own], max)
-            made.append(Standing(run, len(own), sum(trial.state == SURVIVED for trial in own), values, deepest))
+            made.append(Standing(run, len(own), sum(trial.state == SURVIVED for trial in own), values, deepest,
+                                 len({trial.case for trial in own})))
     return tuple(made)
 
 
 def behind(found: Stability) -> tuple[str, ...]:
-    """Where another engine stands better than ours over all trials: figure by figure, by the best of them."""
-    standing = {line.run: line for line in standings(found)}
+    """Which engines stand better than ours, figure by figure, each over the trials that it and ours have."""
+    return tuple(f"{BETTER[figure.name]} by {_each(found, figure, better)}"
+                 for figure in FIGURES if figure.name in BETTER and (better := ahead(found, figure)))
+
+
+def behind_by_kind(found: Stability) -> tuple[str, ...]:
+    """The same under one kind of change at a time, without what is already said of all changes together."""
     said = []
-    for figure in FIGURES:
-        line = Line("all", figure, {run: own.values[figure.name] for run, own in standing.items()})
-        if figure.name in BETTER and OURS in standing and line.lost:
-            best = next(run for run, value in line.values.items() if not run.startswith("avatarsim/") and value == line.best)
-            said.append(f"{best} {BETTER[figure.name]} ({cell(line, best)} against {cell(line, OURS)})")
+    for figure in (figure for figure in FIGURES if figure.name in BETTER):
+        over_all = {(one.run, one.theirs, one.ours) for one in ahead(found, figure)}
+        for kind in found.kinds:
+            better = [one for one in ahead(found, figure, kind) if (one.run, one.theirs, one.ours) not in over_all]
+            if better:
+                said.append(f"{kind}: {BETTER[figure.name]} by {_each(found, figure, better)}")
     return tuple(said)
+
+
+def _each(found: Stability, figure: Figure, better: Sequence[Ahead]) -> str:
+    return listed(tuple(_beside(found, figure, one) for one in better), len(better))
+
+
+def _beside(found: Stability, figure: Figure, one: Ahead) -> str:
+    """"mujoco/tuned (69.5 mm against 248 mm in painleve)", and of how many cases where it has not all of ours."""
+    unit, cases = figure.unit, len({trial.case for trial in found.all_of(OURS)})
+    few = f", over the {one.cases} of {cases} cases that it has" if one.cases < cases else ""
+    ours = quantity(None if math.isnan(one.ours) else one.ours, unit)
+    where = f" in {one.case}" if one.case and figure.name != "end moved, median" else ""
+    return f"{one.run} ({quantity(one.theirs, unit)} against {ours}{where}{few})"
+
+
+def step_said(found: Stability) -> str:
+    """What the other engines have under changes that ours cannot be asked, so that the short table leaves them out."""
+    only = [kind for kind in found.kinds if not found.asked(OURS, kind) and any(found.asked(run, kind) for run in found.runs)]
+    if not only or not any(found.asked(OURS, kind) for kind in found.kinds):
+        return ""
+    overlap, moved = (next(figure for figure in FIGURES if figure.name == name) for name in ("deepest overlap", LARGEST))
+    said = []
+    for run in found.runs:
+        own = tuple(trial for kind in only for trial in found.asked(run, kind))
+        if own:
+            figures = (f"{word} {quantity(None if math.isnan(value) else value, 'm')}"
+                       for word, value in (("overlap", overlap.of(own)), ("spread", moved.of(own))))
+            said.append(f"{run} {sum(trial.state == SURVIVED for trial in own)} of {len(own)}, {', '.join(figures)}")
+    return f"Not in the table, since ours cannot be asked, is {listed(tuple(only))} (survived, worst figures): {'; '.join(said)}."
 
 
 def answer(found: Stability) -> str:
@@ -225,11 +309,14 @@ def answer(found: Stability) -> str:
     ends = "none of them with a value that is no number" if not bad else f"{bad} of them with a value that is no number"
     energy = _told(own, "largest gain of energy", "J")
     word = "Hard cases stay stable" if own.survived == own.tried else "Hard cases do not all stay stable"
+    moved = next(figure for figure in FIGURES if figure.name == LARGEST)
+    where = moved.worst([trial for trial in found.all_of(OURS) if trial.kind != "plain"])
     return (
         f"{word}: {OURS} gets through {own.survived} of {count(own.tried, 'trial')}, {ends}, overlaps by at most "
         f"{quantity(None if math.isnan(own.simulated) else own.simulated, 'm')} as simulated "
         f"({_told(own, 'deepest overlap', 'm')} at size 1) and gains at most {energy} in a frame; a change moves its end by "
-        f"{_told(own, 'end moved, median', 'm')} in the median, {_told(own, 'end moved, most', 'm')} at most."
+        f"{_told(own, 'end moved, median', 'm')} in the median, {_told(own, LARGEST, 'm')} at "
+        f"most{f' ({where})' if where else ''}."
     )
 
 
@@ -279,11 +366,13 @@ def _told(line: Standing, name: str, unit: str) -> str:
 def conclusion(found: Stability) -> str:
     """What to conclude, losses first."""
     lost = behind(found)
-    first = f"Another engine stands better than ours: {'; '.join(lost)}." if lost else \
-        "No other engine stands better than ours in any of these figures."
+    first = f"On the same trials another engine stands better than ours: {'; '.join(lost)}." if lost else \
+        "On the same trials no other engine stands better than ours in any of these figures."
+    by_kind = behind_by_kind(found)
+    kinds = f" Under one kind of change at a time, in {len(by_kind)} figures more (By kind of change, below)." if by_kind else ""
     chaos = spread(found, OURS)
     then = f" A start that is off moves its end, in the median, from {chaos}." if chaos else ""
-    return f"{first} {answer(found)}{then}"
+    return f"{first}{kinds} {answer(found)}{then}"
 
 
 def tried(found: Stability) -> str:
@@ -308,6 +397,8 @@ def section(found: Stability) -> dict[str, object]:
         "stability_lines": made, "stability_cell": cell, "stability_conclusion": conclusion(found),
         "stability_standings": standings(found), "stability_told": [(name, units[name]) for name in TOLD],
         "stability_figure": _told, "stability_tried": tried(found), "stability_slice": found.is_slice,
+        "stability_by_kind": behind_by_kind(found), "stability_step": step_said(found),
+        "stability_cases": len({trial.case for trial in found.all_of(OURS)}),
         "stability_lost": lost_trials(found), "stability_little": little_said(found),
         "stability_panels": panels(values, found.runs, found.kinds, units),
     }

@@ -57,7 +57,8 @@ def test_rows_that_are_lost_come_first(tmp_path: Path) -> None:
 
 def test_the_conclusion_begins_with_what_is_lost(tmp_path: Path) -> None:
     said = stability.conclusion(found(tmp_path))
-    assert said.startswith("Another engine stands better than ours: mujoco/tuned loses fewer trials (0 % against 20.0 %). Hard")
+    assert said.startswith("On the same trials another engine stands better than ours: "
+                           "fewer trials lost by mujoco/tuned (0 % ")
     assert "Hard cases do not all stay stable: avatarsim/default gets through 4 of 5 trials, 1 of them with a value" in said
     assert "from 1.00 nm to 20.0 µm, 100 nm to 40.0 µm." in said
 
@@ -65,7 +66,8 @@ def test_the_conclusion_begins_with_what_is_lost(tmp_path: Path) -> None:
 def test_without_a_loss_it_says_so_and_answers(tmp_path: Path) -> None:
     text = HEAD + row("avatarsim/default", "plain", moved="0") + row("mujoco/tuned", "plain", overlap="0.003", moved="0")
     said = stability.conclusion(found(tmp_path, text))
-    assert said.startswith("No other engine stands better than ours in any of these figures. Hard cases stay stable: ")
+    assert said.startswith("On the same trials no other engine stands better than ours in any of these figures. "
+                           "Hard cases stay stable: ")
     assert "gets through 1 of 1 trial, none of them with a value that is no number" in said
     assert "overlaps by at most 100 nm as simulated (100 nm at size 1)" in said
     small = found(tmp_path, text.replace(",1,0,survived,36,1e-7", ",0.01,0,survived,36,1e-5"))
@@ -141,3 +143,34 @@ def test_what_ours_cannot_be_asked_is_no_loss_and_counts_for_none(tmp_path: Path
     made = found(tmp_path, ROWS + step)
     assert not any(line.lost for line in stability.table(made) if line.kind == "solver step")
     assert {line.run: line.tried for line in stability.standings(made)} == {"avatarsim/default": 5, "mujoco/tuned": 3}
+    assert stability.step_said(made).startswith("Not in the table, since ours cannot be asked, is solver step (survived, worst "
+                                                "figures): mujoco/tuned 0 of 1, overlap 100 nm, spread 1.00 mm")
+
+
+def trial(case: str, run: str, kind: str, level: str, moved: float) -> str:
+    return f"{case},{run},{kind},{level},0,0,0,0.0166667,1,0,survived,36,1e-7,0,0,{moved},0.2,,slice\n"
+
+
+MOVED = {
+    ("painleve", "together"): {"avatarsim/default": 0.248, "mujoco/tuned": 0.07, "mujoco/default": 0.087},
+    ("stack_ten", "together"): {
+        "avatarsim/default": 3e-4, "mujoco/tuned": 0.01, "mujoco/sleeping": 0.0226, "mujoco/default": 0.01},
+    ("stack_ten", "start"): {"avatarsim/default": 3e-4, "mujoco/sleeping": 1e-4},
+}
+COMMON = HEAD + "".join(
+    trial(case, run, kind, "x", moved) for (case, kind), runs in MOVED.items() for run, moved in runs.items())
+
+
+def test_engines_are_compared_over_the_trials_that_both_have_and_all_that_are_ahead_are_named(tmp_path: Path) -> None:
+    made = found(tmp_path, COMMON)
+    assert stability.behind(made)[-1:] == (
+        "less spread at most by mujoco/tuned (70.0 mm against 248 mm in painleve), "
+        "mujoco/default (87.0 mm against 248 mm in painleve)",), "sleeping has no trial of painleve and is worse in its own"
+    assert stability.behind_by_kind(made)[-1:] == (
+        "start: less spread at most by mujoco/sleeping (100 µm against 300 µm in stack_ten, over the 1 of 2 cases that it has)",)
+    assert "248 mm at most (painleve)." in stability.answer(made)
+
+
+def test_cases_that_an_engine_was_not_tried_in_stand_beside_its_count(tmp_path: Path) -> None:
+    told = {line.run: line.told(2) for line in stability.standings(found(tmp_path, COMMON))}
+    assert told["mujoco/sleeping"] == "2 of 2 (1 of 2 cases)" and told["mujoco/tuned"] == "2 of 2"
