@@ -4,6 +4,7 @@ iterations and frame time of every engine, side by side."""
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -133,8 +134,10 @@ def conclusion(key: str, lines: Sequence[Course]) -> str:
 def over_all(courses: CourseCharts, ours: str) -> str:
     """What the charts of overlap of all scenes together let a reader conclude about our run."""
     reached = [chart for charts in courses.values() for chart in charts if chart["key"] == "overlap"]
-    lowest = sum(str(chart["concludes"]).startswith((f"Lowest peak: {ours},", "All reach")) for chart in reached)
-    return f"In {lowest} of {len(reached)} scenes nobody's overlap peaks lower than that of {ours}."
+    # scenes that ours refuses have no line of it
+    has_ours = [chart for chart in reached if any(line["run"] == ours for line in cast(list[dict[str, object]], chart["lines"]))]
+    lowest = sum(str(chart["concludes"]).startswith((f"Lowest peak: {ours},", "All reach")) for chart in has_ours)
+    return f"In {lowest} of {len(has_ours)} scenes that {ours} runs, no line of overlap peaks lower than its own."
 
 
 def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> list[dict[str, object]]:
@@ -152,7 +155,7 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> li
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
             "shows": measure.shows, "concludes": conclusion(measure.key, lines), "text": sentence(measure.key, lines),
             "lines": [
-                {"run": line.run, "first": line.first * dt, "step": float(np.diff(frames).mean()) * dt if len(frames) > 1 else dt,
+                {"run": line.run, "first": line.first * dt, "times": packed.reals(dt * (line.first + frames)),
                  "values": packed.text(packed.codes(_scaled(values, log, low), (_scaled(np.array([low]), log, low)[0],
                                                                                _scaled(np.array([high]), log, low)[0])))}
                 for line, frames, values in points

@@ -1,5 +1,7 @@
 """Lines over time: what is said is what the numbers say, and what is drawn comes back."""
 
+import base64
+
 import numpy as np
 import pytest
 
@@ -17,7 +19,7 @@ def test_a_line_of_overlap_comes_back_in_decades() -> None:
     [line] = chart["lines"]  # type: ignore[misc]
     found = 10.0 ** unpacked(line["values"], (-9.0, 0.0))
     assert found[[0, 1, 2, 4]] == pytest.approx([1e-9, 1e-3, 2e-2, 1e-7], rel=1e-3) and np.isnan(found[3])
-    assert (line["first"], line["step"]) == (0.0, 0.5)
+    assert moments(line["times"]) == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
 
 
 def test_frame_times_begin_with_the_first_frame_not_the_first_state() -> None:
@@ -32,7 +34,24 @@ def test_spikes_survive_fewer_points() -> None:
     [chart] = charts({"overlap": [Course("a/default", 0, values)]}, 0.01, 50)
     [line] = chart["lines"]  # type: ignore[misc]
     found = unpacked(line["values"], (-9.0, 0.0))
-    assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3) and line["step"] == pytest.approx(0.2)
+    assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3)
+
+
+@pytest.mark.parametrize("frames", [601, 999, 450])
+def test_points_stand_at_the_first_frame_of_their_groups(frames: int) -> None:
+    """Groups that do not come out even are longer at first: evenly spaced, points would stand too late."""
+    [chart] = charts({"overlap": [Course("a/default", 2, np.linspace(0.0, 0.5, frames))]}, 0.01, 400)
+    [line] = chart["lines"]  # type: ignore[misc]
+    whole = np.linspace(0.0, 0.5, frames)
+    found, at = 10.0 ** unpacked(line["values"], (-9.0, 0.0)), moments(line["times"])
+    begins = np.rint(at / 0.01).astype(int) - 2
+    ends = np.append(begins[1:], frames)
+    assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], rel=1e-3)
+
+
+def moments(text: str) -> np.ndarray:
+    """Times that a page holds."""
+    return np.frombuffer(base64.b64decode(text), dtype="<f4").astype(np.float64)
 
 
 def test_who_rises_above_its_energy_is_named() -> None:
@@ -52,5 +71,7 @@ def test_gaps_and_nothing_finite_are_said() -> None:
 def test_over_all_scenes() -> None:
     low, high = Course("a/default", 0, np.zeros(4)), Course("b/default", 0, np.full(4, 1e-3))
     both = {"one": charts({"overlap": [low, high]}, 1.0, 9), "two": charts({"overlap": [high, low]}, 1.0, 9)}
-    assert over_all(both, "a/default") == "In 2 of 2 scenes nobody's overlap peaks lower than that of a/default."
+    assert over_all(both, "a/default") == "In 2 of 2 scenes that a/default runs, no line of overlap peaks lower than its own."
+    both["refused"] = charts({"overlap": [high]}, 1.0, 9)
+    assert over_all(both, "a/default").startswith("In 2 of 2 scenes")
     assert over_all(both, "b/default").startswith("In 0 of 2")
