@@ -4,7 +4,7 @@ from avatarsim.kernel import kernel
 
 LEAST_SHARE = 0.25
 """[stand-offs] gap that is accepted. Between it and the stand-off there is room for the curvature of a step and for the solver's
-error: with a half, a fifth more rounds of corrections; it may not be 1."""
+error; it may not be 1. The share is that of the settings which it replaces, and was not tuned anew."""
 
 WEDGED_SHARE = 0.01
 """[stand-offs] gap to which a pair may go that is squeezed from two sides; 0 would let a wedged link never move again."""

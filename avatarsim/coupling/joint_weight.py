@@ -10,8 +10,7 @@ from avatarsim.world.skeleton import FREE, Skeleton
 Array = NDArray[np.float64]
 
 LEAST = 3.0
-"""[median weights] least weight of a joint: wrists and feet, which move little else, would give way by half a turn for a
-millimetre."""
+"""[median weights] least weight of a joint: without it nearly free joints, wrists and feet, spin to gain a millimetre."""
 
 ROOT = 3.0
 """How much more a root weighs than what it moves: a body that a hand could yield for stands still."""

@@ -117,7 +117,7 @@ def is_worth_it(
     shown: Posture, value: float, plan: Plan, ghost_out: Ghost,
 ) -> bool:
     """Whether a path costs no more than waiting has cost already: the objective beyond the shown posture's, summed over the time
-    that the path takes, against the shown posture's times the time for which it has been stalled.
+    that the path takes, against the shown postures' summed over the time for which the avatar has been stalled.
 
     Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
     is begun has cost twice the waiting at most."""

@@ -30,7 +30,7 @@ ARRIVED = 0.01
 PROMPT = 30
 """Frames (0.5 s) within which SOON of the returns shall end."""
 SOON = 0.8
-"""Joints catch up with 12.5 rad/s and roots with 5 m/s: from where hostile motion leads, a tenth of the ways take longer."""
+"""Joints catch up with 12.5 rad/s and roots with 5 m/s: of 133 returns of each avatar 10 to 17 % took longer."""
 PATIENCE = 90
 """Frames (1.5 s) within which a return shall end, or its frame records say that the avatar waits or is led."""
 SAID = ("waiting", "planning", "following")
