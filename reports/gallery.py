@@ -64,11 +64,11 @@ def cards(results: Results, shown: Sequence[Block], verdict: Verdict, pictures: 
 
 
 def _lost(one: Behind, scale: float) -> str:
-    """"jump of a link ...: 473 mm, best other 89.1 mm (mujoco/tuned)", both as the scene shows them."""
+    """"jump of a link ... 473 mm, best other 89.1 mm (mujoco/tuned)", both as the scene shows them."""
     unit, metric = one.row.unit, one.row.metric
     run, best = one.rivals[0]
     more = f" and {len(one.rivals) - 1} more" if len(one.rivals) > 1 else ""
-    return f"{words(metric)}: {quantity(at_size(one.value, unit, scale), unit)}, best other " \
+    return f"{words(metric)} {quantity(at_size(one.value, unit, scale), unit)}, best other " \
            f"{quantity(at_size(best, unit, scale), unit)} ({run}{more})"
 
 

@@ -62,8 +62,8 @@ def test_every_scene_of_a_family_says_its_own_losses_what_is_seen_first(run_dir:
     told = found["cards"]
     assert isinstance(told, dict)
     assert [told[name].behind[0] for name in ("arm_wall", "hand_over_table")] == [
-        "jump of a link in a frame beyond its target's: 174 mm, best other 50.0 mm (mujoco/tuned)",
-        "jump of a link in a frame beyond its target's: 473 mm, best other 50.0 mm (mujoco/tuned)",
+        "jump of a link in a frame beyond its target's 174 mm, best other 50.0 mm (mujoco/tuned)",
+        "jump of a link in a frame beyond its target's 473 mm, best other 50.0 mm (mujoco/tuned)",
     ]
     assert all(told[name].behind[-1].startswith("roughness of motion") for name in ("arm_wall", "hand_over_table"))
     assert "in 3 of them another engine is better" in str(found["sentence"])
