@@ -18,8 +18,8 @@ TERMS = (
      "its user does."),
     ("waiting", "An avatar is held off its user by more than 5 cm and has come no nearer for stall_time, and no path around "
      "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it."),
-    ("leap", "A user who is elsewhere from one frame to the next, such as after a teleport. The way is followed in that frame as "
-     "far as it is free; what is in between is then planned around."),
+    ("leap", "A target that is elsewhere from one frame to the next, such as after a teleport. Its way is followed in that "
+     "frame as far as it is free; what is in between is then planned around."),
     ("roughness of motion", "95th percentile of the third differences of link places, shown over target; 1 is as smooth as the "
      "user."),
     ("frames far from a free user without a status", "The target has been free for half a second, a link is more than 10 cm off, "

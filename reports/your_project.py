@@ -51,7 +51,7 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
                "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
-        Answer("A user who leaps (teleports)", YES, leaps()),
+        Answer("A target that leaps (teleports)", YES, leaps()),
         Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {budget()}"),
         Answer("Other frame rates than 60 Hz", PARTLY, rates(results)),
         Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
@@ -90,15 +90,15 @@ def walls(results: Results, ours: str) -> str:
     return (
         "The avatar stays on its side and slides along the wall; with joints it is led around where a path is found, a hand "
         "without joints is not (around: 2 leads it too). Where there is none it waits, which the status says. In this run: "
-        f"{seen or 'no frame'}. To be shown at the user all the same, through the wall, call reset with the user's posture."
+        f"{seen or 'no frame'}. Nothing shows it at the user's place through the wall: reset begins the whole scene again there."
     )
 
 
 def leaps() -> str:
     """How leaps are followed."""
-    return ("In the frame of the leap, as far as the straight way is free; what is in between is planned around, at "
-            f"{quantity(PostureSettings().catch_up_move, 'm/s')} at most. A teleport that is meant to cross walls is a reset of "
-            "the engine to the posture there.")
+    return ("In the frame of the leap, as far as the straight way is free; avatars with joints are then led around what is in "
+            f"between, at {quantity(PostureSettings().catch_up_move, 'm/s')} at most. To cross walls there is reset, which "
+            "begins the whole scene again, loose bodies too.")
 
 
 def slowest(results: Results, ours: str) -> str:

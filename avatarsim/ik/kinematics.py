@@ -2,10 +2,10 @@
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.kernel import kernel
-from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
+from avatarsim.spatial.tangent import columns, step_between
 from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 from avatarsim.world.geometry import Array, Geometry, Poses, place
-from avatarsim.world.kinematics import carry_links
+from avatarsim.world.kinematics import carry_links, displace_links
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
@@ -38,19 +38,13 @@ def try_step(
 
 @kernel
 def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, posture_out: Posture) -> None:
-    """Make posture + step the posture: rotations straightened, or they would drift; hinges within their limits to the bit."""
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        d, kind = skel.first_dof[link], skel.kind[link]
-        if kind == FREE:
-            for k in range(3):
-                posture_out.root[link, k] += step[d + k]
-            d += 3
-        if kind == FREE or kind == BALL:
-            frame = stepped(columns(posture_out.turn, link), (step[d], step[d + 1], step[d + 2]))
-            put_columns(posture_out.turn, link, straightened(frame))
-        elif kind == HINGES:
-            for j in range(d, skel.first_dof[link + 1]):
-                posture_out.angle[j] = min(max(posture_out.angle[j] + step[j], skel.limits[j, 0]), skel.limits[j, 1])
+    """Make posture + step the posture; hinges end within their limits, to the bit."""
+    first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
+    displace_links(skel, first, end, posture_out, step)
+    for link in range(first, end):
+        if skel.kind[link] == HINGES:
+            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+                posture_out.angle[j] = min(max(posture_out.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
 
 
 @kernel

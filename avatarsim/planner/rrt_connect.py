@@ -26,7 +26,7 @@ from avatarsim.planner.ghost import (
 from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
-from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
+from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Array, Geometry, Poses
@@ -41,8 +41,8 @@ GOAL_NODE = 1
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
-SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE, TOO_DEAR = range(7)
-"""What a slice of a search came to."""
+SEARCHING, FOUND, FAILED, NO_GOAL = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
+NOTHING_LEFT, STALE, TOO_DEAR = int(Outcome.NOTHING_LEFT), int(Outcome.STALE), int(Outcome.TOO_DEAR)
 
 
 @kernel

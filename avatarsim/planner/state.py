@@ -26,6 +26,25 @@ Half of them: searches in rooms with a door end for want of nodes."""
 NONE = -1
 
 
+class Outcome(IntEnum):
+    """What a slice of a search came to."""
+
+    SEARCHING = 0
+    """Its work is spent; it goes on in the next frame."""
+    FOUND = 1
+    """There is a path, and it is worth following."""
+    FAILED = 2
+    """Samples or nodes are used up."""
+    NO_GOAL = 3
+    """No posture near the target's is free and near enough."""
+    NOTHING_LEFT = 4
+    """No shortcut is left to try."""
+    STALE = 5
+    """The avatar is no longer where the search began."""
+    TOO_DEAR = 6
+    """The path costs more than waiting has cost so far."""
+
+
 class Phase(IntEnum):
     """What a search does next."""
 

@@ -12,13 +12,16 @@ from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars,
 from avatarsim.kernel import kernel
 from avatarsim.planner.follow_path import is_near
 from avatarsim.planner.ghost import put_ghost_at
-from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, TOO_DEAR, begin_search, search
-from avatarsim.planner.state import Ghost, Plan
+from avatarsim.planner.rrt_connect import begin_search, search
+from avatarsim.planner.state import Ghost, Outcome, Plan
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
+
+FOUND, FAILED, NO_GOAL = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
+STALE, TOO_DEAR = int(Outcome.STALE), int(Outcome.TOO_DEAR)
 
 LONGEST_REST = 4.0
 """[s] that an avatar rests at most between two searches in vain."""

@@ -73,8 +73,14 @@ def carry_links(
 
 @kernel
 def displace(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
-    """Make posture + step the posture, limits or not; rotations are straightened, or they would drift apart over the frames."""
-    for link in range(skel.kind.shape[0]):
+    """Make posture + step the posture, limits or not."""
+    displace_links(skel, 0, skel.kind.shape[0], posture_out, step)
+
+
+@kernel
+def displace_links(skel: Skeleton, first: int, end: int, posture_out: Posture, step: Rows) -> None:
+    """The same of links first .. end - 1; rotations are straightened, or they would drift apart over the frames."""
+    for link in range(first, end):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
             for k in range(3):

@@ -59,7 +59,7 @@ def test_frames_behind_walls_leaps_and_the_fall_of_what_is_grasped_are_those_of_
                  row("mug", "mujoco/tuned", "grasped_fall_end", 0.0, "m"))
     walls = fact(found, "A user who steps")
     assert "94 frames in maze, 7 frames in hall" in walls and "reset" in walls and "waits" in walls
-    assert "5.00 m/s" in fact(found, "A user who leaps") and "reset" in fact(found, "A user who leaps")
+    assert "5.00 m/s" in fact(found, "A target that leaps") and "reset" in fact(found, "A target that leaps")
     assert f"{OURS} 960 mm; mujoco/tuned 0" in fact(found, "Grabbing")
     assert "no frame" in fact(made(run_dir), "A user who steps") and ABSENT in fact(made(run_dir), "Grabbing")
 
