@@ -235,9 +235,9 @@ def scenes_sentence(verdict_: Verdict) -> str:
     """How the scenes add up, and what the gate counts beside them."""
     parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items())
     bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
-    within = f", {len(verdict_.ceiling)} of them within a ceiling only" if verdict_.ceiling else ""
+    above = f", {len(verdict_.ceiling)} above the bound and within a ceiling" if verdict_.ceiling else ""
     return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'bound')}: "
-            f"{len(verdict_.held) + len(verdict_.ceiling)} hold{within}, {len(verdict_.failed)} failed. A scene that expects a "
+            f"{len(verdict_.held)} hold{above}, {len(verdict_.failed)} failed. A scene that expects a "
             "refusal and got it counts as refused.")
 
 

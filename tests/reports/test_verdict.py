@@ -8,7 +8,7 @@ import pytest
 
 from reports.load import load
 from reports.metric_words import words
-from reports.verdict import loosest, losing_scenes, reading_order, verdict
+from reports.verdict import loosest, losing_scenes, reading_order, scenes_sentence, verdict
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -46,6 +46,8 @@ def test_a_ceiling_is_said_and_comes_before_any_comparison(run_dir: Write, resul
     found = verdict(load(run_dir(only(results, "hand_over_table"))))
     assert (found.word, found.exit_code) == ("held", 0)
     assert "1 above the bound but within a ceiling" in found.sentence
+    held = len(found.held)
+    assert f": {held} hold, 1 above the bound and within a ceiling, 0 failed" in scenes_sentence(found)
     assert [loss.kind for loss in found.losses] == ["above bound"]
     full = verdict(load(run_dir(results)))
     assert [loss.kind for loss in full.losses] == ["failed", "above bound", "behind"]
