@@ -9,12 +9,10 @@ from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import make_sweep_memory
 from avatarsim.errors import AvatarsimError, InvalidScene, StartOverlaps
 from avatarsim.spatial.tangent import columns
+from avatarsim.tolerances import NOTHING
 from avatarsim.world.limits import cone_excess, has_cone
 from avatarsim.world.skeleton import BALL, HINGES
 from avatarsim.world.world import World
-
-TOUCHING = 1e-9
-"""[m] deeper than this is overlap; resting contact described in decimal numbers may be off by rounding."""
 
 
 def overlapping_pairs(world: World) -> list[tuple[str, str, float]]:
@@ -27,7 +25,8 @@ def overlapping_pairs(world: World) -> list[tuple[str, str, float]]:
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
                 gap = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)[1]
                 depth = max(depth, -gap)
-        if depth > TOUCHING:
+        # resting contact described in decimal numbers may be off by rounding
+        if depth > NOTHING:
             found.append((names[a], names[b], depth))
     return found
 

@@ -1,6 +1,19 @@
-"""Ladder of the gaps that a posture keeps: shares of the one that it aims at."""
+"""Ladders of tolerances: what rounding leaves, and the gaps that a posture keeps, which are shares of the one that it aims at."""
 
 from avatarsim.kernel import kernel
+
+ROUNDING = 1e-12
+"""[m, or a share] what sums of a frame's products may be off by in double precision, a hundred times over."""
+
+NOTHING = 1e-9
+"""[m, rad, or their rates] far below what is shown or judged (1e-6 m), and far above rounding: an overlap of a start, an excess
+or an offset that is taken for none."""
+
+REGULAR = 1e-9
+"""Share of its own by which the diagonal of a Gram matrix is raised (Tikhonov): rows that say the same then share the load, and a
+row without any lever divides by something. 1e-6: the certificate sees what they leave open."""
+
+assert 0.0 < ROUNDING < NOTHING
 
 LEAST_SHARE = 0.25
 """[stand-offs] gap that is accepted. Between it and the stand-off there is room for the curvature of a step and for the solver's

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from avatarsim.kernel import kernel
 from avatarsim.spatial.symmetric import solved
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, row, sub
+from avatarsim.tolerances import REGULAR
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
 
@@ -22,9 +23,6 @@ ROUNDS = 4
 
 MOST_TURN = 0.5
 """[rad] a joint yields at most: beyond it columns of the Jacobian point elsewhere. A link that is pushed farther waits for it."""
-
-STIFFEST = 1e-9
-"""Part of the trace added to the 3 x 3 blocks: a joint without any lever divides by nothing."""
 
 
 @kernel
@@ -69,7 +67,7 @@ def yield_link(
             x, y, z = along(x, e * c[0], c), along(y, e * c[1], c), along(z, e * c[2], c)
             left = along(left, -way_out[j], c)
         m = skel.parent[m]
-    stiff = STIFFEST * (x[0] + y[1] + z[2])
+    stiff = REGULAR * (x[0] + y[1] + z[2])
     if not (0.0 < stiff < inf):
         return
     load = solved(add(x, (stiff, 0.0, 0.0)), add(y, (0.0, stiff, 0.0)), add(z, (0.0, 0.0, stiff)), left)

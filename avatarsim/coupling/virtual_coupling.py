@@ -20,6 +20,7 @@ from avatarsim.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
+from avatarsim.tolerances import NOTHING
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 from avatarsim.world.kinematics import carry, displace
@@ -33,9 +34,6 @@ TOP_SPEED = 30.0
 
 TOP_SPIN = 60.0
 """[rad/s] the same for its rotation: ten turns a second."""
-
-AT_REST = 1e-9
-"""[m, m/s] offset and rate below this are set to zero, so that a coupling at rest costs and shows nothing."""
 
 
 class Springs(NamedTuple):
@@ -104,7 +102,8 @@ def relax(
         if norm(x) == 0.0 and norm(v) == 0.0:
             continue
         x, v = coupled(mass[link], settings.spring, settings.damping, x, v, dt)
-        if norm(x) < AT_REST and norm(v) < AT_REST:
+        # below what shows, so that a coupling at rest costs nothing
+        if norm(x) < NOTHING and norm(v) < NOTHING:
             x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         put_row(offset_out, link, x)
         put_row(rate_out, link, v)

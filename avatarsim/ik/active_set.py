@@ -7,18 +7,12 @@ come no nearer for dozens of sweeps; a step that breaks its rows is then refused
 
 from math import sqrt
 
-from avatarsim.ik.state import ConstraintRows
+from avatarsim.ik.state import MOST_PRESSED, ConstraintRows
 from avatarsim.kernel import kernel
-
-SOFTNESS = 1e-9
-"""Share of its own by which the diagonal of the Gram matrix is raised: rows that say the same then share the load. 1e-6: the
-certificate sees what they leave open."""
+from avatarsim.tolerances import REGULAR
 
 CHANGES = 24
 """Rows that come or go at most; what is reached then is as good as more sweeps would be."""
-
-MOST_PRESSED = 1e4
-"""A multiplier beyond this says that the conditions cannot all be met: between two walls. Sweeps stop short of that."""
 
 MET = 1e-3
 """Share of the sweeps' tolerance by which a condition may stay broken."""
@@ -97,7 +91,7 @@ def extend(done: int, size: int, rows_out: ConstraintRows) -> bool:
     f = rows_out.factor
     for i in range(done, size):
         k = rows_out.active[i]
-        rest = rows_out.gram[k, k] * (1.0 + SOFTNESS)
+        rest = rows_out.gram[k, k] * (1.0 + REGULAR)
         for j in range(i):
             t = rows_out.gram[k, rows_out.active[j]]
             for e in range(j):

@@ -18,7 +18,7 @@ from avatarsim.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
-from avatarsim.tolerances import least_gap, wedged_gap
+from avatarsim.tolerances import NOTHING, ROUNDING, least_gap, wedged_gap
 from avatarsim.world.geometry import Geometry, Poses
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
@@ -26,12 +26,6 @@ LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
 
 EXACT = 0.02
 """[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
-
-ROUNDING = 1e-12
-"""[m] by which a gap may shrink without a body having moved."""
-
-TOUCHING = 1e-9
-"""[m] a start that overlaps by no more than this is accepted, and must not be a trap: from there every way apart is free."""
 
 
 @kernel
@@ -47,7 +41,7 @@ def cached_axis_holds(
         scratch_out.counts[SUPPORTS] += 1
         pairs.axis_gap[at] = gap_along(poses.vertices, geo.shapes, a, b, n)
         pairs.axis_step[at] = pairs.step[0]
-    if not (pairs.axis_gap[at] > -TOUCHING):
+    if not (pairs.axis_gap[at] > -NOTHING):
         return False
     scratch_out.counts[SUPPORTS] += 1
     return gap_along(scratch_out.trial.vertices, geo.shapes, a, b, n) >= least
@@ -98,7 +92,7 @@ def keep_nearest(at: int, gap: float, n: Vec3, state_out: IkState) -> None:
 def is_apart(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, scratch_out: IkScratch) -> bool:
     """Whether the pair is apart along n, or touches to rounding."""
     scratch_out.counts[SUPPORTS] += 1
-    return gap_along(poses.vertices, geo.shapes, a, b, n) > -TOUCHING
+    return gap_along(poses.vertices, geo.shapes, a, b, n) > -NOTHING
 
 
 @kernel

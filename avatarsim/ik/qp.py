@@ -12,8 +12,9 @@ from avatarsim.ik.active_set import finish
 from avatarsim.ik.constraints import along_row, clear_row
 from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import solve_down, solve_up
-from avatarsim.ik.state import PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
+from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.kernel import kernel
+from avatarsim.tolerances import NOTHING
 from avatarsim.world.skeleton import FREE, Skeleton
 
 BOUND, BUDGET = int(RowKind.BOUND), int(RowKind.BUDGET)
@@ -24,14 +25,8 @@ FIRST_SWEEPS, SWEEPS_MOST = 4, 15
 SOFTNESS = 1e-6
 """Added to the diagonal of the dual: parallel rows then share the load instead of dividing by zero."""
 
-MULTIPLIER_CAP = 1e4
-"""Infeasible rows (squeezed between two walls) would drive multipliers to infinity; the certificate refuses such steps anyway."""
-
 BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
 """Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
-
-OUTSIDE = 1e-9
-"""[rad or m] a bound is violated beyond this; smaller excess is clipped away at the end."""
 
 
 @kernel
@@ -115,7 +110,7 @@ def sweep(rows_out: ConstraintRows, most: int, tolerance: float) -> int:
             before = multiplier[k]
             if before == 0.0 and residual[k] >= 0.0:
                 continue
-            after = min(max(0.0, before - residual[k] / (gram[k, k] + SOFTNESS)), MULTIPLIER_CAP)
+            after = min(max(0.0, before - residual[k] / (gram[k, k] + SOFTNESS)), MOST_PRESSED)
             step = after - before
             if step != 0.0:
                 multiplier[k] = after
@@ -160,7 +155,7 @@ def add_broken_bounds(
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             if r.used[0] == r.bound.shape[0] or more == BOUNDS_PER_ROUND:
                 break
-            is_below, is_above = s.step[j] < s.low[j] - OUTSIDE, s.step[j] > s.high[j] + OUTSIDE
+            is_below, is_above = s.step[j] < s.low[j] - NOTHING, s.step[j] > s.high[j] + NOTHING
             sign = 1.0 if is_below else -1.0
             if (is_below or is_above) and not has_bound(r, j, sign):
                 add_bound(avatars, avatar, j, sign, s.low[j] if is_below else -s.high[j], r)
@@ -184,7 +179,7 @@ def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float
     for j in range(first, last):
         square += s.step[j] * s.step[j]
     far, k = sqrt(square), r.used[0]
-    if not (far > left + slack + OUTSIDE) or k == r.bound.shape[0]:
+    if not (far > left + slack + NOTHING) or k == r.bound.shape[0]:
         return 0
     r.owner[k, 0], r.owner[k, 1] = avatar, -1
     clear_row(avatars, k, r)

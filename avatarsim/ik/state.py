@@ -30,6 +30,10 @@ TOUCHING_PER_AVATAR = 64
 ACTIVE_CAP = 32
 """Most rows of the active set that is solved exactly; with more of them the answer of projected Gauss-Seidel is taken."""
 
+MOST_PRESSED = 1e4
+"""A multiplier beyond this says that the conditions cannot all be met, as between two walls, where it would grow without end.
+Sweeps end there, and the certificate refuses what they leave."""
+
 
 class RowKind(IntEnum):
     """What a constraint row is of."""

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from avatarsim.ik.objective import model
-from avatarsim.ik.qp import MULTIPLIER_CAP, solve_qp
-from avatarsim.ik.state import RowKind
+from avatarsim.ik.qp import solve_qp
+from avatarsim.ik.state import MOST_PRESSED, RowKind
 from avatarsim.world.skeleton import FREE
 from tests.ik.least_distance import nearest_step
 from tests.ik.solvers import Array, Solver, apart, metric_of
@@ -169,7 +169,7 @@ def test_rows_that_contradict_each_other_end_in_finite_numbers_inside_the_bounds
     found.working.low[:], found.working.high[:] = -0.5, 0.5
     step = solved(found)
     assert np.isfinite(step).all() and (np.abs(step) <= 0.5).all()
-    assert (r.multiplier[: r.used[0]] <= MULTIPLIER_CAP).all()
+    assert (r.multiplier[: r.used[0]] <= MOST_PRESSED).all()
 
 
 @pytest.mark.parametrize("where", ["newton", "jacobian", "bound", "factor"])
