@@ -22,17 +22,19 @@ EMPTY_PATHS = re.compile(r'<path [^>]*(?:d=""|display="none")[^>]*/>|<path d="M0
 IDLE = re.compile(r' (?:font-family="[^"]*"|font-weight="normal"|opacity="1"|stroke-dasharray="1,0")')
 # A path of straight pieces; steps over time are half of them level and half of them upright.
 STRAIGHT = re.compile(r"M[-\d.]+,[-\d.]+(?:L[-\d.]+,[-\d.]+)+")
+# What XML 1.0 has no place for (its production 2); a name in a file may hold it, and the converter ends the process at one.
+NO_SIGN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     """The SVG of `spec`, described by `label` for those who do not see it; `name` keeps ids apart within one page."""
-    svg: str = vl_convert.vegalite_to_svg(dict(spec), VEGA_LITE)
+    svg: str = vl_convert.vegalite_to_svg({key: _writable(part) for key, part in spec.items()}, VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
     svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))
     svg = TAG.sub(lambda tag: LONG_NUMBER.sub(lambda found: _one_decimal(found.group()), tag.group()), svg)
     svg = svg.replace('id="', f'id="{name}-').replace("url(#", f"url(#{name}-")
     svg = STRAIGHT.sub(lambda found: _short(found.group()), svg)
-    return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(label, quote=True)}" ', 1)
+    return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(NO_SIGN.sub("?", label), quote=True)}" ', 1)
 
 
 def pictures(orders: Sequence[tuple[Mapping[str, object], str, str]]) -> list[Future[str]]:
@@ -42,6 +44,15 @@ def pictures(orders: Sequence[tuple[Mapping[str, object], str, str]]) -> list[Fu
     # takes no more orders, and ends when it has drawn these
     threads.shutdown(wait=False)
     return drawn
+
+
+def _writable(part: object) -> object:
+    """A part of a specification with a question mark for each sign that a picture cannot hold."""
+    if isinstance(part, str):
+        return NO_SIGN.sub("?", part)
+    if isinstance(part, Mapping):
+        return {_writable(key): _writable(value) for key, value in part.items()}
+    return [_writable(one) for one in part] if isinstance(part, list | tuple) else part
 
 
 def _one_decimal(text: str) -> str:
