@@ -26,7 +26,6 @@ from avatarsim.jit.places import NAME, CannotKeep, Places
 from avatarsim.kernel import ROOT, config, kernel_folder
 from avatarsim.linking import KernelDispatcher
 from avatarsim.progress import Progress
-from avatarsim.quick_compiler import quicken
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -85,14 +84,13 @@ def compile_part(part: str) -> None:
 
 
 def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
-    """Compile some parts, one after the other, in a process that does nothing else: from here on its numba is not numba's own.
+    """Compile some parts, one after the other, in a process that does nothing else.
 
     Kernels are read from and kept in the folder `only`, if that is given. If they cannot be kept the process ends with an error,
     for then there is no use in compiling.
     """
     places.use_places(Places(only, required=True))
     FIRST_COMPILE.silent = True
-    quicken()
     try:
         for part in share:
             compile_part(part)

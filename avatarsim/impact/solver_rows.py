@@ -1,7 +1,7 @@
 """What a pass of the contact solver reads of a contact, in one row of memory and scaled so that little is left to multiply.
 
-A row has its numbers in fours, which a pass takes at a time (`impact.four_at_once`); what the normal alone needs comes first,
-since many contacts have no friction. Velocities lie in fours as well while passes go on.
+A row has its numbers in fours, so that the compiler may take them at a time; what the normal alone needs comes first, since many
+contacts have no friction. Velocities lie in fours as well while passes go on.
 """
 
 import numpy as np

@@ -9,13 +9,67 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts
-from avatarsim.impact.four_at_once import give, give_along_normal, wishes
-from avatarsim.impact.solver_rows import DRAG, EASE, FRICTION, LANES, SLIDE, TARGET, WISH, three
+from avatarsim.impact.solver_rows import (
+    ALL_WISHES,
+    DRAG,
+    EASE,
+    FRICTION,
+    GIFT,
+    LANES,
+    PARTS,
+    SIDE_GIFT,
+    SLIDE,
+    TARGET,
+    WISH,
+    put_three,
+    three,
+)
 from avatarsim.kernel import kernel
-from avatarsim.seldom import seldom
-from avatarsim.spatial.vec3 import add, dot, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
+
+
+@kernel
+def wishes(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec3:
+    """Impulses that would stop contact k of bodies a and b along each axis of its frame, by ``motion`` (nb, MOTION) as it is."""
+    u = sub(three(motion, a, 0), three(motion, b, 0))
+    w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
+    return wish(rows, k, 0, u, w_a, w_b), wish(rows, k, 1, u, w_a, w_b), wish(rows, k, 2, u, w_a, w_b)
+
+
+@kernel
+def wish(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
+    """The one along axis i, by the velocity u of A's centre as seen from B's and both angular velocities."""
+    at, step = ALL_WISHES + i, LANES
+    straight = rows[k, at] * u[0] + rows[k, at + step] * u[1] + rows[k, at + 2 * step] * u[2]
+    on_a = rows[k, at + 3 * step] * w_a[0] + rows[k, at + 4 * step] * w_a[1] + rows[k, at + 5 * step] * w_a[2]
+    on_b = rows[k, at + 6 * step] * w_b[0] + rows[k, at + 7 * step] * w_b[1] + rows[k, at + 8 * step] * w_b[2]
+    return float(straight + (on_a - on_b))
+
+
+@kernel
+def give(rows: Array, k: int, d: Vec3, motion: Array, a: int, b: int) -> None:
+    """Give bodies a and b the impulse d in the frame of contact k."""
+    for part in range(PARTS):
+        g, x, y = three(rows, k, GIFT + LANES * part), SIDE_GIFT + LANES * part, SIDE_GIFT + LANES * (PARTS + part)
+        given = add(scale(g, d[0]), add(scale(three(rows, k, x), d[1]), scale(three(rows, k, y), d[2])))
+        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+
+
+@kernel
+def give_along_normal(rows: Array, k: int, d: float, motion: Array, a: int, b: int) -> None:
+    """`give` of an impulse d along the normal."""
+    for part in range(PARTS):
+        given = scale(three(rows, k, GIFT + LANES * part), d)
+        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+
+
+@kernel
+def take(motion: Array, body: int, at: int, given: Vec3, is_a: bool) -> None:
+    """Add what A is given to its motion; take what B is given from its own."""
+    now = three(motion, body, at)
+    put_three(motion, body, at, add(now, given) if is_a else sub(now, given))
 
 
 @kernel
@@ -71,7 +125,7 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
             x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, DRAG] * dn
             y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, DRAG + 1] * dn
             limit, length = rough * normal, x * x + y * y
-            if seldom(length > limit * limit):
+            if length > limit * limit:
                 share = limit / sqrt(length)
                 x, y = x * share, y * share
             dx, dy = x - held[1], y - held[2]

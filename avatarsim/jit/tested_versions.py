@@ -33,7 +33,7 @@ PRIVATE = {
     "numba.core.types.misc": ("unliteral",),
     "numba.core.typing.templates": ("AttributeTemplate", "infer_getattr", "signature"),
 }
-"""Private parts of numba without which no kernel can be made; what only `quick_compiler` and `lean_code` change is not here."""
+"""Private parts of numba that the package uses."""
 
 
 def installed() -> dict[str, str]:
