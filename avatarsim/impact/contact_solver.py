@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, speed_along
-from avatarsim.impact.fours import lay_out_fours, take_fours
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_all
 from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
-from avatarsim.impact.visit_fours import go_on_fours, visit_fours
 from avatarsim.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, row
 
@@ -95,44 +93,17 @@ def sweeps(
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
-    fours = laid_out(contacts, masses, first, last, linear, angular)
-    worst, ended = passes(contacts, first, last, fours, tolerance, cap, grip, before, direction)
-    taken(contacts, first, last, fours, linear, angular)
+    lay_out(contacts, masses, first, last, linear, angular)
+    worst, ended = passes(contacts, first, last, tolerance, cap, grip, before, direction)
+    take_motion(contacts, first, last, linear, angular)
     return worst, ended
 
 
 @kernel
-def laid_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array) -> int:
-    """Lay contacts out for `passes`, in fours if they are of balls; returns how many fours, 0 if they go one by one."""
-    fours = lay_out_fours(contacts, masses, first, last, linear, angular)
-    if fours == 0:
-        lay_out(contacts, masses, first, last, linear, angular)
-    return fours
-
-
-@kernel
-def taken(contacts: Contacts, first: int, last: int, fours: int, linear: Array, angular: Array) -> None:
-    """Take over what `passes` left."""
-    if fours > 0:
-        take_fours(contacts, fours, linear, angular)
-    else:
-        take_motion(contacts, first, last, linear, angular)
-
-
-@kernel
-def one_way(contacts: Contacts, first: int, last: int, fours: int, back: bool, grip: bool, before: Array) -> tuple[float, float]:
-    """A pass over contacts as they are laid out: see `visit_all`."""
-    if fours > 0:
-        return visit_fours(contacts, fours, back, grip)
-    return visit_all(contacts, first, last, back, grip, before)
-
-
-@kernel
 def passes(
-    contacts: Contacts, first: int, last: int, fours: int, tolerance: float, cap: int, grip: bool, before: Array,
-    direction: Array,
+    contacts: Contacts, first: int, last: int, tolerance: float, cap: int, grip: bool, before: Array, direction: Array,
 ) -> tuple[float, bool]:
-    """`sweeps` of contacts that are `laid_out`."""
+    """`sweeps` of contacts that are laid out."""
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
     least, stale = inf, 0
     for k in range(first, last):
@@ -141,7 +112,7 @@ def passes(
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        worst, _ = one_way(contacts, first, last, fours, False, grip, before)
+        worst, _ = visit_all(contacts, first, last, False, grip, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
@@ -155,15 +126,12 @@ def passes(
             if not (best < 0.5 * earlier):
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        _, square = one_way(contacts, first, last, fours, True, grip, before)
+        _, square = visit_all(contacts, first, last, True, grip, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        if fours > 0:
-            go_on_fours(contacts, fours, beta, grip)
-        else:
-            go_on_along(contacts, first, last, beta, before, direction)
+        go_on_along(contacts, first, last, beta, before, direction)
     return worst, False
 
 
@@ -206,9 +174,9 @@ def solve_roughly(
 
     Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
     """
-    fours = laid_out(contacts, masses, first, last, linear, angular)
-    worst, ended = passes(contacts, first, last, fours, tolerance, tries, True, before, direction)
+    lay_out(contacts, masses, first, last, linear, angular)
+    worst, ended = passes(contacts, first, last, tolerance, tries, True, before, direction)
     if not ended:
-        worst, _ = passes(contacts, first, last, fours, tolerance, cap, False, before, direction)
-    taken(contacts, first, last, fours, linear, angular)
+        worst, _ = passes(contacts, first, last, tolerance, cap, False, before, direction)
+    take_motion(contacts, first, last, linear, angular)
     return worst

@@ -28,9 +28,6 @@ POINTS_OF_PAIR = 16
 ROW, MOTION = 104, 8
 """Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""
 
-LANE, COLOURS = 5, 62
-"""Numbers that name a contact and its bodies where four are taken at once, and most contacts of a ball there: one bit each."""
-
 EARTH = 9.8
 """Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
 
@@ -67,8 +64,7 @@ class Contacts(NamedTuple):
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): what speeds that count as slow are multiplied by, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW), motion (bodies + 2, MOTION): what a pass of the solver reads, see `impact.solver_rows`;
-    lanes (cap, LANE), colour (cap), many (2 COLOURS), worn (bodies): who goes with whom, see `impact.fours`.
+    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `impact.solver_rows`.
     """
 
     used: Index
@@ -108,10 +104,6 @@ class Contacts(NamedTuple):
     approach: Array
     rows: Array
     motion: Array
-    lanes: Index
-    colour: Index
-    many: Index
-    worn: Index
 
 
 def pace_of(gravity: Array) -> float:
@@ -135,9 +127,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
-        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies + 2, MOTION)),
-        lanes=np.zeros((cap, LANE), np.int64), colour=np.zeros(cap, np.int64), many=np.zeros(2 * COLOURS, np.int64),
-        worn=np.zeros(bodies, np.int64),
+        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
     )
 
 

@@ -40,8 +40,7 @@ def opened_contacts(o: Opening) -> Contacts:
         vectors(o)[0], line(o)[0], line(o)[0], line(o)[0], vectors(o)[0], grid(o)[0], matrices(o)[0], matrices(o)[0],
         matrices(o)[0], matrices(o)[0], line(o)[0], grid(o)[0], grid(o)[0], vectors(o)[0], index_line(o)[0], index_line(o)[0],
         vectors(o)[0], vectors(o)[0], vectors(o)[0], vectors(o)[0], index_line(o)[0], matrices(o)[0], matrices(o)[0], grid(o)[0],
-        grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], grid(o)[0], index_grid(o)[0], index_line(o)[0],
-        index_line(o)[0], index_line(o)[0],
+        grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], grid(o)[0], grid(o)[0],
     )
 
 
