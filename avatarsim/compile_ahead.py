@@ -22,9 +22,9 @@ from avatarsim.engine import Settings
 from avatarsim.jit import places
 from avatarsim.jit.cpu import Cpu, compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.kernel import ROOT, config, kernel_folder
+from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
-from avatarsim.kernel import ROOT, config, kernel_folder
-from avatarsim.linking import KernelDispatcher
 from avatarsim.progress import Progress
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated

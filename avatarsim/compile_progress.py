@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 from avatarsim.jit import places
 from avatarsim.jit.cache import SUFFIX
-from avatarsim.kernel import ROOT
-from avatarsim.linking import KernelDispatcher
+from avatarsim.jit.kernel import ROOT
+from avatarsim.jit.linking import KernelDispatcher
 
 
 def kernels() -> list[KernelDispatcher]:

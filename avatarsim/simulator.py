@@ -15,7 +15,7 @@ import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
-from avatarsim.linking import CalledKernel
+from avatarsim.jit.linking import CalledKernel
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene

@@ -9,7 +9,7 @@ from math import inf, sqrt
 from avatarsim.collide.closed_forms import BOX_CORNERS, UNKNOWN, Answer, off, within
 from avatarsim.collide.epa import EXACT
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

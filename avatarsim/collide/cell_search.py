@@ -4,7 +4,7 @@ import numpy as np
 
 from avatarsim.collide.cells import AXIS_MASK, Boxes, half_cell, key_of, place_of
 from avatarsim.collide.sweep_memory import BEHIND, BEYOND, HIGHEST_USED, KEY, LEVELS, LOOKED, LOWEST_USED, ON_LEVEL, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 FEW = 64

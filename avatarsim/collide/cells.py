@@ -23,7 +23,7 @@ from avatarsim.collide.sweep_memory import (
     ON_LEVEL,
     SweepMemory,
 )
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Boxes = NDArray[np.float64]
 """(nb, 6): lowest x y z, highest x y z [m]."""

@@ -8,7 +8,7 @@ from math import inf
 
 from avatarsim.collide.gjk import ACCEPTED, CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING
 from avatarsim.collide.simplex import Share2, closest_on_triangle
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

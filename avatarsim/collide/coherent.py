@@ -42,7 +42,7 @@ from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -14,7 +14,7 @@ from avatarsim.collide.scratch import POINTS_CAP, Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.tetrahedron import grow_tetrahedron
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

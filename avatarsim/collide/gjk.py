@@ -11,7 +11,7 @@ from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.support import reach, support
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 

@@ -7,7 +7,7 @@ from avatarsim.collide.gjk import NOWHERE
 from avatarsim.collide.scratch import PIECES_CAP, Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, norm, put_row, row, scale
 from avatarsim.world.shapes import Shapes
 

@@ -14,8 +14,8 @@ from avatarsim.collide.gjk import NOWHERE
 from avatarsim.collide.polytope import corners, set_plane
 from avatarsim.collide.scratch import Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
-from avatarsim.kernel import kernel
-from avatarsim.record import table_of
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import table_of
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 

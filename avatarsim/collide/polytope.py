@@ -8,7 +8,7 @@ from math import inf
 
 from avatarsim.collide.scratch import FACES_CAP, Scratch, number
 from avatarsim.collide.simplex import upright
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 
 

@@ -4,7 +4,7 @@ from math import inf
 
 from avatarsim.collide.cells import unlink
 from avatarsim.collide.sweep_memory import PRESENT, STALE, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 
 @kernel

@@ -7,8 +7,8 @@ tuple of these fifteen arrays the calls within the narrow phase copied more than
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
-from avatarsim.record import pointed_at
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import pointed_at
 from avatarsim.world.arena import Opening, index_line
 from avatarsim.world.view import opened
 

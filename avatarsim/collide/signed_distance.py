@@ -23,7 +23,7 @@ from avatarsim.collide.gjk import NOWHERE, WHOLE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.smooth_distance import smooth_distance
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -2,7 +2,7 @@
 
 from math import inf, sqrt
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, neg, scale, sub
 
 Share2 = tuple[float, float]

@@ -10,7 +10,7 @@ from math import inf, sqrt
 
 from avatarsim.collide.gjk import NOWHERE, ROUNDING
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, row, scale, sub, unit
 from avatarsim.world.shapes import POINTS, Shapes
 

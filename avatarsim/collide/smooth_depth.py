@@ -14,7 +14,7 @@ from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch, number
 from avatarsim.collide.smooth import polish
 from avatarsim.collide.smooth_proof import bends_out, least_cosine, proves_itself
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
 from avatarsim.world.shapes import POINTS, Shapes
 

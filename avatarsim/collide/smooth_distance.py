@@ -9,7 +9,7 @@ from avatarsim.collide.smooth import polish
 from avatarsim.collide.smooth_depth import FEATURE, START, smooth_depth
 from avatarsim.collide.smooth_proof import proves_itself, rolling_radius
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -7,7 +7,7 @@ from math import sqrt
 
 from avatarsim.collide.gjk import ROUNDING
 from avatarsim.collide.smooth import SLACK, curvature, gathered, stretched
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, norm, perpendicular, row, scale, unit
 from avatarsim.world.shapes import POINTS, Shapes
 

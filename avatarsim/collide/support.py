@@ -3,8 +3,8 @@ shape."""
 
 from math import sqrt
 
-from avatarsim.collide.farthest import farthest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.simd import farthest
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, row
 from avatarsim.world.shapes import POINTS, Shapes
 

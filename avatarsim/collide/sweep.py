@@ -5,14 +5,14 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.ascending import merge_ascending, sort_ascending
 from avatarsim.collide.cell_search import FEW, boxes_meet, partners
 from avatarsim.collide.cells import FARTHEST, Boxes, link
 from avatarsim.collide.present import forget
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep_memory import BORN, CALM, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 __all__ = ["all_pairs", "boxes_meet", "forget", "sweep_and_prune"]

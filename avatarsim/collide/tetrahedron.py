@@ -3,7 +3,7 @@
 from avatarsim.collide.gjk import Balls, add_support
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import upright
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import (
     Rows,
     Vec3,

@@ -1,7 +1,7 @@
 """Who is held by something fixed hits nobody with a velocity that it does not have."""
 
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import along, dot, put_row, row
 from avatarsim.world.dynamics import FIXED, Dynamics, Velocities
 from avatarsim.world.geometry import Geometry

@@ -8,7 +8,7 @@ something fixed causes presses on nobody, and nothing is remembered of any lag: 
 from avatarsim.coupling.recoil import middle
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import SIMULATED, Array, Dynamics

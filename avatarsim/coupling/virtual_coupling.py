@@ -16,7 +16,7 @@ from avatarsim.coupling.pressing import press
 from avatarsim.coupling.recoil import recoil
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub

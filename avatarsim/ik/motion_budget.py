@@ -7,7 +7,7 @@ still no limb wanders; what converges at all has then long arrived.
 
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch
 from avatarsim.ik.pair_cache import PairCache
-from avatarsim.record import table_of
+from avatarsim.jit.record import table_of
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Posture
 

@@ -1,6 +1,6 @@
 """Equation 9: the size of the impulse that turns an approach into a rebound."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, turned
 from avatarsim.spatial.vec3 import Vec3, cross, dot
 

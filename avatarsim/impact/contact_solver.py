@@ -13,7 +13,7 @@ from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_all
 from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, row
 
 Array = NDArray[np.float64]

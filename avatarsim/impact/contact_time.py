@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, velocity_at
 from avatarsim.impact.relative_velocity import normal_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import add, cross, dot, row, sub
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row
 

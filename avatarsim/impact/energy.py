@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import dot, row
 

@@ -11,7 +11,7 @@ from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, axis, impu
 from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import normal_velocity, tangential_velocity, velocity_after
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row
 

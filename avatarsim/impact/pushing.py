@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, put_row, row, sub
 

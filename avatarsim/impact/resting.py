@@ -11,7 +11,7 @@ from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_along
 from avatarsim.impact.slipping import end_of_slip, slip_on
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, put_row, row, sub
 

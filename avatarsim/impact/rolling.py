@@ -20,7 +20,7 @@ from avatarsim.impact.contacts import (
     velocity_at,
 )
 from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, perpendicular, put_row, row, scale, sub
 

@@ -9,7 +9,7 @@ from avatarsim.impact.contact_solver import change
 from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, axis
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, put_row, row, scale
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from avatarsim.impact.solver_rows import (
     put_three,
     three,
 )
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.touching import BROKEN, FOUND, NO_ROOM, find_points
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import STAND_OFF

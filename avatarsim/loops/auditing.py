@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.energy import NO_GAIN, held_energy, take_back
 from avatarsim.impact.masses import to_world
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import arrive
 from avatarsim.loops.upper_memory import AUDITED, Memory
 from avatarsim.motion.path import STILL

@@ -5,7 +5,7 @@ And whether two bodies cannot meet at all, because the balls around them do not.
 
 from math import inf
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.path import STILL
 from avatarsim.motion.safe_step import earliest_touch

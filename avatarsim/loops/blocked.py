@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.support import reach as reach_along
 from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, add_contact
 from avatarsim.impact.relative_velocity import point_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.time_of_impact import TOUCH
 from avatarsim.spatial.vec3 import Vec3, along, dot, neg, row, sub
 from avatarsim.world.dynamics import Velocities

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.events import Events, record
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.path import STILL, move_along
 from avatarsim.spatial.tangent import columns, put_columns

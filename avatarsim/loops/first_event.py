@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.balls_meet import ahead_of, balls_meet
 from avatarsim.loops.seams import depth_to_pass
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory

@@ -14,7 +14,7 @@ from avatarsim.ik.notice import notice_bodies
 from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.sound import state_is_sound
 from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, FOLLOWING, OUT_OF_WORK, PLANNING, WAITING, Mode
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.opened_ik import opened_avatars, opened_ghost, opened_plan, opened_settings, opened_state, opened_working
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths

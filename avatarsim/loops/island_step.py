@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import to_world
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.ahead import look_ahead, of_balls
 from avatarsim.loops.auditing import audit, energy_of, stay
 from avatarsim.loops.clocks import arrive, depart

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import put_row, row, scale
 
 Array = NDArray[np.float64]

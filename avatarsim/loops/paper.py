@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed

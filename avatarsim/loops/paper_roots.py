@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.spring import coupled
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, add, norm, put_row, row, scale, sub
 from avatarsim.world.skeleton import FREE

@@ -8,10 +8,10 @@ is all: nothing is known of the way between two shown states, and a limb may jum
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, CONVERGED
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.paper_memory import (
     BAD,
     BENT,

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.paper_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
 from avatarsim.paper.chain import Chains
 from avatarsim.paper.into_limits import into_limits

@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.balls_meet import never_meet
 from avatarsim.loops.blocked import LASTS, block
 from avatarsim.loops.clocks import arrive

@@ -12,7 +12,7 @@ from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, line_up, next_approach, resolve_impact, settle
 from avatarsim.impact.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.impact.rolling import curvature
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import witness
 from avatarsim.loops.last_forces import recall_forces, remember_forces
 from avatarsim.loops.upper_memory import (

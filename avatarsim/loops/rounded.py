@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.smooth import gathered, stretched
 from avatarsim.impact.contacts import ROUND_A, ROUND_B, Contacts, axis
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.foremost import foremost
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Poses

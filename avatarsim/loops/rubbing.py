@@ -2,7 +2,7 @@
 
 from avatarsim.impact.contacts import DRIVEN_A, axis
 from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.tangent import columns, step_between, turned
 from avatarsim.spatial.vec3 import dot, norm, put_row, row, scale, sub

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.support import gap_along
 from avatarsim.impact.contacts import NORMAL_OF_ANOTHER, NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.foremost import foremost
 from avatarsim.loops.rounded import put_radius
 from avatarsim.loops.upper_memory import Memory

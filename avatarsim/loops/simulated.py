@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import make_events
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.opened_upper import opened_events, opened_memory, opened_switches
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

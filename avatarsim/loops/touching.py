@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
 from avatarsim.loops.rounded import is_smooth, note_smooth
 from avatarsim.loops.rubbing import note_drift

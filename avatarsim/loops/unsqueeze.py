@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh
 from avatarsim.impact.masses import Masses, to_world
 from avatarsim.impact.resting import STAND_OFF
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.touching import find_contacts
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.free_rotation import spun

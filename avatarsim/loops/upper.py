@@ -5,7 +5,7 @@ impact; for every island of bodies by itself, the one that is behind first.
 """
 
 from avatarsim.impact.events import Events
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.island_step import step
 from avatarsim.loops.islands import behind
 from avatarsim.loops.upper_memory import DONE, NOT_FINITE, OUT_OF_SEGMENTS, STATUS_NAMES, Memory, Switches

@@ -12,7 +12,7 @@ from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, ve
 from avatarsim.impact.impact_queue import same_pair
 from avatarsim.impact.pushing import push
 from avatarsim.impact.resting import STAND_OFF, SWEEPS
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.status import NOT_FINITE as SWEEP_NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import go_back
 from avatarsim.loops.islands import due_of, part
 from avatarsim.loops.rubbing import note_shown

@@ -11,7 +11,7 @@ from avatarsim.impact.contacts import Contacts, axis
 from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED
 from avatarsim.impact.relative_velocity import velocity_after
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import witness
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, dot, put_row, row, scale

@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import Paths, acceleration
 from avatarsim.motion.safe_step import earliest_touch, turning
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, row, scale, sub

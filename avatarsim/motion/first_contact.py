@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.free_rotation import STEPS_CAP, TURN, Series
 from avatarsim.motion.path import FREE, Paths, move_along
 from avatarsim.motion.time_of_impact import (

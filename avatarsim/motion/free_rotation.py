@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, about, product, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, put_row, row, scale
 

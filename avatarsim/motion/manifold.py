@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
 from avatarsim.spatial.vec3 import (
     Rows,

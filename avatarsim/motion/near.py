@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import FREE, STILL, Paths
 from avatarsim.spatial.vec3 import dot, norm, row
 from avatarsim.world.pair_filter import PairFilter, may_meet

@@ -5,7 +5,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import FREE, HELD, STILL, Paths, acceleration
 from avatarsim.spatial.vec3 import Vec3, cross, norm, row, sub
 from avatarsim.world.geometry import Geometry

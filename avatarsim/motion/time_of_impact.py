@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.edge_plane import edge_step, edges_apart
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.path import HELD, STILL, Paths, acceleration, move_along, spinning

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.support import reach as reach_along
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import Paths, acceleration
 from avatarsim.motion.safe_step import arm_about
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, row, sub

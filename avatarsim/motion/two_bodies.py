@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.errors import InvalidInput
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.first_contact import Budget, Found, first_contact
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.path import FREE, STILL, Paths, make_paths

@@ -7,7 +7,7 @@ constant speed v is followed at the steady distance v dt / (exp(rate dt) - 1), c
 
 from math import expm1
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
 from avatarsim.spatial.vec3 import put_row, row, scale
 from avatarsim.world.limits import has_cone, inside_cone

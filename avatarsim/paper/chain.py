@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.scene.avatar import Avatar
 from avatarsim.spatial.random import draw
 from avatarsim.world.geometry import Geometry

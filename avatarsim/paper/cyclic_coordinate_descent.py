@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.paper.joint_plane import joint_turn
 from avatarsim.paper.link_pose import pose_link
 from avatarsim.settings import PaperSettings

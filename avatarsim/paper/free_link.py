@@ -8,7 +8,7 @@ from avatarsim.collide.scratch import PIECES_CAP, Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep import boxes_meet
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.paper.cyclic_coordinate_descent import NO_GOAL, descend, reach_goal
 from avatarsim.paper.end_effector import end_effector, goal_of
 from avatarsim.paper.link_pose import pose_link

@@ -2,7 +2,7 @@
 
 from math import atan2
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, sub
 
 ON_AXIS = 1e-9

@@ -3,7 +3,7 @@
 from avatarsim.ik.kinematics import parts_of, tangent_error
 from avatarsim.ik.objective import locate
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Mode
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.state import Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.world.skeleton import Posture, Skeleton

@@ -5,7 +5,7 @@ A path is improved before it is followed, and what is ahead of the avatar also w
 where the target is by now, since targets move on while paths are searched and followed.
 """
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.sample import drawn
 from avatarsim.planner.state import NODES, NONE, Phase, Plan
 from avatarsim.planner.tree import AIM

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.record import table_of
+from avatarsim.jit.record import table_of
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import BALL, FREE, Posture, Skeleton
 

@@ -3,7 +3,7 @@
 from avatarsim.collide.global_depth import global_depth
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, norm, scale
 from avatarsim.world.geometry import Geometry, Poses
 

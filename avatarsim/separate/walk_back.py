@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
 from avatarsim.spatial.vec3 import along, put_row, row, scale, sub
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton

@@ -1,6 +1,6 @@
 """Who gives way when two bodies overlap: fixed ones never, driven ones first, simulated ones if it must be."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.dynamics import DRIVEN, FIXED
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.image import WORD, Image
 from avatarsim.world.view import ROW, START_AND_SHAPE, address, next_number, next_view
 

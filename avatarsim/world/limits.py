@@ -7,7 +7,7 @@ with T the shortest turn of `axis` onto `centre` and R the joint's rotation, R T
 
 from math import atan2, cos, sin
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, scale, unit
 from avatarsim.world.reach_cone import has_reach, is_in_reach, nearest_in_reach, reach_excess

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Index = NDArray[np.int64]
 

@@ -6,7 +6,7 @@ edge spans with the edges. A circular swing cone holds as well; the nearest dire
 
 from math import atan2, cos, sin, sqrt
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.skeleton import Skeleton
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.record import table_of
+from avatarsim.jit.record import table_of
 
 POINTS = 0
 """Kind: the convex hull of points, swept by a ball. Sphere: 1 point, capsule: 2, box: 8, hull: n."""

@@ -5,7 +5,7 @@ from math import isfinite
 from typing import ClassVar
 
 from avatarsim.errors import InvalidSample
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.world.arena import Array, Index, index_line, opening, packed

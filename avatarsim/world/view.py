@@ -15,8 +15,8 @@ from llvmlite import ir
 from numba.core.extending import _Intrinsic, intrinsic
 from numba.core.types.containers import BaseNamedTuple
 
-from avatarsim.by_reference import Reference, parts
-from avatarsim.kernel import config
+from avatarsim.jit.by_reference import Reference, parts
+from avatarsim.jit.kernel import config
 
 types: Any = numba.types
 

@@ -11,8 +11,8 @@ from packaging.requirements import Requirement
 
 from avatarsim.errors import AvatarsimError, UnsupportedVersion
 from avatarsim.jit import tested_versions
+from avatarsim.jit.kernel import ROOT
 from avatarsim.jit.tested_versions import PRIVATE, TESTED, guarded, missing, untested
-from avatarsim.kernel import ROOT
 
 
 def test_what_is_installed_here_is_tested_and_errors_are_left_as_they_are() -> None:

@@ -18,7 +18,7 @@ from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
 from avatarsim.impact.events import make_events
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops import opened_ik, opened_paper, opened_upper
 from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches

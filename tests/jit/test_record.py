@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from avatarsim.kernel import kernel
-from avatarsim.record import pointed_at, table_of
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import pointed_at, table_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 

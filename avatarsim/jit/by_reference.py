@@ -19,7 +19,7 @@ from numba.core.imputils import lower_getattr_generic
 from numba.core.types.containers import BaseNamedTuple
 from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
 
-from avatarsim.kernel import config
+from avatarsim.jit.kernel import config
 
 Tree = TypeVar("Tree")
 

@@ -33,7 +33,7 @@ from avatarsim.jit.tested_versions import guarded
 
 # Whatever imports a kernel comes past here first.
 with guarded():
-    from avatarsim.linking import KernelDispatcher
+    from avatarsim.jit.linking import KernelDispatcher
 
 # numba makes its settings at run time; its annotations know neither them nor the option `_nrt`.
 config: Any = numba.config
@@ -44,13 +44,13 @@ Function = TypeVar("Function", bound=Callable[..., object])
 OPTIONS = {"error_model": "numpy", "fastmath": False, "_nrt": False, "boundscheck": None, "no_cfunc_wrapper": True}
 """numba's options, as explained above; the wrapper for calls from C, which nobody makes, is left out."""
 
-ROOT = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]
 """The package's own folder."""
 
 FLAGS = ("DISABLE_JIT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "OPT")
 """numba settings that change the machine code; the processor is in the name of each entry instead."""
 
-SHAPING = ("kernel.py", "linking.py", "compiler_passes.py", "kernel_library.py")
+SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py", "jit/kernel_library.py")
 """Files that shape the machine code of every kernel."""
 
 _IMPORT = re.compile(rf"^\s*(?:from|import)\s+({ROOT.name}(?:\.\w+)*)\b", re.MULTILINE)

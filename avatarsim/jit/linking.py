@@ -29,10 +29,10 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.types.misc import unliteral
 
-from avatarsim.compiler_passes import KernelCompiler
 from avatarsim.jit.cache import KernelFiles
+from avatarsim.jit.compiler_passes import KernelCompiler
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.kernel_library import KernelLibrary, is_large
+from avatarsim.jit.kernel_library import KernelLibrary, is_large
 
 PREFIX = "avatarsim-sealed:"
 """What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""
@@ -197,7 +197,7 @@ def sealed_name(compiled: Any) -> str | None:
 
 
 def _name(compiled: Any) -> str:
-    from avatarsim.kernel import source_hash  # which imports this file
+    from avatarsim.jit.kernel import source_hash  # which imports this file
 
     descriptor = compiled.fndesc
     digest = hashlib.sha256(repr((descriptor.argtypes, descriptor.restype)).encode()).hexdigest()[:16]
