@@ -15,7 +15,7 @@ from avatarsim.collide.polytope import corners, set_plane
 from avatarsim.collide.scratch import Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.record import table_of
+from avatarsim.jit.record import known_as_table
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 
@@ -74,8 +74,7 @@ def make_pair_memory(pairs: int) -> PairMemory:
     return np.zeros(pairs, PAIR).view(PairMemory)
 
 
-pair_memory_in = table_of(PairMemory, PAIR)
-"""The PairMemory in these words, in a tuple of one."""
+known_as_table(PairMemory, PAIR)
 
 
 @kernel

@@ -9,6 +9,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import FlagLine, Grid, IndexGrid, IndexLine
+
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]
 
@@ -57,15 +59,15 @@ class SweepMemory(NamedTuple):
     used         (ON_LEVEL + LEVELS + 1) see CANDIDATES
     """
 
-    fat: Array
-    lead: Array
-    body: Index
-    known: NDArray[np.bool_]
-    head: Index
-    looked: Index
-    candidates: Index
-    fresh: Index
-    used: Index
+    fat: Grid
+    lead: Grid
+    body: IndexGrid
+    known: FlagLine
+    head: IndexLine
+    looked: IndexGrid
+    candidates: IndexLine
+    fresh: IndexLine
+    used: IndexLine
 
 
 def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:

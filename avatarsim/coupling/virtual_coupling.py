@@ -16,6 +16,7 @@ from avatarsim.coupling.pressing import press
 from avatarsim.coupling.recoil import recoil
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
+from avatarsim.jit.arena import IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
@@ -47,17 +48,17 @@ class Springs(NamedTuple):
     """
 
     settings: CouplingSettings
-    offset: Array
-    rate: Array
-    pressed: Array
-    mass: Array
-    ease: Array
-    still: Array
-    axes: Array
-    way: Array
+    offset: Vectors
+    rate: Vectors
+    pressed: Vectors
+    mass: Line
+    ease: Line
+    still: Line
+    axes: Vectors
+    way: Line
     one: Poses
     other: Poses
-    turn: Index
+    turn: IndexLine
 
 
 @kernel

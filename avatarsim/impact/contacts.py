@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
+from avatarsim.jit.arena import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row
@@ -67,43 +68,43 @@ class Contacts(NamedTuple):
     rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `impact.solver_rows`.
     """
 
-    used: Index
-    body: Index
-    key: Index
-    driven: Index
-    face: Index
-    frame: Array
-    arm_a: Array
-    arm_b: Array
-    gap: Array
-    restitution: Array
-    friction: Array
-    bend: Array
-    ease: Array
-    lever_a: Array
-    lever_b: Array
-    turn_a: Array
-    turn_b: Array
-    target: Array
-    slide: Array
-    drift: Array
-    impulse: Array
-    standing: Index
-    visits: Index
-    edge_a: Array
-    edge_b: Array
-    sway_a: Array
-    sway_b: Array
-    smooth: Index
-    radii_a: Array
-    radii_b: Array
-    turns: Array
-    unease: Array
-    drag: Array
-    pace: Array
-    approach: Array
-    rows: Array
-    motion: Array
+    used: IndexLine
+    body: IndexGrid
+    key: IndexLine
+    driven: IndexLine
+    face: IndexLine
+    frame: Matrices
+    arm_a: Vectors
+    arm_b: Vectors
+    gap: Line
+    restitution: Line
+    friction: Line
+    bend: Vectors
+    ease: Grid
+    lever_a: Matrices
+    lever_b: Matrices
+    turn_a: Matrices
+    turn_b: Matrices
+    target: Line
+    slide: Grid
+    drift: Grid
+    impulse: Vectors
+    standing: IndexLine
+    visits: IndexLine
+    edge_a: Vectors
+    edge_b: Vectors
+    sway_a: Vectors
+    sway_b: Vectors
+    smooth: IndexLine
+    radii_a: Matrices
+    radii_b: Matrices
+    turns: Grid
+    unease: Grid
+    drag: Grid
+    pace: Line
+    approach: Line
+    rows: Grid
+    motion: Grid
 
 
 def pace_of(gravity: Array) -> float:

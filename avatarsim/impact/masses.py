@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import Line, Matrices
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, cross
@@ -15,8 +16,8 @@ Array = NDArray[np.float64]
 class Masses(NamedTuple):
     """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for what does not yield."""
 
-    inverse_mass: Array
-    inverse_inertia: Array
+    inverse_mass: Line
+    inverse_inertia: Matrices
 
 
 @kernel

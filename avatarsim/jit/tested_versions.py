@@ -25,7 +25,7 @@ PRIVATE = {
     "numba.core.datamodel.models": ("RecordModel",),
     "numba.core.datamodel.registry": ("register_default",),
     "numba.core.errors": ("new_error_context",),
-    "numba.core.extending": ("_Intrinsic", "intrinsic"),
+    "numba.core.extending": ("intrinsic",),
     "numba.core.imputils": ("lower_getattr_generic",),
     "numba.core.registry": ("CPUDispatcher",),
     "numba.core.serialize": ("dumps",),

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
 
 Array = NDArray[np.float64]
@@ -30,27 +31,27 @@ class Islands(NamedTuple):
     linear_before, angular_before (nb, 3): the same velocities, but as they were before a plastic step changed them at once.
     """
 
-    found: Index
-    order: Index
-    first: Index
-    pairs: Index
-    pair_first: Index
-    label: Index
-    mark: Index
-    charged: Index
-    spent: Index
-    late: Index
-    earliest: Index
-    begun: Array
-    due: Array
-    stops: Array
-    linear: Array
-    angular: Array
-    received: Array
-    owed_linear: Array
-    owed_angular: Array
-    linear_before: Array
-    angular_before: Array
+    found: IndexLine
+    order: IndexLine
+    first: IndexLine
+    pairs: IndexGrid
+    pair_first: IndexLine
+    label: IndexLine
+    mark: IndexLine
+    charged: IndexLine
+    spent: IndexLine
+    late: IndexLine
+    earliest: IndexLine
+    begun: Line
+    due: Line
+    stops: Line
+    linear: Vectors
+    angular: Vectors
+    received: Vectors
+    owed_linear: Vectors
+    owed_angular: Vectors
+    linear_before: Vectors
+    angular_before: Vectors
 
 
 def make_islands(bodies: int, room: int) -> Islands:

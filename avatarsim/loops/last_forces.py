@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
+from avatarsim.jit.arena import IndexLine, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import put_row, row, scale
 
@@ -29,12 +30,12 @@ class LastForces(NamedTuple):
     """key, body, turn (slots): name of the point, a body that it belongs to, and the segment of that; force (slots, 3) [N];
     latest (nb): last segment of each body; turns (1): segments so far."""
 
-    key: Index
-    body: Index
-    turn: Index
-    force: Array
-    latest: Index
-    turns: Index
+    key: IndexLine
+    body: IndexLine
+    turn: IndexLine
+    force: Vectors
+    latest: IndexLine
+    turns: IndexLine
 
 
 def make_last_forces(bodies: int, points: int) -> LastForces:

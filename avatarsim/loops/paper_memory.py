@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import PIECES_CAP
+from avatarsim.jit.arena import FlagLine, IndexLine, Line, Vectors
 from avatarsim.paper.chain import Chains, chains_of
 from avatarsim.separate.overlaps import Overlaps, make_overlaps
 from avatarsim.spatial.random import seeded
@@ -59,23 +60,23 @@ class PaperMemory(NamedTuple):
 
     chains: Chains
     overlaps: Overlaps
-    order: Index
-    random: Index
-    role: Index
-    mass: Array
+    order: IndexLine
+    random: IndexLine
+    role: IndexLine
+    mass: Line
     target: Posture
     checked: Posture
     present: Posture
-    start: Array
-    end: Array
-    given_way: Flags
-    tracked: Array
-    velocity: Array
-    axes: Array
-    none: Array
-    points: Array
-    chosen: Flags
-    counts: Index
+    start: Vectors
+    end: Vectors
+    given_way: FlagLine
+    tracked: Vectors
+    velocity: Vectors
+    axes: Vectors
+    none: Line
+    points: Vectors
+    chosen: FlagLine
+    counts: IndexLine
 
 WORKING: Final = (
     "memory.chains", "memory.role", "memory.mass", "memory.counts", "memory.points", "memory.none", "memory.overlaps.ours.first",

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import IndexGrid, IndexLine
 from avatarsim.jit.kernel import kernel
 
 Array = NDArray[np.float64]
@@ -19,9 +20,9 @@ class Soonest(NamedTuple):
     """tree (2 room): of count pairs, node j holds the one of nodes 2 j and 2 j + 1 that is sooner, and pair p is node count + p;
     head (nb), after (room, 2): the first pair of a body, and the next one of the body on either side of a pair."""
 
-    tree: Index
-    head: Index
-    after: Index
+    tree: IndexLine
+    head: IndexLine
+    after: IndexGrid
 
 
 def make_soonest(bodies: int, room: int) -> Soonest:

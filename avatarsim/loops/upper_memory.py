@@ -9,6 +9,7 @@ from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts, pace_of
 from avatarsim.impact.masses import Masses
+from avatarsim.jit.arena import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
 from avatarsim.loops.soonest import Soonest, make_soonest
@@ -89,57 +90,57 @@ class Memory(NamedTuple):
     see `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities with which driven bodies came to where they are.
     """
 
-    received: Array
-    moving: Index
-    asleep: Index
-    ball: Index
-    round: Index
-    held: Index
+    received: Vectors
+    moving: IndexLine
+    asleep: IndexLine
+    ball: IndexLine
+    round: IndexLine
+    held: IndexLine
     strike: Masses
     hold: Masses
-    inertia: Array
-    reach: Array
-    span: Array
+    inertia: Matrices
+    reach: Line
+    span: Line
     trial: Poses
     paths: Paths
     series: Series
     contacts: Contacts
     manifold: Manifold
     scratch: Scratch
-    linear_end: Array
-    angular_end: Array
-    before: Array
-    direction: Array
-    boxes: Array
+    linear_end: Vectors
+    angular_end: Vectors
+    before: Vectors
+    direction: Vectors
+    boxes: Grid
     wanted: PairFilter
     sweep: SweepMemory
-    pairs: Index
-    a_rows: Array
-    b_rows: Array
+    pairs: IndexGrid
+    a_rows: Grid
+    b_rows: Grid
     last: LastForces
-    counts: Index
-    owed_linear: Array
-    owed_angular: Array
-    owing: Index
+    counts: IndexLine
+    owed_linear: Vectors
+    owed_angular: Vectors
+    owing: IndexLine
     began: Poses
     islands: Islands
-    joins: Index
-    corrected: Array
-    when: Array
-    everybody: Index
-    blocked: Index
-    clogged: Index
-    frames: Index
-    edges: Array
-    tail_end: Array
-    tail_speed: Array
-    newest: Index
-    older: Index
-    margin: Array
-    touch: Array
+    joins: IndexLine
+    corrected: Line
+    when: Line
+    everybody: IndexLine
+    blocked: IndexGrid
+    clogged: IndexLine
+    frames: IndexLine
+    edges: Grid
+    tail_end: Line
+    tail_speed: Vectors
+    newest: IndexLine
+    older: IndexGrid
+    margin: Line
+    touch: Line
     soonest: Soonest
-    shown_linear: Array
-    shown_angular: Array
+    shown_linear: Vectors
+    shown_angular: Vectors
 
 WORKING = (
     *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),

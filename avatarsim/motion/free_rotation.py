@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import Grid, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, about, product, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, put_row, row, scale
@@ -29,9 +30,9 @@ NEGLIGIBLE = 1e-17
 class Series(NamedTuple):
     """Taylor coefficients: momentum and rate in body axes (ORDER + 1, 3), quaternion (ORDER + 1, 4)."""
 
-    momentum: Array
-    rate: Array
-    quaternion: Array
+    momentum: Vectors
+    rate: Vectors
+    quaternion: Grid
 
 
 def make_series() -> Series:

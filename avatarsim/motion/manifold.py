@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
 from avatarsim.spatial.vec3 import (
@@ -54,15 +55,15 @@ class Manifold(NamedTuple):
     """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], whose face the normal belongs to (1):
     one of NOBODY, FACE_OF_A, FACE_OF_B; the rest are polygons (u, v, height)."""
 
-    on_a: Array
-    on_b: Array
-    gap: Array
-    face: NDArray[np.int64]
-    loose: Array
-    face_a: Array
-    face_b: Array
-    cut: Array
-    other: Array
+    on_a: Vectors
+    on_b: Vectors
+    gap: Line
+    face: IndexLine
+    loose: Vectors
+    face_a: Vectors
+    face_b: Vectors
+    cut: Vectors
+    other: Vectors
 
 
 def make_manifold() -> Manifold:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import FlagLine, IndexLine, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.scene.avatar import Avatar
 from avatarsim.spatial.random import draw
@@ -26,11 +27,11 @@ class Chains(NamedTuple):
     limb    (nl, 3) from the joint to where the limb ends, in the link's frame [m]; zero if it has no direction
     """
 
-    first: Index
-    link: Index
-    trunk: NDArray[np.bool_]
-    root: Index
-    limb: Array
+    first: IndexLine
+    link: IndexLine
+    trunk: FlagLine
+    root: IndexLine
+    limb: Vectors
 
 
 def chains_of(avatars: Sequence[Avatar], geo: Geometry, skel: Skeleton) -> Chains:

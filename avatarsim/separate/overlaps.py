@@ -15,6 +15,7 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.sweep import boxes_meet, forget, sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
+from avatarsim.jit.arena import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Geometry, Poses
@@ -53,11 +54,11 @@ class Overlaps(NamedTuple):
 
     ours: PairFilter
     sweep: SweepMemory
-    pairs: NDArray[np.int64]
-    found: NDArray[np.int64]
-    hit: Flags
-    seed: NDArray[np.float64]
-    tally: NDArray[np.int64]
+    pairs: IndexGrid
+    found: IndexGrid
+    hit: FlagLine
+    seed: Cube
+    tally: IndexLine
     scratch: Scratch
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import Grid, IndexLine, Matrices, Vectors
 from avatarsim.jit.kernel import kernel
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
@@ -31,9 +32,9 @@ class Geometry(NamedTuple):
     """
 
     shapes: Shapes
-    local: Array
-    first_shape: Index
-    body: Index
+    local: Vectors
+    first_shape: IndexLine
+    body: IndexLine
     wanted: PairFilter
 
 
@@ -41,11 +42,11 @@ class Poses(NamedTuple):
     """Where every body is: position (nb, 3), rotation (nb, 3, 3), vertices (nv, 3) in the world, boxes (ns, 6)
     around the pieces and hulls (nb, 6) around the bodies, each as low x, y, z, high x, y, z."""
 
-    position: Array
-    rotation: Array
-    vertices: Array
-    boxes: Array
-    hulls: Array
+    position: Vectors
+    rotation: Matrices
+    vertices: Vectors
+    boxes: Grid
+    hulls: Grid
 
 
 def piece_points(piece: Piece) -> tuple[int, Array, float]:

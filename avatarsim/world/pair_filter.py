@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avatarsim.jit.arena import IndexLine
 from avatarsim.jit.kernel import kernel
 
 Index = NDArray[np.int64]
@@ -22,9 +23,9 @@ class PairFilter(NamedTuple):
     never    (m) bodies k > i, in ascending order for each i: neighbours in a chain, the author's exclusions
     """
 
-    family: Index
-    first: Index
-    never: Index
+    family: IndexLine
+    first: IndexLine
+    never: IndexLine
 
 
 def pair_filter(family: ArrayLike, skipped: Iterable[tuple[int, int]] = ()) -> PairFilter:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.record import table_of
+from avatarsim.jit.record import known_as_table
 
 POINTS = 0
 """Kind: the convex hull of points, swept by a ball. Sphere: 1 point, capsule: 2, box: 8, hull: n."""
@@ -49,5 +49,4 @@ def make_shapes(
     return made.view(Shapes)
 
 
-shapes_in = table_of(Shapes, SHAPE)
-"""The Shapes in these words, in a tuple of one."""
+known_as_table(Shapes, SHAPE)

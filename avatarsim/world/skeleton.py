@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.arena import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, Rigid, SwingTwist
 from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene
@@ -44,28 +45,28 @@ class Skeleton(NamedTuple):
     """
 
     first: int
-    kind: Index
-    parent: Index
-    first_dof: Index
-    anchor: Array
-    rest: Array
-    axis: Array
-    limits: Array
-    cone: Array
-    untwist: Array
-    reach_first: Index
-    reach_corner: Array
-    reach_side: Array
-    sight: Array
-    related: NDArray[np.bool_]
+    kind: IndexLine
+    parent: IndexLine
+    first_dof: IndexLine
+    anchor: Vectors
+    rest: Matrices
+    axis: Vectors
+    limits: Grid
+    cone: Grid
+    untwist: Matrices
+    reach_first: IndexLine
+    reach_corner: Vectors
+    reach_side: Vectors
+    sight: Vectors
+    related: FlagGrid
 
 
 class Posture(NamedTuple):
     """A posture: root position (nl, 3), rotation (nl, 3, 3) of balls and roots, hinge angle (nd)."""
 
-    root: Array
-    turn: Array
-    angle: Array
+    root: Vectors
+    turn: Matrices
+    angle: Line
 
 
 def skeleton(scene: Scene) -> Skeleton:

@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
+from avatarsim.jit.arena import packed
 from avatarsim.scene.body import Role
 from avatarsim.scene.checks import real_array
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
-from avatarsim.world.arena import packed
 from avatarsim.world.doors import read_sample, write_shown
 from avatarsim.world.dynamics import Dynamics, Velocities, dynamics, velocities
 from avatarsim.world.geometry import Geometry, Poses, geometry, poses
+from avatarsim.world.parts import WorldParts
 from avatarsim.world.skeleton import Posture, Skeleton, hinge_dofs, skeleton
 
 Array = NDArray[np.float64]
@@ -88,9 +89,9 @@ def build(scene: Scene) -> World:
         [np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4), link_orientation]
     )
     placed = poses(geo, position + rotation.rotate(orientation, centres), orientation)
-    # in the order in which kernels open them: simulated bodies need neither the skeleton nor the posture
+    posture = posture_of(skel, hinges, scene.first_sample)
     words, (geo, masses, placed, speeds, skel, posture) = packed(
-        (geo, dynamics(scene), placed, velocities(scene), skel, posture_of(skel, hinges, scene.first_sample))
+        WorldParts(geo, dynamics(scene), placed, velocities(scene), skel, posture)
     )
     return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
 
