@@ -22,7 +22,7 @@ from avatarsim.engine import Settings
 from avatarsim.jit import places
 from avatarsim.jit.cpu import Cpu, compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.kernel import ROOT, config, kernel_folder
+from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
 from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
 from avatarsim.progress import Progress
@@ -130,7 +130,7 @@ def turn(stamp: Path) -> Iterator[None]:
 def compile_everything(stream: TextIO | None = None) -> bool:
     """Compile what is not compiled yet and say how far it is, on the standard output unless told otherwise; False if a part
     failed, which then compiles when it is first used. Where nothing can be kept nothing is compiled, and that is said."""
-    if config.DISABLE_JIT or is_compiled():
+    if config.DISABLE_JIT or is_stock() or is_compiled():
         return True
     base = places.current().write
     if base is None:

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import FlagLine, Grid, IndexGrid, IndexLine
+from avatarsim.jit.layout import FlagLine, Grid, IndexGrid, IndexLine
 
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]

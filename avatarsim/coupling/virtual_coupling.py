@@ -16,8 +16,8 @@ from avatarsim.coupling.pressing import press
 from avatarsim.coupling.recoil import recoil
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
-from avatarsim.jit.arena import IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.spatial.vec3 import Vec3, put_row, row
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch
 from avatarsim.ik.pair_cache import PairCache
-from avatarsim.jit.arena import Cube, FlagLine, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import Cube, FlagLine, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.record import known_as_table
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Posture

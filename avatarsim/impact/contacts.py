@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
-from avatarsim.jit.arena import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row
 

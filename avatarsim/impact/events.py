@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import Cube, IndexGrid, IndexLine, Line, Stack
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line, Stack
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import Line, Matrices
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Line, Matrices
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, cross
 

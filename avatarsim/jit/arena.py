@@ -14,61 +14,20 @@ compiled code keeps it (`Image`). Copied words lie elsewhere: `opened` sees that
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cache
 from math import prod
-from typing import Annotated, Any, TypeVar, cast, get_type_hints
+from typing import Any, TypeVar, cast
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba.core.extending import intrinsic
 from numba.extending import overload
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.jit.by_reference import Reference
+from avatarsim.jit.by_reference import address, referred
 from avatarsim.jit.kernel import config, kernel
+from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields
 from avatarsim.jit.record import RECORDS, TABLES
 
-types: Any = numba.types
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 Tree = TypeVar("Tree")
-
-
-@dataclass(frozen=True)
-class Axes:
-    """How many axes an array has, and what it is of."""
-
-    count: int
-    kind: type[np.generic]
-
-
-Line = Annotated[Array, Axes(1, np.float64)]
-"""Numbers (n)."""
-Grid = Annotated[Array, Axes(2, np.float64)]
-"""Numbers (n, m)."""
-Vectors = Annotated[Array, Axes(2, np.float64)]
-"""Numbers (n, 3)."""
-Cube = Annotated[Array, Axes(3, np.float64)]
-"""Numbers (n, m, k)."""
-Matrices = Annotated[Array, Axes(3, np.float64)]
-"""Numbers (n, 3, 3)."""
-Stack = Annotated[Array, Axes(4, np.float64)]
-"""Numbers of four axes."""
-IndexLine = Annotated[Index, Axes(1, np.int64)]
-"""Integers (n)."""
-IndexGrid = Annotated[Index, Axes(2, np.int64)]
-"""Integers (n, m)."""
-FlagLine = Annotated[Flags, Axes(1, np.bool_)]
-"""Flags (n)."""
-FlagGrid = Annotated[Flags, Axes(2, np.bool_)]
-"""Flags (n, m)."""
-
-NUMBERS: dict[object, Any] = {float: types.float64, int: types.int64, bool: types.boolean}
-"""Kind of number -> numba's type of it."""
 
 ADDRESS, MANY, LIST, IMAGE, FIRST = range(5)
 """The first words of an arena, as said above; the fifth begins the first row."""
@@ -81,33 +40,6 @@ ROW = 1 + AXES_MOST
 
 WORD = 8
 """Bytes of a word."""
-
-
-@cache
-def numba_type(kind: Any) -> Any:
-    """numba's type of what a field with this annotation holds."""
-    if kind in NUMBERS:
-        return NUMBERS[kind]
-    if kind in RECORDS:
-        return RECORDS[kind]
-    if kind in TABLES:
-        return types.Array(numba.from_dtype(TABLES[kind]), 1, "C")
-    if axes := _axes(kind):
-        return types.Array(numba.from_dtype(np.dtype(axes.kind)), axes.count, "C")
-    return types.BaseTuple.from_types(tuple(map(numba_type, fields(kind))), kind)
-
-
-def _axes(kind: Any) -> Axes | None:
-    return next((one for one in getattr(kind, "__metadata__", ()) if isinstance(one, Axes)), None)
-
-
-@cache
-def fields(kind: Any) -> tuple[Any, ...]:
-    """Annotations of the fields of a named tuple, in their order."""
-    if not hasattr(kind, "_fields"):
-        raise AvatarsimError(f"an arena holds no {kind}: this is a defect")
-    hints = get_type_hints(kind, include_extras=True)
-    return tuple(hints[name] for name in kind._fields)
 
 
 def packed(tree: Tree) -> tuple[Index, Tree]:
@@ -246,13 +178,13 @@ def opened(words: Index, kind: type[Tree]) -> Tree:
 
 def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
     """What a field with this annotation holds, from the next rows."""
-    if not (kind in NUMBERS or kind in RECORDS or kind in TABLES or _axes(kind)):
+    if not (kind in NUMBERS or kind in RECORDS or kind in TABLES or axes_of(kind)):
         return kind(*(_read(words, one, rows) for one in fields(kind)))
     row = next(rows)
     first = int(words[row])
     if kind in NUMBERS:
         return kind(words.view(np.float64)[first] if kind is float else words[first])
-    axes = _axes(kind) or Axes(1, np.int64)
+    axes = axes_of(kind) or Axes(1, np.int64)
     shape = words[row + 1 : row + 1 + axes.count].tolist()
     view = words.view(axes.kind)[first : first + prod(shape)].reshape(shape)
     if kind in RECORDS:
@@ -262,34 +194,10 @@ def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
 
 if not config.DISABLE_JIT:
 
-    def address_of(_context: Any, words: Any) -> Any:
-        """Type and code of: where an array of words lies."""
-
-        def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            array = context.make_array(signature.args[0])(context, builder, values[0])
-            return builder.ptrtoint(array.data, ir.IntType(64))
-
-        return types.int64(words), build
-
-    def image_in(_context: Any, words: Any, kind: Any) -> Any:
-        """Type and code of: a reference to the tuple whose image lies in the words."""
-        found = Reference(numba_type(kind.instance_class))
-
-        def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            first = context.make_array(signature.args[0])(context, builder, values[0]).data
-            at = builder.load(builder.gep(first, [ir.IntType(64)(IMAGE)]))
-            start = builder.gep(builder.bitcast(first, ir.IntType(8).as_pointer()), [at])
-            return builder.bitcast(start, context.get_value_type(found))
-
-        return found(words, kind), build
-
-    _address: Any = intrinsic(address_of)
-    _image: Any = intrinsic(image_in)
-
     @kernel
     def put_right(words: Index) -> None:
         """Correct the addresses of an image whose words have been moved."""
-        moved = _address(words) - words[ADDRESS]
+        moved = address(words) - words[ADDRESS]
         if moved != 0:
             for k in range(words[LIST], words[LIST] + words[MANY]):
                 words[words[k]] += moved
@@ -300,6 +208,6 @@ if not config.DISABLE_JIT:
         # numba wants the same annotations on both
         def body(words: Any, kind: Any) -> Any:
             put_right(words)
-            return _image(words, kind)
+            return referred(words, words[IMAGE], kind)
 
         return body

@@ -27,6 +27,7 @@ from numba.core import sigutils, types
 from numba.core.compiler import CompileResult, compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 from numba.core.types.misc import unliteral
 
 from avatarsim.jit.cache import KernelFiles
@@ -154,6 +155,12 @@ class CodeAlone:
 
 class KernelCache(KernelFiles):
     """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, the sealed kernels it calls."""
+
+    def pickled(self, tree: object) -> bytes:
+        return cast(bytes, dumps(tree))
+
+    def arguments(self, signature: Any) -> tuple[types.Type, ...]:
+        return tuple(sigutils.normalize_signature(signature)[0])
 
     def reduce(self, compiled: Any) -> Any:
         name, library = sealed_name(compiled), compiled.library

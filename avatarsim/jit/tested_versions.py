@@ -16,7 +16,6 @@ TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
 
 PRIVATE = {
     "numba.core": ("cgutils", "compiler", "sigutils", "typed_passes", "types", "untyped_passes"),
-    "numba.core.caching": ("_Cache",),
     "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
     "numba.core.compiler": ("CompileResult", "compile_result"),
     "numba.core.compiler_lock": ("global_compiler_lock",),

@@ -26,8 +26,9 @@ from avatarsim.ik.state import (
     IkState,
     Mode,
 )
-from avatarsim.jit.arena import Array, Index, opened, packed
+from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Array, Index
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.make import make_planner

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

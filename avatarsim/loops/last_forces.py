@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
-from avatarsim.jit.arena import IndexLine, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Vectors
 from avatarsim.spatial.vec3 import put_row, row, scale
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import PIECES_CAP
-from avatarsim.jit.arena import FlagLine, IndexLine, Line, Vectors
+from avatarsim.jit.layout import FlagLine, IndexLine, Line, Vectors
 from avatarsim.paper.chain import Chains, chains_of
 from avatarsim.separate.overlaps import Overlaps, make_overlaps
 from avatarsim.spatial.random import seeded

@@ -5,8 +5,9 @@ from typing import ClassVar, NamedTuple
 
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import Events, make_events
-from avatarsim.jit.arena import Index, opened, packed
+from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Index
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
 from avatarsim.loops.upper_memory import COUNT_NAMES, WORKING, Memory, Switches, make_memory

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import IndexGrid, IndexLine
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexGrid, IndexLine
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -9,7 +9,7 @@ from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts, pace_of
 from avatarsim.impact.masses import Masses
-from avatarsim.jit.arena import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
 from avatarsim.loops.soonest import Soonest, make_soonest

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import Grid, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, Vectors
 from avatarsim.spatial.tangent import Columns, about, product, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, put_row, row, scale
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import IndexLine, Line, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
 from avatarsim.spatial.vec3 import (
     Rows,

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Matrices, Vectors
 from avatarsim.motion.free_rotation import Series, spun, tumbled
 from avatarsim.spatial.tangent import columns, put_columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, put_row, row, scale

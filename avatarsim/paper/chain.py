@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import FlagLine, IndexLine, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import FlagLine, IndexLine, Vectors
 from avatarsim.scene.avatar import Avatar
 from avatarsim.spatial.random import draw
 from avatarsim.world.geometry import Geometry

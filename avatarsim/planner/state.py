@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.jit.arena import Cube, IndexGrid, IndexLine, Line
+from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line
 from avatarsim.jit.record import known_as_table
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import BALL, FREE, Posture, Skeleton

@@ -15,8 +15,8 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.sweep import boxes_meet, forget, sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
-from avatarsim.jit.arena import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import OPEN, PairFilter

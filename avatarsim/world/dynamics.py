@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.world.pair_filter import OPEN

@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import Grid, IndexLine, Matrices, Vectors
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, IndexLine, Matrices, Vectors
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere

@@ -6,8 +6,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.jit.arena import IndexLine
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine
 
 Index = NDArray[np.int64]
 

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from avatarsim.jit.arena import IndexLine
+from avatarsim.jit.layout import IndexLine
 from avatarsim.world.dynamics import Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton

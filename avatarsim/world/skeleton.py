@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.jit.arena import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, Rigid, SwingTwist
 from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene

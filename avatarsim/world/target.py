@@ -5,8 +5,9 @@ from math import isfinite
 from typing import ClassVar
 
 from avatarsim.errors import InvalidSample
-from avatarsim.jit.arena import Array, Index, opened, packed
+from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Array, Index
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.world.doors import read_sample

@@ -11,8 +11,9 @@ from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.pair_memory import PairMemory, make_pair_memory
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.jit.arena import Line, Matrices, Vectors, opened, packed
+from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Line, Matrices, Vectors
 from avatarsim.scene.shape import Piece, Shape
 from avatarsim.spatial.vec3 import row
 from avatarsim.world.geometry import piece_points

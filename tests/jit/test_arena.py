@@ -17,8 +17,9 @@ from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
 from avatarsim.impact.events import make_events
-from avatarsim.jit.arena import FlagLine, Grid, Image, Line, Matrices, Stack, numba_type, opened, packed
+from avatarsim.jit.arena import Image, opened, packed
 from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import FlagLine, Grid, Line, Matrices, Stack, numba_type
 from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
