@@ -5,14 +5,15 @@ in seven variants of one scene counts once, and the worst of the seven is named.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from reports import piles
 from reports.load import Results, Row
 from reports.metric_words import words
 from reports.moment import moment
-from reports.wording import count, factor, limit, listed
-from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
+from reports.wording import count, factor, families, limit, listed
+from scenarios.behind import BEST, Behind, Compared, MetricLosses, aside, by_family
+from scenarios.like_for_like import TIME
 from scenarios.measure.protocol import brief
 from scenarios.metrics import METRICS
 from scenarios.ranked import KINDS, RANKED, UNRANKED
@@ -23,6 +24,8 @@ TIMES = ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max")
 """Metrics that stand there whatever their place in that order: what a frame costs is asked first of an engine."""
 MOST_NAMED = 3
 """Metrics that the sentence names."""
+MOST_BEHIND = 6
+"""Families that a sentence on one metric names."""
 
 
 def beside(one: Behind) -> str:
@@ -43,6 +46,29 @@ def sentence(found: Sequence[MetricLosses], ours: str) -> str:
     return f"Some other engine is better than {ours} in {len(lost)} of {ranked}, most often: {most}.{level}"
 
 
+def best_in(found: Compared, family_of: Mapping[str, str], metric: str) -> str:
+    """In how many families ours is best or level in a metric, where not, the largest factor first, and for a frame time what is
+    not ranked: every sentence of the page that counts families of one metric asks here. "" where none was ranked."""
+    one = next((one for one in by_family(found, family_of) if one.metric == metric), None)
+    if one is None:
+        return aside_said(found, family_of, metric)
+    which = " without an avatar" if metric.startswith(TIME) else ""
+    said = f"{one.families - len(one.lost)} of {families(one.families)}{which}"
+    where = tuple(" ".join(filter(None, [lost.worst.row.scenario, f"({beside(lost.worst)})" if beside(lost.worst) else ""]))
+                  for lost in one.lost)
+    more = aside_said(found, family_of, metric)
+    return f"{said}{f', behind in {listed(where, MOST_BEHIND)}' if where else ''}{f' ({more})' if more else ''}"
+
+
+def aside_said(found: Compared, family_of: Mapping[str, str], metric: str) -> str:
+    """What of a frame time is not ranked, counted in families; "" where all is."""
+    one = aside(found, family_of, metric)
+    said = [f"with an avatar, side by side, another engine takes less time in {one.less} of {families(one.avatar)}"] \
+        if one.avatar else []
+    said += [f"in {families(one.asleep)} what rests sleeps in that frame"] if one.asleep else []
+    return f"not ranked: {'; '.join(said)}" if said else ""
+
+
 def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
     """What the template of the losses is made of."""
     made = _most_lost_first(by_family(found, results.families))
@@ -55,7 +81,7 @@ def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
-        "same": same, "lost_over": over,
+        "same": same, "lost_over": over, "lost_aside": lambda one: aside_said(found, results.families, one.metric),
     }
 
 
