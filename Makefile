@@ -120,7 +120,7 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, h
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
 	$(VENV_PYTHON) -m tests.impact.random_impacts --impacts $(or $(IMPACTS),1000000) --seed $(or $(SEED),1) || failed=1; \
-	$(VENV_PYTHON) -m tests.posture.test_pushed_through --pushes $(or $(PUSHES),1000) --seed $(or $(SEED),1) || failed=1; \
+	$(VENV_PYTHON) -m tests.ik.test_pushed_through --pushes $(or $(PUSHES),1000) --seed $(or $(SEED),1) || failed=1; \
 	for avatar in hinged humanoid two; do \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \

@@ -37,7 +37,7 @@ from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
 
-SHARES = (("distance", "posture", "ik"), ("motion", "paper"))
+SHARES = (("distance", "posture"), ("motion", "paper"))
 """What is compiled at once, each share in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all others ask for, come first in one and a third of the way through the other: who needs a kernel that somebody
 else is compiling waits. What posture and motion compile is all that a scene with both calls. Memory grows by half a gigabyte per
@@ -64,7 +64,7 @@ def part_scene(part: str) -> tuple[Scene, str]:
     start = rest(avatars)
     start.positions[:] = (0.5, 0.5, 0.5)
     bodies = (floor, loose) if part in ("motion", "together") else (floor,)
-    return Scene(part, bodies, avatars, start=start), part if part in ("ik", "paper") else "default"
+    return Scene(part, bodies, avatars, start=start), "paper" if part == "paper" else "default"
 
 
 def compile_part(part: str) -> None:

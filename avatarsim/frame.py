@@ -9,7 +9,6 @@ from typing import ClassVar
 import numpy as np
 
 from avatarsim.engine import Snapshot
-from avatarsim.loops.checked import CheckedLoop
 from avatarsim.loops.ik_loop import IkLoop
 from avatarsim.loops.paper import PaperLoop
 from avatarsim.loops.simulated import SimulatedLoop
@@ -25,15 +24,13 @@ from avatarsim.world.world import World
 
 def lower_loop(
     world: World, method: str, chosen: Chosen, seed: int, record: bool
-) -> CheckedLoop | IkLoop | PaperLoop | TrackedLoop:
+) -> IkLoop | PaperLoop | TrackedLoop:
     """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
         return PaperLoop(world, chosen.paper, chosen.coupling, chosen.attraction, seed)
-    if method == "ik":
-        return IkLoop(world, chosen.ik, chosen.coupling, seed, record=record)
-    return CheckedLoop(world, chosen.posture, chosen.coupling, seed, record=record)
+    return IkLoop(world, chosen.posture, chosen.coupling, seed, record=record)
 
 
 class Frames:
@@ -58,9 +55,7 @@ class Frames:
             self.target = Target(world)
             self.lower = lower_loop(world, method, chosen, seed, record)
         if self.effects.dynamics:
-            kept = {
-                "default": chosen.posture.stand_off, "ik": chosen.ik.stand_off, "paper": chosen.paper.stand_off,
-            }[method]
+            kept = (chosen.paper if method == "paper" else chosen.posture).stand_off
             self.upper = SimulatedLoop(world, paper=method == "paper", record=record, stand_off=kept)
             moving = self.upper.memory.moving
         if self.driven:

@@ -25,12 +25,11 @@ from avatarsim.snapshot import Identity, identity, kept_by, read, written
 from avatarsim.start_check import require_free, require_within_limits
 from avatarsim.world.world import Array, build, shown_again, shown_poses
 
-PRESETS = ("default", "ik", "paper")
-"""`default`: every state certified; `ik`: the same by the new posture solver; `paper`: the paper's equations as printed."""
+PRESETS = ("default", "paper")
+"""`default`: every state certified; `paper`: the paper's equations as printed."""
 
 METHODS_SAID = {
-    "default": "every state is checked before it is shown; what holds an avatar back is found by quadratic programs",
-    "ik": "every state is certified; the nearest posture by sequential quadratic programming within a motion budget",
+    "default": "every state is certified; the nearest posture by sequential quadratic programming within a motion budget",
     "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
 }
 """What each preset is, in words that stand beside its settings."""
@@ -41,19 +40,16 @@ MOST = 1e9
 NOWHERE = np.zeros((0, 3))
 """What is shown before a scene is loaded."""
 
-CHOICES = {"untie": 1, "around": 2, "couple": 1}
+CHOICES = {"around": 2, "couple": 1}
 """Largest value of the options that are a choice between 0 and this."""
 
 LEAST = {
-    "steps": 1, "corrections": 1, "attempts": 1, "sweeps": 1, "work": 1, "turn_cap": 1e-3, "move_cap": 1e-3, "stand_off": 1e-7,
-    "turn_share": 1e-3, "turn_alone": 1e-3, "stuck_frames": 1, "search_after": 1, "trapped_frames": 1, "rounds": 1,
-    "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3, "catch_up_turn": 1e-3, "catch_up_move": 1e-3,
+    "steps": 1, "sweeps": 1, "work": 1, "stand_off": 1e-7, "rounds": 1, "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3,
+    "catch_up_turn": 1e-3, "catch_up_move": 1e-3,
 }
 """Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
 
-METHOD_SETTINGS = {
-    "default": ("posture", "coupling"), "ik": ("ik", "coupling"), "paper": ("paper", "coupling", "attraction"),
-}
+METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
 """The groups of settings that each method reads."""
 
 
@@ -102,15 +98,9 @@ def number(name: str, value: object, kind: type[float] | type[int]) -> float:
 
 
 def require_order(chosen: Chosen, method: str) -> None:
-    """Refuse gaps that contradict each other: steps would aim at what is then not accepted."""
-    if method == "paper":
-        if chosen.paper.tolerance >= chosen.paper.stand_off:
-            raise InvalidInput("option tolerance", chosen.paper.tolerance, f"below stand_off, {chosen.paper.stand_off:g} m")
-        return
-    group = chosen.ik if method == "ik" else chosen.posture
-    gaps = group.wedged_gap, group.least_gap, group.stand_off
-    if not gaps[0] <= gaps[1] < gaps[2]:
-        raise InvalidInput("options wedged_gap, least_gap, stand_off", gaps, "wedged_gap up to least_gap, below stand_off [m]")
+    """Refuse a tolerance that is no smaller than the gap it belongs to: goals would then be reached in contact."""
+    if method == "paper" and chosen.paper.tolerance >= chosen.paper.stand_off:
+        raise InvalidInput("option tolerance", chosen.paper.tolerance, f"below stand_off, {chosen.paper.stand_off:g} m")
 
 
 class AvatarsimEngine:

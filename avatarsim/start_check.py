@@ -8,8 +8,8 @@ from avatarsim.collide.status import NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import make_sweep_memory
 from avatarsim.errors import AvatarsimError, InvalidScene, StartOverlaps
-from avatarsim.posture.limits import cone_excess, has_cone
 from avatarsim.spatial.tangent import columns
+from avatarsim.world.limits import cone_excess, has_cone
 from avatarsim.world.skeleton import BALL, HINGES
 from avatarsim.world.world import World
 

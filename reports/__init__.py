@@ -93,7 +93,8 @@ def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:
             place.parent.mkdir(exist_ok=True)
             half_written = place.with_name(f".{place.name}.part")
             halves.append((half_written, place))
-            half_written.write_text(text, encoding="utf-8")
+            # files of a run may hold half of a surrogate pair, which UTF-8 has no bytes for
+            half_written.write_text(text, encoding="utf-8", errors="replace")
         for half_written, place in halves:
             os.replace(half_written, place)
     finally:

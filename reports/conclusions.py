@@ -6,7 +6,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from avatarsim.settings import PostureSettings, meanings
 from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
 from reports.metric_words import words
@@ -136,19 +135,16 @@ def time_summary(
 
 def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) -> str:
     """The slowest frame [us] of ours over all scenes that were timed long enough to have one, of so many, against what a headset
-    allows, and what dearer frames cost that need not be in the run."""
+    allows."""
     if not frames:
         return ""
     worst = max(frames, key=lambda scene: frames[scene])
     over = sum(not time <= FRAME_90_HZ for time in frames.values())
-    # what it does, before its values, is of no interest here
-    leaps = meanings(PostureSettings)["leap_search"].partition(". ")[2] + " "
     of = f" of {count(scenes, 'scene')}" if scenes else ""
     held = f"in each of the {len(frames)}{of} with such a figure every frame that was timed fits into"
     if over:
         held = f"in {over} of the {len(frames)}{of} with such a figure a frame takes longer than"
-    return (f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
-            f"What a leap into something may take, and how to avoid it: leap_search, {leaps}")
+    return f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:

@@ -167,7 +167,7 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> li
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
             "shows": measure.shows, "concludes": conclusion(measure.key, lines), "text": sentence(measure.key, lines),
             "lines": [
-                {"run": line.run, "first": line.first * dt, "step": float(np.diff(frames).mean()) * dt if len(frames) > 1 else dt,
+                {"run": line.run, "first": line.first * dt, "times": packed.reals(dt * (line.first + frames)),
                  "values": packed.text(packed.codes(_scaled(values, log, low), (_scaled(np.array([low]), log, low)[0],
                                                                                _scaled(np.array([high]), log, low)[0])))}
                 for line, frames, values in points

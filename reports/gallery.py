@@ -8,12 +8,17 @@ from reports.columns import COLUMNS
 from reports.cut_short import cuts
 from reports.load import Results
 from reports.metric_words import words
+from reports.seen_first import by_sight
 from reports.tables import RAW_TRACKER, Block, engine_of
 from reports.verdict import Verdict
 from reports.wording import count, quantity
+from scenarios.behind import Behind, at_size
 
 OVERLAP = "overlap"
 """Key of the column whose largest figure a card names."""
+
+ON_CARD = 2
+"""Losses that a card names without being opened: those that are seen first."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +32,8 @@ class Picture:
 @dataclass(frozen=True)
 class Card:
     """What the index shows of a scene; `status` is a class of the style sheet, `said` the same in words, `figures` (what, text),
-    `behind` the measures in which another engine is better, `cut` how much of a scene ran that was cut short, else ""."""
+    `behind` every figure of this very scene in which another engine is better, what is seen first at the front, `cut` how much of
+    a scene ran that was cut short, else ""."""
 
     scene: str
     title: str
@@ -43,16 +49,27 @@ class Card:
 def cards(results: Results, shown: Sequence[Block], verdict: Verdict, pictures: Mapping[str, Picture]) -> tuple[Card, ...]:
     """One card per scene, in the order of the table."""
     said, cut = _statuses(verdict), cuts(results)
-    behind: dict[str, dict[str, None]] = defaultdict(dict)
-    for loss in verdict.losses:
-        if loss.kind == "behind":
-            behind[loss.scene][words(loss.what)] = None
+    behind: dict[str, list[Behind]] = defaultdict(list)
+    # of each scene, not of the worst of its family: a card speaks of its own scene
+    for one in verdict.ranked.behind:
+        behind[one.row.scenario].append(one)
     return tuple(
         Card(block.scene, block.title, results.family(block.scene), *said.get(block.scene, ("none", "no bound of the gate")),
-             _figures(block, verdict.gated), tuple(behind[block.scene]), pictures.get(block.scene, Picture("", 0.0)),
+             _figures(block, verdict.gated),
+             tuple(_lost(one, results.scales.get(block.scene, 1.0)) for one in by_sight(behind[block.scene])),
+             pictures.get(block.scene, Picture("", 0.0)),
              cut[block.scene].said if block.scene in cut else "")
         for block in shown
     )
+
+
+def _lost(one: Behind, scale: float) -> str:
+    """"jump of a link ... 473 mm, best other 89.1 mm (mujoco/tuned)", both as the scene shows them."""
+    unit, metric = one.row.unit, one.row.metric
+    run, best = one.rivals[0]
+    more = f" and {len(one.rivals) - 1} more" if len(one.rivals) > 1 else ""
+    return f"{words(metric)} {quantity(at_size(one.value, unit, scale), unit)}, best other " \
+           f"{quantity(at_size(best, unit, scale), unit)} ({run}{more})"
 
 
 def families(found: Sequence[Card]) -> tuple[tuple[str, int], ...]:

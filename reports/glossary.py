@@ -12,17 +12,14 @@ TERMS = (
     ("jitter in contact", "To-and-fro motion below what counts as shaking, 3 mm a frame at 60 Hz (0.18 m/s): the root mean "
      "square, over frames in contact in which a link's target rests or slides below that speed, of the displacement taken back, "
      "at most 3 mm, and 0 in frames without any; of the link that has most."),
-    ("jump", "What a link or the root moves in one frame more than its user does. Of our root it ends at a cap, steps x "
-     "move_cap (0.3 m as set), which is reached where an avatar that was held back catches up."),
+    ("jump", "What a link or the root moves in one frame more than its user does. Of our root it ends at a cap, "
+     "catch_up_move times the frame (83 mm at 60 Hz as set), which is reached where an avatar that was held back catches up."),
     ("turn", "What a joint, or a body without joints as a whole (the rigid hand of thin_wall_hand), turns in one frame more than "
      "its user does."),
-    ("trap", "The user's own posture is free, or the trunk is held off by what it is clear of, and the shown avatar is not there "
-     "and has come no nearer for trapped_frames frames. Status: trapped."),
-    ("wall between", "A trap in which something that is no link stands between the shown trunk and the user's. Status: walled."),
-    ("leap", "A frame in which the user moves farther than the steps of a frame go (0.3 m as set), such as a teleport; it is "
-     "followed in that frame, as far as the way is free."),
-    ("untied", "Limbs that hold each other while the user's posture is free are let go by one stated jump that crosses nothing "
-     "fixed. Status: resyncs."),
+    ("waiting", "An avatar is held off its user by more than 5 cm and has come no nearer for stall_time, and no path around "
+     "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it."),
+    ("leap", "A user who is elsewhere from one frame to the next, such as after a teleport. The way is followed in that frame as "
+     "far as it is free; what is in between is then planned around."),
     ("roughness of motion", "95th percentile of the third differences of link places, shown over target; 1 is as smooth as the "
      "user."),
     ("frames far from a free user without a status", "The target has been free for half a second, a link is more than 10 cm off, "

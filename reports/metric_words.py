@@ -70,11 +70,10 @@ WORDS: dict[str, str] = {
     "frame_time_python_p50": "frame time as called from Python, median",
     "warmup": "time from start to the first frames",
     "deterministic": "same bits in every repeat",
-    "resyncs": "jumps that untied limbs",
-    "trapped": "frames in a trap",
-    "walled": "frames with a wall between shown and tracked trunk",
-    "crossings": "jumps out of a trap or across a wall",
-    "leaps": "leaps of the tracker that were followed",
+    "waiting": "frames in which an avatar waits behind what holds it off",
+    "planning": "frames in which a path is sought",
+    "following": "frames along a path",
+    "out_of_work": "steps that ended with the work of a frame",
     "run": "the whole run",
 }
 """By metric its name on a page; units and definitions stand in `scenarios.metrics`."""

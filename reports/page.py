@@ -202,7 +202,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         overlap_chart=summary_charts.overlaps(results, colours, verdict.gated),
         overlap_summary=overlap_summary(results, verdict.gated),
         gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
-        gallery_js=source("gallery.js"),
+        gallery_js=source("gallery.js"), lost_on_card=gallery.ON_CARD,
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
         ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), verdict.ranked, results.families),
         policy=policy(scripts), courses_js=source("courses.js"),

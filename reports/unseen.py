@@ -53,7 +53,7 @@ WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's"
 """Metrics whose largest figure stands at the top of the page, and how it is said there."""
 BEST = "/tuned"
 """How runs of other engines with their best settings end: they stand beside ours, everything else in a fold."""
-SAID = {"trapped": "in a trap", "walled": "with a wall between", "resyncs": "jumps that untied limbs", "crossings": "crossings",
+SAID = {"waiting": "waiting", "planning": "seeking a path", "following": "along a path",
         "status_frames": "reported as not ended well"}
 """Counts by which ours says that it is not where its target is, and what they are called."""
 PROMISED = ("residual_overlap_max", "wrong_side_frames", "not_finite_frames", "joint_limit_excess_max", "reach_cone_excess_max")

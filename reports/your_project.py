@@ -12,17 +12,15 @@ from reports.growth import Growth
 from reports.load import Results, Row
 from reports.metric_words import words
 from reports.tables import RAW_TRACKER
-from reports.wording import count, figures, listed, quantity
+from reports.wording import count, listed, quantity
 
 YES, NO, PARTLY, UNMEASURED = "yes", "no", "partly", "not measured"
 ABSENT = "not measured in this run"
 """Stands for the figure of a longer run."""
-DESKTOP, HEADSET = 60.0, 90.0
-"""Frames per second for which the defaults were chosen, and of a headset."""
-COUNT_FRAMES = ("stuck_frames", "search_after", "trapped_frames", "trapped_jump", "walled_jump")
-"""Settings that are a number of frames: times that are shorter at a higher rate."""
-PER_FRAME = ("steps", "work", "search_work", "leap_search")
-"""Settings that say how much happens in a frame: speeds that are higher at a higher rate."""
+HEADSET = 90.0
+"""Frames per second of a headset."""
+PER_FRAME = ("steps", "work")
+"""Settings that say how much happens in a frame: more a second at a higher rate."""
 NOT_FOR = (
     "a binding for C, Unity, Unreal or OpenXR (there is Python alone)", "scenery that moves, such as lifts and doors",
     "things that appear or vanish while a scene runs", "triangle meshes as they are (shapes are convex pieces)",
@@ -53,8 +51,8 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
                "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
-        Answer("A user who leaps (teleports)", YES, leaps(results, ours)),
-        Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {leap_cost()}"),
+        Answer("A user who leaps (teleports)", YES, leaps()),
+        Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {budget()}"),
         Answer("Other frame rates than 60 Hz", PARTLY, rates(results)),
         Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
         Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
@@ -87,28 +85,20 @@ def _figures(results: Results, run: str, metric: str) -> list[tuple[float, str]]
 
 def walls(results: Results, ours: str) -> str:
     """What becomes of an avatar whose user goes through a wall, and how often that was in this run."""
-    found = sorted(((number, scene) for number, scene in _figures(results, ours, "walled") if number > 0.0), reverse=True)
+    found = sorted(((number, scene) for number, scene in _figures(results, ours, "waiting") if number > 0.0), reverse=True)
     seen = listed(tuple(f"{quantity(number, 'frames')} frames in {scene}" for number, scene in found), 4)
     return (
-        "The avatar stays on its side and waits as long as a wall is between; with joints it is led around where a way is found, "
-        "a hand without joints never is (around: 2 leads it too). The status says walled, or trapped where nothing fixed is "
-        f"between. In this run: {seen or 'no frame'}. To be shown at the user all the same, through the wall, set walled_jump or "
-        "trapped_jump to the frames of patience (0: never)."
+        "The avatar stays on its side and slides along the wall; with joints it is led around where a path is found, a hand "
+        "without joints is not (around: 2 leads it too). Where there is none it waits, which the status says. In this run: "
+        f"{seen or 'no frame'}. To be shown at the user all the same, through the wall, call reset with the user's posture."
     )
 
 
-def leaps(results: Results, ours: str) -> str:
-    """How leaps are followed, and where this run has them."""
-    found = [(number, scene) for number, scene in _figures(results, ours, "leaps") if number > 0.0]
-    seen = listed(tuple(f"{quantity(number, 'frames')} in {scene}" for number, scene in found))
-    return (f"In the frame of the leap, as far as the way there is free. Other frames move a root by steps x move_cap = "
-            f"{quantity(_budget(), 'm')} at most beside what its user did, so catching up shows as jumps of that size. Leaps in "
-            f"this run: {seen or 'none'}.")
-
-
-def _budget() -> float:
-    """The motion budget of a frame [m]."""
-    return PostureSettings().steps * PostureSettings().move_cap
+def leaps() -> str:
+    """How leaps are followed."""
+    return ("In the frame of the leap, as far as the straight way is free; what is in between is planned around, at "
+            f"{quantity(PostureSettings().catch_up_move, 'm/s')} at most. A teleport that is meant to cross walls is a reset of "
+            "the engine to the posture there.")
 
 
 def slowest(results: Results, ours: str) -> str:
@@ -124,27 +114,21 @@ def slowest(results: Results, ours: str) -> str:
             f"{longer}.")
 
 
-def leap_cost() -> str:
-    """What the dearest frames cost, in the words of the setting that buys or avoids them."""
-    return f"A user who leaps into something is dearest. leap_search: {meanings(PostureSettings)['leap_search']}"
+def budget() -> str:
+    """What bounds the work of a frame, in the words of the setting."""
+    return f"work: {meanings(PostureSettings)['work']}"
 
 
 def rates(results: Results) -> str:
-    """At which rates scenes with an avatar were measured, and which defaults mean something else at 90 Hz."""
+    """At which rates scenes with an avatar were measured, and which settings are per frame."""
     avatars = {row.scenario for row in results.rows if row.metric == "tracker_offset_rms" and row.engine != RAW_TRACKER}
     hertz = sorted(round(1.0 / dt) for scene, dt in results.frame_times.items() if scene in avatars and dt > 0.0)
     seen = listed(tuple(f"{hertz.count(rate)} at {rate} Hz" for rate in dict.fromkeys(hertz)))
     values = PostureSettings()._asdict()
-    times = ", ".join(f"{name} {values[name]} ({figures(values[name] / DESKTOP)} s at 60 Hz, {figures(values[name] / HEADSET)} s "
-                      "at 90 Hz)" for name in COUNT_FRAMES if values[name])
-    never = ", ".join(name for name in COUNT_FRAMES if not values[name])
-    way = _budget()
     return (
-        f"Scenes with an avatar were measured at: {seen or ABSENT}. Defaults were chosen at 60 Hz. These count frames, and mean "
-        f"shorter times at a higher rate: {times}; and {never} once set. These are per frame, and mean higher speeds and more "
-        f"work a second: {', '.join(f'{name} {values[name]}' for name in PER_FRAME)}; steps x move_cap is "
-        f"{figures(way * DESKTOP)} m/s at 60 Hz and {figures(way * HEADSET)} m/s at 90 Hz. Times the rate over 60, or divided by "
-        "it, they are what they were."
+        f"Scenes with an avatar were measured at: {seen or ABSENT}. Times and speeds of the settings are in seconds, metres and "
+        f"radians, whatever the rate. These are per frame, and mean more work a second at a higher rate: "
+        f"{', '.join(f'{name} {values[name]}' for name in PER_FRAME)}."
     )
 
 

@@ -85,6 +85,11 @@ def at_size_1(value: float | None, unit: str, scale: float) -> float | None:
     return None if value is None else value / scale ** POWERS.get(unit, 0)
 
 
+def at_size(value: float | None, unit: str, scale: float) -> float | None:
+    """A figure at size 1 as a world of size `scale` shows it."""
+    return None if value is None else value * scale ** POWERS.get(unit, 0)
+
+
 def compared(
     rows: Iterable[Figure], ours: str, unsaid: Unsaid | None = None, scales: Mapping[str, float] = MappingProxyType({}),
     told: Container[tuple[str, str]] | None = None,

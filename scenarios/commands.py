@@ -91,17 +91,17 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
         listed = listed[:1] if first_preset_only and not asked.preset else listed
         rows = [row for row in own if row.engine == name]
         for row in rows:
-            if row.name in offer.all_presets:
+            if row.name in offer.presets:
                 raise InvalidInput(f"name of a row in {asked.settings}", row.name, f"none of {name}'s own presets")
-            if offer.presets and row.base not in offer.all_presets:
-                raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.all_presets)
+            if offer.presets and row.base not in offer.presets:
+                raise UnknownName(f"preset of [{name}.{row.name}] in {asked.settings}", row.base, offer.presets)
         presets[name] = [(preset, None) for preset in listed] + [(row.name, row) for row in rows]
     if asked.settings and found:
         tried([row for row in own if row.engine in presets and row.engine not in missing], next(iter(found)), asked.settings,
               asked.jobs)
     known_variants = {variant for name in names for variant in VARIANTS.get(name, {})}
     if asked.preset and found and not missing and not any(presets.values()) and not known_variants & set(asked.preset):
-        offered_presets = {p for offer in offered.values() for p in offer.all_presets}
+        offered_presets = {p for offer in offered.values() for p in offer.presets}
         raise UnknownName("preset", ", ".join(asked.preset), offered_presets | known_variants)
     jobs, ready = [], []
     for scene in found:

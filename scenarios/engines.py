@@ -31,8 +31,6 @@ STEPPED = ("mujoco", "pybullet")
 """Engines with a step of their own, by an option "dt". Ours has none but the frame, which is cut instead."""
 PRESETS = {"mujoco": ("default", "tuned"), "pybullet": ("default", "tuned")}
 """Presets of engines whose package may be missing, so that every row that is missing then can be named."""
-ON_REQUEST = {"avatarsim": ("ik",)}
-"""Presets that run only where `--preset` names them: a solver beside the one that it is to replace, until it is level."""
 EXTRA = "compare"
 """The extra that brings the packages of the engines we compare with."""
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import results
 from scenarios.effects_said import lapse_said
-from scenarios.engines import BASELINE, ON_REQUEST, PRESETS, TIDY, opened
+from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.glance import MANY, PATIENCE, glance
 from scenarios.job import Job, Outcome
@@ -45,32 +45,21 @@ class Said(NamedTuple):
 
 @dataclass(frozen=True)
 class Offer:
-    """What one engine offers: the presets that run unless others are named, the default first, and those that run on request
-    only; or why it cannot be opened, with the presets known all the same."""
+    """What one engine offers: its presets, the default first; or why it cannot be opened, with the presets known all the same."""
 
     presets: tuple[str, ...] = ()
     trouble: str = ""
     crashed: bool = False
-    on_request: tuple[str, ...] = ()
-
-    @property
-    def all_presets(self) -> tuple[str, ...]:
-        """Those that run unless others are named, and those on request."""
-        return *self.presets, *self.on_request
 
     def chosen(self, asked: Collection[str]) -> tuple[str, ...]:
-        """The presets to run where `asked` names some; all but those on request where it names none."""
-        return tuple(preset for preset in self.all_presets if preset in asked) if asked else self.presets
+        """The presets to run where `asked` names some; all where it names none."""
+        return tuple(preset for preset in self.presets if preset in asked) if asked else self.presets
 
 
 def offer(name: str) -> Offer:
     """Open engine `name` only to ask for its presets."""
     try:
-        presets, on_request = tuple(opened(name).presets), ON_REQUEST.get(name, ())
-        return Offer(
-            tuple(preset for preset in presets if preset not in on_request),
-            on_request=tuple(preset for preset in on_request if preset in presets),
-        )
+        return Offer(tuple(opened(name).presets))
     except MissingPackage as error:
         # the only package whose absence can be beyond the user's power: there is not a wheel for every system
         said = f"{name} is not installed: `make setup` says why" if error.package == "pybullet" == name else str(error)

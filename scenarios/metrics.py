@@ -90,11 +90,11 @@ METRICS: dict[str, tuple[str, str]] = {
                        "so in the median frame from half of them on"),
     "warmup": ("s", f"import, load and the first {WARM_FRAMES} frames in a fresh process"),
     "deterministic": ("", "1 when all repeats and the accuracy pass, in processes of their own, reached the same bits; else 0"),
-    "resyncs": ("", "jumps that untied limbs"),
-    "trapped": ("frames", "the tracker's posture is free, the shown one is far and came no nearer for a stated time"),
-    "walled": ("frames", "trapped, and something that is no link stands between the shown trunk and the tracker's"),
-    "crossings": ("", "jumps out of a trap or across a wall, taken only where settings ask for them"),
-    "leaps": ("frames", "the tracker moved farther than the steps of a frame go, and was followed in that frame"),
+    "waiting": ("frames", "an avatar that is held off its target makes no progress, and no path is sought or known; summed over "
+                "avatars"),
+    "planning": ("frames", "the same, and a path is being sought"),
+    "following": ("frames", "an avatar is led along a path"),
+    "out_of_work": ("", "steps that ended because the work of the frame was spent"),
     "run": ("", "stands in for all metrics of a run that gave none: crashed, not measured, refused"),
 }
 FAMILIES: dict[str, tuple[str, str]] = {

@@ -22,15 +22,23 @@ FOLLOWS_WHEN_FREE = Bound(
 )
 
 NO_LEAP = Bound(
-    "pose_jump_max", 90.0,
-    "no joint turns by more than a quarter turn a frame beyond the user's own: a limb gets elsewhere on a way that is seen",
+    "pose_jump_max", 15.0,
+    "a limb that catches up is seen to turn and not to be elsewhere: at 60 Hz 15 degrees are 16 rad/s beyond the user's own turn",
 )
 NO_LEAP_OF_THE_ROOT = Bound(
-    "root_jump_max", 0.4,
-    "a body goes after its user by no more than 0.4 m a frame beyond the user's own way, and never through what is between",
+    "root_jump_max", 0.1,
+    "a body that catches up is seen to go: at 60 Hz 0.1 m is 6 m/s beyond the user's own way, as fast as a person runs",
+)
+NO_SHAKING = Bound(
+    "chatter_frames", 1.0,
+    "a link that goes to and fro before a wall while its user does not is the first thing that is seen",
+)
+SAYS_SO = Bound(
+    "silent_offset_frames", 0.0,
+    "an avatar that is kept from a free user says so, so that a program can tell it from one that follows",
 )
 
-MOVES = (KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT)
-"""An avatar answers its user, and is never suddenly elsewhere."""
+MOVES = (KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, NO_SHAKING, SAYS_SO)
+"""An avatar answers its user, is never suddenly elsewhere, does not shake, and says what keeps it."""
 AVATAR = (NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, *MOVES, FOLLOWS_WHEN_FREE)
 """What every scene with an articulated avatar promises."""

@@ -119,7 +119,7 @@ UNRANKED: dict[str, str] = {
                              "beside engine-only time",
     "warmup": "once per process, and most of it is the import of a package",
     "deterministic": "1 or 0, larger is better; a 0 is said where it occurs",
-    **{name: _OWN_WORDS for name in ("resyncs", "trapped", "walled", "crossings", "leaps")},
+    **{name: _OWN_WORDS for name in ("waiting", "planning", "following", "out_of_work")},
     "run": "stands for a run without figures; such runs are listed by their state",
     "stage_share_": "shares of an engine's own time, 100 % in sum; the time itself is ranked",
     "_per_frame": "work as each engine counts it, in units of its own; what it costs is ranked as time",

@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 ROOMS = ("avatarsim/ik", "avatarsim/planner", "avatarsim/coupling")
 """Rooms whose constants are looked at, as far as they are there."""
 
-SETTINGS, GROUP = "avatarsim/settings.py", "IkSettings"
+SETTINGS, GROUP = "avatarsim/settings.py", "PostureSettings"
 """File and class of the settings that are looked at."""
 
 SHARES = (0.8, 1.2)
@@ -40,7 +40,7 @@ COPIED = ("avatarsim", "scenarios", "reference", "reports", "pyproject.toml")
 """What a run needs of the project."""
 
 FIGURES = ("chatter", "jerk_ratio", "turn_max", "root_max", "offset_p50", "offset_p95", "angle_p50", "angle_p95", "time_p50",
-"far")
+           "far")
 """Columns of the posture table that are compared."""
 
 
@@ -127,8 +127,7 @@ def measured(change: tuple[Number, float] | None, words: Sequence[str]) -> dict[
         if change is not None:
             write_changed(folder, *change)
         table = folder / "table.csv"
-        command = [sys.executable, "-m", "scenarios.posture_table", "--presets", "ik", "--rivals", "--groups", "rooms", "-o",
-        str(table)]
+        command = [sys.executable, "-m", "scenarios.posture_table", "--rivals", "--groups", "rooms", "-o", str(table)]
         environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "kernels")}
         run = subprocess.run([*command, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False)
         if run.returncode != 0:
@@ -147,8 +146,8 @@ def told(figures: Mapping[str, float], base: Mapping[str, float]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The table on the screen; 2 if a number was asked for that is not there."""
-    parser = argparse.ArgumentParser(prog="python -m scenarios.sensitivity",
-    description=__doc__.split("\n\n")[0] if __doc__ else "")
+    about = (__doc__ or "").partition("\n\n")[0]
+    parser = argparse.ArgumentParser(prog="python -m scenarios.sensitivity", description=about)
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME", help="these numbers (default: all)")
     parser.add_argument("--list", action="store_true", help="only say which numbers there are")
     parser.add_argument("--seeds", type=int, default=4, metavar="N", help="motions drawn in each room")

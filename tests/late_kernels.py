@@ -11,11 +11,9 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
-from tests.posture.little_worlds import at, hand, mixed_avatar, panel
-from tests.posture.test_trapped import BEFORE, BEHIND, limbed, pocket
-from tests.posture.test_two_hands import tube
-from tests.posture.test_untie import APART, PAIR, SWAPPED
 from tests.stability.hostile import DT
+from tests.worlds.little_worlds import at, hand, mixed_avatar, panel
+from tests.worlds.traps import BEFORE, BEHIND, limbed, pocket
 
 
 @dataclass(frozen=True)
@@ -70,10 +68,9 @@ CASES = {
     "no overlap is removed": Case(
         replace(SLAB, narrow=("overlap_removal",)), Settings(), downwards(SLAB, 60), ("impacts",)
     ),
-    "a way out is searched": Case(POCKET, Settings(), [at(POCKET.first_sample, BEHIND)] * 60, ("led",)),
-    "a wall is jumped across": Case(
-        WALLED, Settings(options={"walled_jump": 30}), [at(WALLED.first_sample, BEHIND)] * 90, ("walled", "crossings")
+    "a way out is searched": Case(POCKET, Settings(), [at(POCKET.first_sample, BEHIND)] * 90, ("planning", "following")),
+    "an avatar waits behind a wall": Case(
+        WALLED, Settings(options={"around": 0}), [at(WALLED.first_sample, BEHIND)] * 60, ("waiting",)
     ),
-    "hands are untied": Case(Scene("s", tube(), PAIR, start=APART), Settings(), [SWAPPED] * 60, ("resyncs",)),
     "a crate falls asleep": Case(DROPPED, Settings(record_inside=True), [DROPPED.first_sample] * 120, (*HIT, "sleep")),
 }

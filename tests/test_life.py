@@ -13,9 +13,9 @@ from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidS
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at
 from tests.stability.hostile import DT
 from tests.test_simulator import DROP, SCENE, loaded, same
+from tests.worlds.little_worlds import at
 
 ELSEWHERE = at(SCENE.first_sample, (-0.4, 0.1, 0.0))
 

@@ -13,9 +13,9 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.settings import Chosen, CouplingSettings, PostureSettings, meanings
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand_scene
 from tests.stability.hostile import DT
 from tests.test_simulator import SCENE, loaded
+from tests.worlds.little_worlds import at, hand_scene
 
 
 def test_an_unknown_preset_is_named_and_the_known_ones_listed() -> None:
@@ -33,14 +33,6 @@ def test_an_unknown_option_is_named_and_the_known_ones_listed() -> None:
 def test_options_are_finite_numbers(name: str, value: object) -> None:
     with pytest.raises(InvalidInput, match=f"option {name} is .* valid: a (whole )?number from [0-9e.-]+ to"):
         loaded(**{name: value})
-
-
-@pytest.mark.parametrize("gaps", [
-    {"least_gap": 1e-3}, {"stand_off": 2e-5}, {"least_gap": 1e-6}, {"least_gap": 2e-4},
-])
-def test_gaps_that_contradict_each_other_are_refused(gaps: dict[str, float]) -> None:
-    with pytest.raises(InvalidInput, match="wedged_gap up to least_gap, below stand_off"):
-        loaded(**gaps)
 
 
 def test_a_tolerance_above_the_stand_off_is_refused() -> None:
@@ -64,11 +56,11 @@ def test_every_setting_says_what_it_means_once(group: type) -> None:
 
 
 def test_a_meaning_is_whole_and_has_its_unit() -> None:
-    assert meanings(PostureSettings)["least_gap"] == (
-        "[m] gap accepted. Room for curvature and solver error between this and `stand_off`."
+    assert meanings(PostureSettings)["stall_time"] == (
+        "[s] without progress after which a path is searched, or else the frame record says that an avatar waits."
     )
     work, spring = meanings(PostureSettings)["work"], meanings(CouplingSettings)["spring"]
-    assert work.startswith("budget of one frame") and work.endswith("take 100 us.")
+    assert work.startswith("work that a frame may cost") and work.endswith("record says so.")
     assert spring.startswith("[N/m]") and loaded().settings_as_run()["spring"] == (1000.0, spring)
 
 
@@ -92,7 +84,7 @@ def test_a_hand_pushes_what_is_loose_whatever_air_it_keeps(stand_off: float) -> 
     ball = simulated("ball", feather, "wood", solid(feather, 0.2), (0.2, 0.0, 0.0))
     scene = replace(hand_scene((0.0, 0.0, 0.0), ball), gravity=(0.0, 0.0, 0.0))
     for speed in (0.003, 0.005, 0.0071):
-        engine = loaded(scene, stand_off=stand_off, least_gap=min(5e-5, 0.5 * stand_off))
+        engine = loaded(scene, stand_off=stand_off)
         for k in range(int(0.5 / speed)):
             record = engine.advance(at(scene.first_sample, (speed * k, 0.0, 0.0)), DT)
         assert record.shown.positions[0, 0] > 0.5 + 0.1 - 2.0 * speed

@@ -22,11 +22,11 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
-from tests.posture.little_worlds import at
 from tests.stability.hostile import DT
+from tests.worlds.little_worlds import at
 
 TOGETHER = part_scene("together")[0]
-PRESETS = ("default", "ik", "paper")
+PRESETS = ("default", "paper")
 SCENES = {
     "an avatar and a ball": TOGETHER,
     "an avatar that removes no overlap": replace(TOGETHER, narrow=("overlap_removal",)),

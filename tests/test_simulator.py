@@ -17,8 +17,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand_scene, panel
 from tests.stability.hostile import DT, hinged_trial
+from tests.worlds.little_worlds import at, hand_scene, panel
 
 BALL = (Piece(Sphere(0.1)),)
 SCENE = hand_scene((-0.5, 0.0, 0.0), panel())
@@ -264,7 +264,7 @@ def test_records_that_are_kept_are_few_objects_for_the_collector(preset: str) ->
     it went through all of numba's again after some hundreds of frames, a pause as long as five of them."""
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
     scene = hand_scene((0.0, 0.0, 0.3), floor, simulated("ball", BALL, "wood", solid(BALL, 1.0), (0.5, 0.0, 0.5)))
-    engine, sample, kept = AvatarsimEngine(), at(scene.first_sample, (0.0, 0.0, -0.1)), []
+    engine, sample, kept = AvatarsimEngine(), at(scene.first_sample, (0.0, 0.0, 0.03)), []
     engine.load(scene, Settings(preset), DT)
     kept = [engine.advance(sample, DT) for _ in range(50)]
     gc.collect()

@@ -15,8 +15,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import hand
 from tests.stability.hostile import DT
+from tests.worlds.little_worlds import hand
 
 BALL = (Piece(Sphere(0.1)),)
 

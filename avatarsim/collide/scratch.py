@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
 from avatarsim.record import pointed_at
+from avatarsim.world.arena import Opening, index_line
+from avatarsim.world.view import opened
 
 POINTS_CAP = 768
 """Vertices of the growing polytope. Two hulls of 60 vertices need under 100, of 300 under 200. Nearly round ellipsoids about
@@ -101,3 +103,9 @@ def make_scratch() -> Scratch:
 def number(stored: np.uint32) -> int:
     """The number of a face or point as any other integer; that it is not negative is known to the compiler all the same."""
     return np.int64(stored)  # type: ignore[return-value]  # to Python it is one
+
+
+@opened
+def opened_scratch(o: Opening) -> Scratch:
+    """The next Scratch of an arena."""
+    return scratch_at(index_line(o)[0])

@@ -15,9 +15,10 @@ from avatarsim.collide.support import gap_along
 from avatarsim.ik.pair_cache import axis_at, keep_axis, slot_of
 from avatarsim.ik.state import BAD_QUERIES, QUERIES, SUPPORTS, IkScratch, IkState
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
+from avatarsim.tolerances import least_gap, wedged_gap
 from avatarsim.world.geometry import Geometry, Poses
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
@@ -153,25 +154,25 @@ def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
 
 
 @kernel
-def accepted_gap(settings: IkSettings, gap_now: float) -> float:
+def accepted_gap(settings: PostureSettings, gap_now: float) -> float:
     """Smallest gap [m] accepted at the trial: `least_gap`, less for a pair that is squeezed already.
 
     A squeezed pair may lose half its gap but not below `wedged_gap`, and a pair below that may not come nearer:
     standing still must always be acceptable.
     """
-    if gap_now < 2.0 * settings.least_gap:
-        return max(0.0, max(0.5 * gap_now, min(settings.wedged_gap, gap_now - ROUNDING)))
-    return settings.least_gap
+    if gap_now < 2.0 * least_gap(settings.stand_off):
+        return max(0.0, max(0.5 * gap_now, min(wedged_gap(settings.stand_off), gap_now - ROUNDING)))
+    return least_gap(settings.stand_off)
 
 
 @kernel
 def certify_pair(
-    geo: Geometry, poses: Poses, settings: IkSettings, a: int, b: int, state_out: IkState, scratch_out: IkScratch
+    geo: Geometry, poses: Poses, settings: PostureSettings, a: int, b: int, state_out: IkState, scratch_out: IkScratch
 ) -> tuple[bool, float, Vec3, int]:
     """Whether pieces a and b hold their certificate. If not: the gap [m] and direction at the trial and the simplex size of the
     query, where a direction separates both ends; else -inf and the direction that separated at the shown state."""
     at = slot_of(state_out.pairs, a, b)
-    if cached_axis_holds(geo, poses, at, a, b, settings.least_gap, state_out, scratch_out):
+    if cached_axis_holds(geo, poses, at, a, b, least_gap(settings.stand_off), state_out, scratch_out):
         return True, 0.0, (0.0, 0.0, 0.0), 0
     gap0, n0 = shown_direction(geo, poses, at, a, b, state_out, scratch_out)
     least = accepted_gap(settings, gap0)

@@ -8,7 +8,8 @@ from avatarsim.ik.constraints import add_failed_pair
 from avatarsim.ik.joint_limits import check_limits
 from avatarsim.ik.state import PAIRS, Avatars, IkScratch, IkState
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
+from avatarsim.tolerances import least_gap
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import may_meet
 from avatarsim.world.skeleton import Posture, Skeleton
@@ -16,8 +17,8 @@ from avatarsim.world.skeleton import Posture, Skeleton
 
 @kernel
 def certify(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
-    is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
+    last: int, is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """Certificates and ball limits of the trial of members first .. last: number of failures, whose avatars are marked.
 
@@ -36,7 +37,7 @@ def certify(
         if beyond > 0:
             state_out.tracking.has_failed[avatar] = 1
             failed += beyond
-        sweep_boxes(geo, skel, avatars, avatar, poses, settings.least_gap, s)
+        sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
         list_near_bodies(skel, avatar, state_out, s)
     if failed > 0 and is_adding:
         # what pushes one joint turns others, over limits too: solved for before pairs are looked at
@@ -68,8 +69,8 @@ def certify(
 
 @kernel
 def certify_avatars(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, poses: Poses, one: int, other: int, is_adding: bool,
-    is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, one: int, other: int,
+    is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """The same of the pairs of two avatars, which come in ascending order."""
     s, failed = scratch_out, 0
@@ -87,8 +88,8 @@ def certify_avatars(
 
 @kernel
 def certify_bodies(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, poses: Poses, body: int, other: int, is_adding: bool,
-    is_soft: bool, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, body: int, other: int,
+    is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """The same of the pairs of pieces of a link and another body."""
     s, failed = scratch_out, 0

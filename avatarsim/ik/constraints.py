@@ -8,8 +8,9 @@ from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
 from avatarsim.ik.pair_cache import axis_at, slot_of
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, put_row, row, sub
+from avatarsim.tolerances import least_gap, wedged_gap
 from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.skeleton import FREE, Skeleton
 
@@ -136,13 +137,13 @@ def add_support_row(
 
 @kernel
 def add_failed_pair(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, a: int, b: int, gap: float, n: Vec3, simplex: int,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, a: int, b: int, gap: float, n: Vec3, simplex: int,
     is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> None:
     """Row for a pair that `certify_pair` has just refused, with what it returned."""
     wanted = settings.stand_off
     if is_soft:
-        wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], settings.wedged_gap))
+        wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], wedged_gap(settings.stand_off)))
     if gap > -inf:
         trial, axes, step = scratch_out.trial, scratch_out.axes, scratch_out.step
         add_witness_row(geo, skel, avatars, a, b, n, wanted - gap, simplex, trial, axes, step, scratch_out)
@@ -152,7 +153,7 @@ def add_failed_pair(
 
 @kernel
 def add_touching(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, is_soft: bool, poses: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, is_soft: bool, poses: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Begin the rows of an island anew, with those at the shown state of every pair that was in contact lately.
@@ -169,7 +170,7 @@ def add_touching(
         keep_nearest(at, gap, n, state_out)
         if 0.0 < gap < EXACT:
             wanted = min(settings.stand_off, gap)
-            if not is_soft and gap <= 2.0 * settings.least_gap:
+            if not is_soft and gap <= 2.0 * least_gap(settings.stand_off):
                 wanted = settings.stand_off
             add_witness_row(
                 geo, skel, avatars, a, b, n, wanted - gap, simplex, poses, state_out.axes, scratch_out.still, scratch_out

@@ -12,17 +12,18 @@ from avatarsim.ik.kinematics import carry_avatar
 from avatarsim.ik.pair_cache import slot_of
 from avatarsim.ik.state import SUPPORTS, Avatars, IkScratch, IkState
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub
+from avatarsim.tolerances import wedged_gap
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 
 @kernel
 def foresee(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
-    is_soft: bool, state: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
+    last: int, is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> bool:
     """Carry the links of members first .. last to the trial, their shapes not; whether a limit or a pair in contact would be
     refused there, which then has one more row."""
@@ -40,7 +41,7 @@ def foresee(
 
 @kernel
 def foresee_pair(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, poses: Poses, a: int, b: int, is_soft: bool,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, a: int, b: int, is_soft: bool,
     state: IkState, scratch_out: IkScratch,
 ) -> None:
     """Row for a piece of a link that the trial brings too near to one that stands still, along their nearest direction now."""
@@ -54,7 +55,7 @@ def foresee_pair(
     on_a = along(farthest_of(geo, s.trial, a, neg(n)), -geo.shapes.radius[a], n)
     gap = dot(sub(on_a, along(on_b, geo.shapes.radius[b], n)), n)
     if gap < accepted_gap(settings, gap0) and lies_in(poses.boxes, b, on_a):
-        wanted = min(settings.stand_off, max(gap0, settings.wedged_gap)) if is_soft else settings.stand_off
+        wanted = min(settings.stand_off, max(gap0, wedged_gap(settings.stand_off))) if is_soft else settings.stand_off
         add_contact(geo, skel, avatars, a, b, n, on_a, on_b, wanted - gap, s.trial, s.axes, s.step, s)
 
 

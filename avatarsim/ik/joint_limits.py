@@ -1,20 +1,22 @@
 """Limits of ball joints as rows of a step: swing, twist and reach cone of a joint that the trial takes beyond them.
 
-Hinges need none, their limits are bounds of the step. The geometry of the limits is in `posture.limits`.
+Hinges need none, their limits are bounds of the step. The geometry of the limits is in `world.limits`.
 """
 
 from math import atan2
 
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, IkScratch, RowKind
 from avatarsim.kernel import kernel
-from avatarsim.posture.limit_row import INSIDE, way_back
-from avatarsim.posture.limits import SURELY, cone_excess, has_cone, limb_of, surely_inside, swing_and_twist
-from avatarsim.posture.reach_cone import has_reach
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
-from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, scale
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale
+from avatarsim.world.limits import SURELY, cone_excess, has_cone, limb_of, surely_inside, swing_and_twist
+from avatarsim.world.reach_cone import ROUNDING, has_reach, nearest_in_reach
 from avatarsim.world.skeleton import BALL, Posture, Skeleton
 
 LIMIT = int(RowKind.LIMIT)
+
+INSIDE = 1e-4
+"""[rad] rows aim this far inside a limit, so that the curvature of the cone does not leave the next trial outside again."""
 
 
 @kernel
@@ -59,6 +61,17 @@ def add_limit_rows(
             add_turn_row(avatar, d, rate, low - twist + INSIDE, scratch_out)
         else:
             add_turn_row(avatar, d, scale(rate, -1.0), twist - high + INSIDE, scratch_out)
+
+
+@kernel
+def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
+    """Angle [rad] and unit axis (parent's axes) of the shortest turn that brings a limb into its polygon and swing cone."""
+    allowed = nearest_in_reach(skel, link, limb, most)
+    axis = cross(limb, allowed)
+    sine = norm(axis)
+    if sine < ROUNDING:
+        return 0.0, limb
+    return atan2(sine, dot(limb, allowed)), scale(axis, 1.0 / sine)
 
 
 @kernel

@@ -1,14 +1,11 @@
-"""Forward kinematics of one avatar: from a posture and a step in its tangent space to the poses of its links.
-
-Tangent space: translation of a free root in the world's axes, rotation vector of roots and balls in the link's own axes (the step
-R exp(w)), angles of hinges. World axes are those of the geometric Jacobian (Featherstone 2008, chapter 4).
-"""
+"""Trial and step of one avatar: forward kinematics and the tangent space of its posture (see `world.kinematics`)."""
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.kernel import kernel
-from avatarsim.spatial.tangent import about, columns, product, put_columns, step_between, stepped, straightened, turned
-from avatarsim.spatial.vec3 import Rows, Vec3, add, put_row, row, sub
+from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
+from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 from avatarsim.world.geometry import Array, Geometry, Poses, place
+from avatarsim.world.kinematics import carry_links
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
@@ -17,34 +14,8 @@ def carry_avatar(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, step: Array, poses_out: Poses, axes_out: Rows
 ) -> None:
     """Positions and rotations of the links of an avatar at `posture` displaced by `step` (nd), and axes (nd, 3); no shapes."""
-    bodies = skel.first
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        d, kind, parent = skel.first_dof[link], skel.kind[link], skel.parent[link]
-        if kind == FREE:
-            origin = add(row(posture.root, link), (step[d], step[d + 1], step[d + 2]))
-            frame = stepped(columns(posture.turn, link), (step[d + 3], step[d + 4], step[d + 5]))
-            for i in range(3):
-                for k in range(3):
-                    axes_out[d + i, k] = 1.0 if i == k else 0.0
-                put_row(axes_out, d + 3 + i, frame[i])
-        else:
-            if parent >= 0:
-                carrier = columns(poses_out.rotation, bodies + parent)
-                origin = add(row(poses_out.position, bodies + parent), turned(carrier, row(skel.anchor, link)))
-                frame = product(carrier, columns(skel.rest, link))
-            else:
-                origin, frame = row(skel.anchor, link), columns(skel.rest, link)
-            if kind == BALL:
-                frame = product(frame, stepped(columns(posture.turn, link), (step[d], step[d + 1], step[d + 2])))
-                for i in range(3):
-                    put_row(axes_out, d + i, frame[i])
-            elif kind == HINGES:
-                for j in range(d, skel.first_dof[link + 1]):
-                    axis, angle = turned(frame, row(skel.axis, j)), posture.angle[j] + step[j]
-                    put_row(axes_out, j, axis)
-                    frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
-        put_row(poses_out.position, bodies + link, origin)
-        put_columns(poses_out.rotation, bodies + link, frame)
+    first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
+    carry_links(skel, first, end, posture, step, poses_out, axes_out)
 
 
 @kernel

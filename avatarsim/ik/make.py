@@ -26,8 +26,6 @@ from avatarsim.ik.state import (
     Tracking,
     make_contacts,
 )
-from avatarsim.posture.metric import metric
-from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
@@ -58,7 +56,7 @@ def reaches(geo: Geometry, skel: Skeleton, poses: Poses) -> Array:
     return found
 
 
-def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> tuple[Avatars, Array]:
+def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, Array]:
     """What never changes of the avatars, and the mean reach (na) [m] of their links; 1 where no link has a shape."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     roots = np.flatnonzero(skel.parent < 0)
@@ -80,8 +78,7 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> tu
     for link in np.flatnonzero(skel.kind == FREE):
         weight[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
     depth = np.array([len(one) - 1 for one in paths], dtype=np.int64)
-    inverse = 1.0 / metric(geo, skel, poses, axes, PostureSettings())
-    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, inverse), reach
+    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight), reach
 
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
@@ -140,7 +137,7 @@ def make_solver(
     nd = int(skel.first_dof[-1])
     axes, first_link = zeros(nd, 3), np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
     for a in range(len(first_link) - 1):
-        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1), zeros(1))
+        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1))
         carry_avatar(skel, spans, a, posture, zeros(nd), poses, axes)
-    avatars, reach = make_avatars(geo, skel, poses, axes)
+    avatars, reach = make_avatars(geo, skel, poses)
     return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

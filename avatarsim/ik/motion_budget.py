@@ -8,7 +8,7 @@ still no limb wanders; what converges at all has then long arrived.
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
 
@@ -24,7 +24,7 @@ more solve. What still exceeds it is shortened at the end."""
 
 @kernel
 def open_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, speed: float, clipped: Array, own: Array,
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float, clipped: Array, own: Array,
     budget_out: Budget,
 ) -> None:
     """Fill an avatar's budget. clipped, own (nd): motion of the clipped target and of the tracker in this frame, of which the

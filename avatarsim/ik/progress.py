@@ -3,7 +3,7 @@
 from avatarsim.ik.objective import LOSS_RADIUS, value_of
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Skeleton
 
@@ -16,7 +16,7 @@ FALLEN = 1.0 / 3.0
 
 @kernel
 def measure(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: IkSettings, dt: float, poses: Poses, state_out: IkState,
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, poses: Poses, state_out: IkState,
     scratch: IkScratch,
 ) -> float:
     """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how

@@ -6,7 +6,8 @@ from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
+from avatarsim.tolerances import least_gap
 from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
@@ -17,7 +18,7 @@ ARRIVED = 3e-2
 
 @kernel
 def begin_frame(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, moving: Index,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, moving: Index,
     poses: Poses, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Take over what has moved, clip the target, and open the budgets of a frame of dt [s].
@@ -29,7 +30,7 @@ def begin_frame(
     has_changed = notice_bodies(geo, skel, poses, moving, s)
     if has_changed:
         forget_near(state)
-    sweep_all(geo, skel, avatars, poses, settings.least_gap, s)
+    sweep_all(geo, skel, avatars, poses, least_gap(settings.stand_off), s)
     clip_to_limits(skel, avatars, tracker, state.tracking, s.target)
     if dt > 0.0:
         s.counts[:] = 0
@@ -41,7 +42,7 @@ def begin_frame(
 
 @kernel
 def solve(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture_out: Posture, poses_out: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Bring the posture towards the target by certified steps within what is left of the frame's budget."""

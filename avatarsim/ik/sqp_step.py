@@ -33,12 +33,16 @@ from avatarsim.ik.state import (
 )
 from avatarsim.ik.target import largest
 from avatarsim.kernel import kernel
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
+from avatarsim.tolerances import least_gap
 from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
+
+CORRECTIONS = 4
+"""Rounds in which what failed at a trial becomes rows, and solves of a round. 8: the slowest frames take 2.5 times as long."""
 
 BACK_OFF, BACK_OFFS = 0.25, 3
 """Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
@@ -55,8 +59,8 @@ def work_done(scratch: IkScratch) -> int:
 
 @kernel
 def sqp_step(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture_out: Posture, poses_out: Poses, first: int,
-    last: int, most_work: int, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
+    first: int, last: int, most_work: int, state_out: IkState, scratch_out: IkScratch,
 ) -> float:
     """One certified step of members first .. last; its largest part [rad or m]."""
     s, state = scratch_out, state_out
@@ -88,14 +92,14 @@ def sqp_step(
 
 @kernel
 def try_qp(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
-    is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
+    last: int, is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """Solve and certify with growing rows; the number of failures that are left."""
-    s, failed, tolerance = scratch_out, 0, 0.1 * settings.least_gap
+    s, failed, tolerance = scratch_out, 0, 0.1 * least_gap(settings.stand_off)
     add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
-    for round_ in range(settings.corrections + 1):
-        for _ in range(settings.corrections):
+    for round_ in range(CORRECTIONS + 1):
+        for _ in range(CORRECTIONS):
             choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
             s.counts[QPS] += 1
             if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
@@ -104,7 +108,7 @@ def try_qp(
             state_out.tracking.is_certified[s.members[m]] = 0
             place_avatar(geo, skel, avatars, s.members[m], s.trial)
         s.counts[FORWARDS] += last - first
-        is_last = round_ == settings.corrections or work_done(s) > most_work
+        is_last = round_ == CORRECTIONS or work_done(s) > most_work
         failed = certify(
             geo, skel, avatars, settings, posture, poses, first, last, not is_last, is_soft, state_out, s
         )
@@ -175,8 +179,8 @@ def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) ->
 
 @kernel
 def back_off(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, posture: Posture, poses: Poses, first: int, last: int,
-    state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
+    last: int, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Halve the step of avatars that fail until the trial certifies; at last they stay, where everything is known to be free."""
     s = scratch_out

@@ -110,7 +110,7 @@ tracking_in = table_of(Tracking, TRACKING)
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
     the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared
-    angle, 0 for translations; inverse_weight (nd) 1 / mean squared motion of the vertices that a degree moves, for `coupling`."""
+    angle, 0 for translations."""
 
     first_link: Index
     first_dof: Index
@@ -119,7 +119,6 @@ class Avatars(NamedTuple):
     path: Index
     depth: Index
     turn_weight: Array
-    inverse_weight: Array
 
 
 class Budget(NamedTuple):

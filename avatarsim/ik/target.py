@@ -6,11 +6,11 @@ from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.kernel import kernel
-from avatarsim.posture.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Array
+from avatarsim.world.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
@@ -68,8 +68,8 @@ def largest(values: Array, first: int, last: int) -> float:
 
 @kernel
 def meet_target(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, has_changed: bool, state_out: IkState,
-    scratch_out: IkScratch,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, has_changed: bool,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Open the budgets of a frame from how far the target went since the last one; islands are formed.
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
 from avatarsim.kernel import kernel
-from avatarsim.loops.touching import BROKEN, DRIVEN, FOUND, NO_ROOM, find_points
+from avatarsim.loops.touching import BROKEN, FOUND, NO_ROOM, find_points
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import STAND_OFF
 from avatarsim.spatial.vec3 import dot, norm, row, sub
-from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.dynamics import DRIVEN, Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 
 Index = NDArray[np.int64]

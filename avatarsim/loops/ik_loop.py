@@ -1,10 +1,12 @@
-"""Method `ik` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
+"""Method `default` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
 
 from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
 
+from avatarsim.coupling.opened import opened_springs
+from avatarsim.coupling.virtual_coupling import give, make_springs, no_springs, pull, strike
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.make import make_solver
@@ -13,16 +15,14 @@ from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.sound import state_is_sound
 from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, FOLLOWING, OUT_OF_WORK, PLANNING, WAITING, Mode
 from avatarsim.kernel import kernel
-from avatarsim.loops.coupling import give, make_springs, no_springs, pull, strike
-from avatarsim.loops.opened_checked import opened_springs
-from avatarsim.loops.opened_ik import opened_avatars, opened_ghost, opened_ik_settings, opened_plan, opened_state, opened_working
+from avatarsim.loops.opened_ik import opened_avatars, opened_ghost, opened_plan, opened_settings, opened_state, opened_working
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.make import make_planner
 from avatarsim.planner.state import NODES, NONE, Phase, plan_is_sound
 from avatarsim.planner.supervisor import drop_paths, supervise
-from avatarsim.posture.chain import MODULUS
-from avatarsim.settings import CouplingSettings, IkSettings
+from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.spatial.random import MODULUS
 from avatarsim.tally import Tally
 from avatarsim.world.arena import Array, Index, opening, packed, yes
 from avatarsim.world.opened import (
@@ -63,7 +63,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     skeleton, posture = opened_skeleton(o), opened_posture(o)
     tracker = opened_posture(opening(target))
     o = opening(kept)
-    coupled, springs, settings = yes(o), opened_springs(o), opened_ik_settings(o)
+    coupled, springs, settings = yes(o), opened_springs(o), opened_settings(o)
     avatars, state, working = opened_avatars(o), opened_state(o), opened_working(o)
     plan, ghost = opened_plan(o), opened_ghost(o)
     if answers:
@@ -74,7 +74,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
         dt = 0.0
     elif coupled:
         pull(
-            geometry, skeleton, dynamics, poses, state.contacts, avatars.inverse_weight, dt, tracker, velocities, springs
+            geometry, skeleton, dynamics, poses, state.contacts, dt, tracker, velocities, springs
         )
     elif springs.mass.shape[0] > 0:
         strike(skeleton, tracker, dt, velocities, springs)
@@ -96,14 +96,16 @@ class IkLoop:
     WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
 
     def __init__(
-        self, world: World, settings: IkSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
+        self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
     ) -> None:
         self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
         solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
         # without dynamics nothing gives back what pressing took, and the coupling would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         springs = (
-            make_springs(world.skeleton, world.dynamics, world.poses, coupling) if world.scene.effects.dynamics
+            make_springs(
+                world.geometry, world.skeleton, world.dynamics, world.posture, world.poses, coupling
+            ) if world.scene.effects.dynamics
             else no_springs(world.poses, coupling)
         )
         planner = make_planner(

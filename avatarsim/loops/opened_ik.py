@@ -1,6 +1,7 @@
-"""What the lower loop of method `ik` keeps, opened again inside a kernel: fields in order, see `world.arena`."""
+"""What the lower loop of method `default` keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
-from avatarsim.collide.scratch import scratch_at
+from avatarsim.collide.scratch import opened_scratch
+from avatarsim.coupling.opened import opened_contacts
 from avatarsim.ik.pair_cache import PairCache
 from avatarsim.ik.state import (
     Avatars,
@@ -13,9 +14,8 @@ from avatarsim.ik.state import (
     Touching,
     tracking_in,
 )
-from avatarsim.loops.opened_checked import opened_contacts
 from avatarsim.planner.state import Ghost, Plan, searches_in
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.arena import Opening, cube, flag_line, grid, index_grid, index_line, line, matrices, real, vectors, whole
 from avatarsim.world.opened import opened_poses, opened_posture
 from avatarsim.world.view import opened
@@ -26,7 +26,6 @@ def opened_avatars(o: Opening) -> Avatars:
     """The next Avatars."""
     return Avatars(
         index_line(o)[0], index_line(o)[0], index_line(o)[0], index_line(o)[0], index_grid(o)[0], index_line(o)[0], line(o)[0],
-        line(o)[0],
     )
 
 
@@ -87,7 +86,7 @@ def opened_working(o: Opening) -> IkScratch:
         opened_posture(o), opened_poses(o), vectors(o)[0], grid(o)[0], grid(o)[0], grid(o)[0], line(o)[0], line(o)[0], line(o)[0],
         line(o)[0], index_line(o)[0], index_line(o)[0], opened_objective(o), opened_rows(o), Failed(index_line(o)[0],
         index_grid(o)[0]),
-        scratch_at(index_line(o)[0]), index_line(o)[0], cube(o)[0],
+        opened_scratch(o), index_line(o)[0], cube(o)[0],
     )
 
 
@@ -108,9 +107,8 @@ def opened_ghost(o: Opening) -> Ghost:
 
 
 @opened
-def opened_ik_settings(o: Opening) -> IkSettings:
-    """The next IkSettings."""
-    return IkSettings(
-        real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o),
-        whole(o), whole(o),
+def opened_settings(o: Opening) -> PostureSettings:
+    """The next PostureSettings."""
+    return PostureSettings(
+        real(o), real(o), real(o), real(o), real(o), real(o), real(o), whole(o), whole(o), whole(o)
     )

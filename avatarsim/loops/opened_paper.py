@@ -1,9 +1,9 @@
 """What method `paper` keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
-from avatarsim.loops.opened_checked import opened_scratch
+from avatarsim.collide.scratch import opened_scratch
 from avatarsim.loops.opened_upper import opened_sweep
 from avatarsim.loops.paper_memory import PaperMemory
-from avatarsim.posture.chain import Chains
+from avatarsim.paper.chain import Chains
 from avatarsim.separate.overlaps import Overlaps
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.world.arena import Opening, cube, flag_line, index_grid, index_line, line, real, vectors, whole

@@ -1,12 +1,12 @@
 """What the upper loop keeps, opened again inside a kernel: fields in order, see `world.arena`."""
 
+from avatarsim.collide.scratch import opened_scratch
 from avatarsim.collide.sweep_memory import SweepMemory
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import Masses
 from avatarsim.loops.islands import Islands
 from avatarsim.loops.last_forces import LastForces
-from avatarsim.loops.opened_checked import opened_scratch
 from avatarsim.loops.soonest import Soonest
 from avatarsim.loops.upper_memory import Memory, Switches
 from avatarsim.motion.free_rotation import Series

@@ -6,14 +6,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
 from avatarsim.kernel import kernel
-from avatarsim.loops.coupling import give_to_roots, tracked_velocities
 from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
-from avatarsim.posture.chain import MODULUS
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
+from avatarsim.spatial.random import MODULUS
 from avatarsim.tally import Tally
 from avatarsim.world.arena import opening, packed
 from avatarsim.world.geometry import Poses

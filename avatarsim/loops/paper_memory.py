@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import PIECES_CAP
-from avatarsim.posture.chain import Chains, chains_of, seeded
+from avatarsim.paper.chain import Chains, chains_of
 from avatarsim.separate.overlaps import Overlaps, make_overlaps
+from avatarsim.spatial.random import seeded
 from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import World
 

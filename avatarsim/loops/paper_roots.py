@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.impact.coupling import coupled
+from avatarsim.coupling.spring import coupled
 from avatarsim.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, add, norm, put_row, row, scale, sub

@@ -33,17 +33,18 @@ from avatarsim.loops.paper_memory import (
 )
 from avatarsim.loops.paper_roots import couple_roots, settle_roots
 from avatarsim.loops.paper_walk import walk_back
-from avatarsim.posture.attraction import attract, share_of_way
-from avatarsim.posture.chain import Chains, shuffle
-from avatarsim.posture.cyclic_coordinate_descent import REACHED, joints_of
-from avatarsim.posture.free_link import free_link, link_contacts
-from avatarsim.posture.kinematics import forward
+from avatarsim.paper.attraction import attract, share_of_way
+from avatarsim.paper.chain import Chains, shuffle
+from avatarsim.paper.cyclic_coordinate_descent import REACHED, joints_of
+from avatarsim.paper.free_link import free_link, link_contacts
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
 from avatarsim.separate.push_apart import push_apart
-from avatarsim.separate.who_gives_way import SIMULATED, shares
+from avatarsim.separate.who_gives_way import shares
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.vec3 import Rows, add, dot, put_row, row
+from avatarsim.world.dynamics import SIMULATED
 from avatarsim.world.geometry import Geometry, Poses, place
+from avatarsim.world.kinematics import forward
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
 
 

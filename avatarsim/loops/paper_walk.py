@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from avatarsim.kernel import kernel
 from avatarsim.loops.paper_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
-from avatarsim.posture.chain import Chains
-from avatarsim.posture.into_limits import into_limits
-from avatarsim.posture.kinematics import forward
+from avatarsim.paper.chain import Chains
+from avatarsim.paper.into_limits import into_limits
 from avatarsim.separate.overlaps import answer_for, find_overlaps
 from avatarsim.separate.walk_back import interpolate, narrowed
 from avatarsim.spatial.vec3 import along, put_row, row, sub
 from avatarsim.world.geometry import Geometry, Poses, place
+from avatarsim.world.kinematics import forward
 from avatarsim.world.skeleton import Posture, Skeleton
 
 CHAINS_HIT: Final = 0

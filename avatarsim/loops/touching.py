@@ -18,7 +18,7 @@ from avatarsim.motion.edge_plane import lone_edge
 from avatarsim.motion.manifold import manifold
 from avatarsim.motion.time_of_impact import TOUCH
 from avatarsim.spatial.vec3 import neg, put_row, row, scale, sub
-from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.dynamics import DRIVEN, FIXED, Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses
 
 Array = NDArray[np.float64]
@@ -29,10 +29,6 @@ FOUND, NO_ROOM, BROKEN = 0, 1, 2
 
 QUERY_WORK = 8
 """Work of one contact query, see `upper_memory.WORK`."""
-
-FIXED, SIMULATED, DRIVEN = 0, 1, 2
-"""Values of `Role` that matter here."""
-
 
 @kernel
 def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:

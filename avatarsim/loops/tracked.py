@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import Snapshot
-from avatarsim.posture.kinematics import forward
 from avatarsim.tally import Tally
+from avatarsim.world.kinematics import forward
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 

@@ -8,13 +8,12 @@ from avatarsim.kernel import kernel
 from avatarsim.loops.clocks import go_back
 from avatarsim.loops.islands import due_of, part
 from avatarsim.loops.rubbing import note_shown
-from avatarsim.loops.touching import DRIVEN, SIMULATED
 from avatarsim.loops.upper_memory import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
 from avatarsim.motion.near import near_pairs, stands, wake_beside
 from avatarsim.motion.path import STILL
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.world.dynamics import Dynamics, Velocities
+from avatarsim.world.dynamics import DRIVEN, SIMULATED, Dynamics, Velocities
 from avatarsim.world.geometry import Geometry, Poses, place
 
 Index = NDArray[np.int64]

@@ -39,7 +39,7 @@ def aim_along_path(
     ahead = AHEAD if s.held[avatar] < 2.0 * dt else 1.0
     s.held[avatar] += dt
     get_node(skel, avatars, avatar, plan_out.path[avatar, place], plan_out, target)
-    while dt > 0.0 and is_near(skel, avatars, avatar, ahead, posture, state_out, scratch_out):
+    while dt > 0.0 and is_near(skel, avatars, avatar, ahead if place < last else 1.0, posture, state_out, scratch_out):
         s.held[avatar] = 0.0
         if place == last:
             break

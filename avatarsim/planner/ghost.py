@@ -17,7 +17,8 @@ from avatarsim.ik.target import copy_posture, largest
 from avatarsim.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
+from avatarsim.tolerances import least_gap
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Skeleton
 
@@ -65,7 +66,7 @@ def copy_body(geo: Geometry, b: int, poses: Poses, poses_out: Poses) -> None:
 
 @kernel
 def notice_world(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, poses: Poses, ghost_out: Ghost
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, poses: Poses, ghost_out: Ghost
 ) -> None:
     """As a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
     g, s = ghost_out, ghost_out.scratch
@@ -86,7 +87,7 @@ def notice_world(
                 copy_poses(geo, skel, avatars, other, poses, g.poses)
                 copy_poses(geo, skel, avatars, other, poses, s.trial)
                 break
-        sweep_boxes(geo, skel, avatars, other, g.poses, settings.least_gap, s)
+        sweep_boxes(geo, skel, avatars, other, g.poses, least_gap(settings.stand_off), s)
     forget_pairs(g.state.pairs)
     forget_near(g.state)
     g.state.pairs.step[0] = 0
@@ -153,7 +154,7 @@ def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, gh
 
 @kernel
 def step_ghost(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, strides: float, most_work: int,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, strides: float, most_work: int,
     value: float,
     ghost_out: Ghost,
 ) -> tuple[int, float, float]:

@@ -13,7 +13,7 @@ from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import put_ghost
 from avatarsim.planner.state import Ghost
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Geometry
 from avatarsim.world.skeleton import FREE, Posture, Skeleton
@@ -59,7 +59,7 @@ def place_candidate(
 
 @kernel
 def is_goal(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, target: Posture, value: float,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, value: float,
     ghost_out: Ghost
 ) -> bool:
     """Whether the ghost stands free where a path may end: the shown posture's objective is `value` [m^2].
@@ -74,7 +74,7 @@ def is_goal(
 
 
 @kernel
-def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, ghost_out: Ghost) -> bool:
+def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, ghost_out: Ghost) -> bool:
     """Whether the ghost overlaps nothing and keeps its limits: then standing still is certified."""
     g = ghost_out
     g.scratch.step[:] = 0.0

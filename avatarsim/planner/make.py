@@ -5,7 +5,7 @@ import numpy as np
 from avatarsim.ik.make import empty_posture, indices, make_state, make_working, zeros
 from avatarsim.ik.state import Avatars, IkState
 from avatarsim.planner.state import NODES, NONE, SEARCH, Array, Ghost, Plan, Searches, packed_width
-from avatarsim.posture.chain import MODULUS, seeded
+from avatarsim.spatial.random import MODULUS, seeded
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 

@@ -5,8 +5,8 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
+from avatarsim.ik.kinematics import parts_of, tangent_error
+from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
@@ -28,8 +28,8 @@ from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
-from avatarsim.settings import IkSettings
-from avatarsim.world.geometry import Geometry, Poses
+from avatarsim.settings import PostureSettings
+from avatarsim.world.geometry import Array, Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
@@ -41,11 +41,7 @@ GOAL_NODE = 1
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
-FARTHER = 4.0
-"""Times the shown posture's objective that a path may come to, doubled with each rest. Less: detours through doors are refused;
-more: an avatar that is held off by a little walks about for it."""
-
-SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE = range(6)
+SEARCHING, FOUND, FAILED, NO_GOAL, NOTHING_LEFT, STALE, TOO_DEAR = range(7)
 """What a slice of a search came to."""
 
 
@@ -61,7 +57,7 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
@@ -82,9 +78,12 @@ def search(
         elif phase == SAMPLE:
             found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
         elif phase == CUT:
-            found = shorten(geo, skel, avatars, settings, avatar, tracker, target, value, is_followed, plan_out, g)
+            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
+    if found == NOTHING_LEFT and not is_followed:
+        is_worth = is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
+        return FOUND if is_worth else TOO_DEAR
     return found
 
 
@@ -114,27 +113,42 @@ def aim_at_target(
 
 @kernel
 def is_worth_it(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
-    value: float, plan: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
+    shown: Posture, value: float, plan: Plan, ghost_out: Ghost,
 ) -> bool:
-    """Whether a path goes nowhere much farther from the target than the avatar is, or no farther than it has waited for: one
-    that is nearly there, of a tracker that moves, does not walk about."""
-    g, worst = ghost_out, 0.0
+    """Whether a path costs no more than waiting has cost already: the objective beyond the shown posture's, summed over the time
+    that the path takes, against the shown posture's times the time for which it has been stalled.
+
+    Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
+    is begun has cost twice the waiting at most."""
+    g, dearer, before = ghost_out, 0.0, value
+    copy_posture(skel, avatars, avatar, shown, g.aim)
     for i in range(plan.searches.length[avatar]):
         put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, i], plan, g)
+        tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
+        lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
+        copy_posture(skel, avatars, avatar, g.posture, g.aim)
         aim_at_target(skel, avatars, avatar, tracker, target, g)
         there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
-        worst = max(worst, there)
-    links, reach = avatars.first_link[avatar + 1] - avatars.first_link[avatar], g.state.tracking.reach[avatar]
-    # what all links are worth that are a reach farther off
-    least = links * LOSS_RADIUS * reach * reach
-    return bool(worst * settings.stall_time <= (FARTHER * value + least) * plan.searches.pause[avatar])
+        dearer += lasts * max(0.0, 0.5 * (before + there) - value)
+        before = there
+    return bool(dearer <= plan.searches.paid[avatar])
+
+
+@kernel
+def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
+    """Time [s] that the catch-up speeds take for a way (nd)."""
+    longest = 0.0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, way)
+        longest = max(longest, moved / settings.catch_up_move, turned / settings.catch_up_turn)
+    return longest
 
 
 @kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, tracker: Posture, target: Posture,
-    value: float, is_followed: bool, plan_out: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, is_followed: bool,
+    plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Begin the next shortcut, if there is one to try."""
     s = plan_out.searches
@@ -143,7 +157,7 @@ def shorten(
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
     if not is_followed and s.cuts[avatar] > SHORTCUTS:
-        return FOUND if is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, value, plan_out, ghost_out) else FAILED
+        return NOTHING_LEFT
     if is_followed and s.cuts[avatar] % 2 == 0:
         copy_posture(skel, avatars, avatar, target, ghost_out.posture)
         put_ghost(geo, skel, avatars, avatar, ghost_out)
@@ -153,9 +167,7 @@ def shorten(
             resume(geo, skel, avatars, avatar, plan_out, ghost_out)
             return SEARCHING
     if not begin_cut(avatar, first, plan_out):
-        if is_followed:
-            return NOTHING_LEFT
-        return FOUND if is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, value, plan_out, ghost_out) else FAILED
+        return NOTHING_LEFT
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
     return SEARCHING
 
@@ -171,7 +183,7 @@ def resume(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan: P
 
 @kernel
 def find_goal(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, shown: Posture, target: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
     value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """Ask of one candidate whether it may be the goal; if so, the first extension goes straight to it."""
@@ -209,7 +221,7 @@ def begin_extension(
 
 @kernel
 def extend(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, most_work: int, plan_out: Plan,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, most_work: int, plan_out: Plan,
     ghost_out: Ghost,
 ) -> None:
     """One step of the extension that is under way, and what follows if it was the last."""

@@ -10,7 +10,7 @@ from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import AIM, get_node, put_node
-from avatarsim.posture.chain import MODULUS, MULTIPLIER
+from avatarsim.spatial.random import MODULUS, MULTIPLIER
 from avatarsim.spatial.tangent import columns, put_columns, stepped, turned_back
 from avatarsim.spatial.vec3 import along, dot, norm, put_row, row, sub
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Skeleton

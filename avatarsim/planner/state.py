@@ -50,7 +50,7 @@ SEARCH = np.dtype(
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
         ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
-        ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("random", "i8"),
+        ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
     align=True,
 )
@@ -98,6 +98,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[s] until a waiting avatar searches again."""
     pause: Array
     """[s] that it rests after the next search in vain."""
+    paid: Array
+    """[m^2 s] what waiting has cost: the objective, summed since it has stopped falling."""
     random: Index
     """State of the generator (Park and Miller 1988)."""
 

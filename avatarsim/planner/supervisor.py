@@ -10,10 +10,11 @@ from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
+from avatarsim.planner.follow_path import is_near
 from avatarsim.planner.ghost import put_ghost_at
-from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, begin_search, search
+from avatarsim.planner.rrt_connect import FAILED, FOUND, NO_GOAL, STALE, TOO_DEAR, begin_search, search
 from avatarsim.planner.state import Ghost, Plan
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
@@ -31,7 +32,7 @@ NEVER, JOINTED = 0, 1
 
 @kernel
 def supervise(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, dt: float, posture: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture,
     poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """After the steps of a frame of dt [s]: progress, modes, and a slice of each search."""
@@ -49,7 +50,7 @@ def supervise(
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
-            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out)
+            follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out, scratch_out)
     search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
@@ -58,9 +59,9 @@ def supervise(
 
 
 @kernel
-def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int) -> bool:
+def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int) -> bool:
     """Whether paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
-    if settings.plan_work <= 0 or settings.around == NEVER:
+    if settings.around == NEVER:
         return False
     root = avatars.first_link[avatar]
     has_joints = avatars.first_dof[avatar + 1] > skel.first_dof[root + 1]
@@ -69,7 +70,7 @@ def may_plan(skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int
 
 @kernel
 def choose_mode(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, dt: float, value: float, posture: Posture,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture,
     plan_out: Plan,
     state_out: IkState,
 ) -> None:
@@ -79,8 +80,9 @@ def choose_mode(
     if mode == FOLLOW_PATH:
         return
     if t.distance[avatar] <= settings.near or not (is_stalled or mode == PLAN):
-        t.mode[avatar], s.rest[avatar], s.pause[avatar] = TRACK, 0.0, settings.stall_time
+        t.mode[avatar], s.rest[avatar], s.pause[avatar], s.paid[avatar] = TRACK, 0.0, settings.stall_time, 0.0
         return
+    s.paid[avatar] += dt * value
     if mode == PLAN:
         return
     s.rest[avatar] -= dt
@@ -92,14 +94,15 @@ def choose_mode(
 
 @kernel
 def follow_on(
-    skel: Skeleton, avatars: Avatars, settings: IkSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
-    state_out: IkState,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
+    state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
     catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
-    if s.place[avatar] == s.length[avatar] - 1 and s.held[avatar] == 0.0:
+    is_at_end = s.place[avatar] == s.length[avatar] - 1 and is_near(skel, avatars, avatar, 1.0, posture, state_out, scratch_out)
+    if is_at_end:
         set_free(avatar, value, state_out)
     elif s.held[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
@@ -135,7 +138,7 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: IkSettings, tracker: Posture, posture: Posture, poses: Poses,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses,
     plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
@@ -143,7 +146,7 @@ def search_all(
     t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
         waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
-    left = min(settings.plan_work, settings.work - work_done(scratch_out))
+    left = min(settings.work * 2 // 3, settings.work - work_done(scratch_out))
     first = plan_out.turn[0]
     for k in range(count):
         avatar = (first + k) % count
@@ -164,13 +167,13 @@ def search_all(
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
-        if found == STALE:
+        if found == STALE or found == TOO_DEAR:
             begin_search(skel, avatars, avatar, posture, plan_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
 
 @kernel
-def note_outcome(avatar: int, found: int, settings: IkSettings, plan_out: Plan, state_out: IkState) -> None:
+def note_outcome(avatar: int, found: int, settings: PostureSettings, plan_out: Plan, state_out: IkState) -> None:
     """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each
     rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches

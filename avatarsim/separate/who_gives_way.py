@@ -1,13 +1,7 @@
 """Who gives way when two bodies overlap: fixed ones never, driven ones first, simulated ones if it must be."""
 
-from typing import Final
-
 from avatarsim.kernel import kernel
-from avatarsim.scene.body import Role
-
-FIXED: Final = int(Role.FIXED.value)
-SIMULATED: Final = int(Role.SIMULATED.value)
-DRIVEN: Final = int(Role.DRIVEN.value)
+from avatarsim.world.dynamics import DRIVEN, FIXED
 
 
 @kernel

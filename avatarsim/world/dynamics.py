@@ -13,6 +13,9 @@ from avatarsim.world.pair_filter import OPEN
 
 Array = NDArray[np.float64]
 
+FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int(Role.DRIVEN.value)
+"""Values of `Role`, as kernels read them."""
+
 
 class Dynamics(NamedTuple):
     """What never changes about how bodies move.

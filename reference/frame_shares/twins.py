@@ -2,16 +2,15 @@
 
 from typing import Any, Final
 
-from avatarsim.collide.support import support
-from avatarsim.loops import checked, paper, paper_rounds, paper_walk
-from avatarsim.posture import follow, foreseen, step, walk
-from avatarsim.posture.contact_row import add_row, rows_of_listed
-from avatarsim.posture.free_link import free_link, link_contacts
-from avatarsim.posture.goal import aim
-from avatarsim.posture.kinematics import carry, forward, place_links
-from avatarsim.posture.nearest_step import nearest_step
+from avatarsim.ik import foresee, solve, sqp_step
+from avatarsim.ik.certify import certify
+from avatarsim.ik.constraints import add_touching
+from avatarsim.ik.kinematics import carry_avatar, place_avatar, try_step
+from avatarsim.loops import ik_loop, paper, paper_rounds, paper_walk
+from avatarsim.paper.free_link import free_link, link_contacts
 from avatarsim.separate.overlaps import find_overlaps
 from avatarsim.separate.push_apart import push_apart
+from avatarsim.world.kinematics import forward
 from reference.frame_shares.cycles import clocked, require_counter, twin
 
 COLLISION, IK, POSING, PUSHING, WHOLE = range(5)
@@ -35,27 +34,21 @@ def paper_twin() -> Any:
     return clocked(twin(paper.follow_printed, {"follow_as_printed": whole}), WHOLE)
 
 
-def checked_twin() -> Any:
-    """`follow_opened` with clocks."""
+def default_twin() -> Any:
+    """`track` with clocks."""
     require_counter()
-    pose, check = clocked(step.try_step, POSING), clocked(step.check, COLLISION)
-    foresee = twin(foreseen.foresee, {
-        "carry": clocked(carry, POSING), "farthest_of": clocked(foreseen.farthest_of, COLLISION),
-        "support": clocked(support, COLLISION), "add_row": clocked(add_row, COLLISION),
+    check = clocked(certify, COLLISION)
+    ahead = twin(foresee.foresee, {
+        "carry_avatar": clocked(carry_avatar, POSING), "foresee_pair": clocked(foresee.foresee_pair, COLLISION),
     })
-    attempt = twin(step.attempt, {
-        "rows_of_listed": clocked(rows_of_listed, COLLISION), "nearest_step": clocked(nearest_step, IK),
-        "foresee": foresee, "place_links": clocked(place_links, POSING), "check": check,
+    solved = twin(sqp_step.try_qp, {
+        "add_touching": clocked(add_touching, COLLISION), "choose_step": clocked(sqp_step.choose_step, IK), "foresee": ahead,
+        "place_avatar": clocked(place_avatar, POSING), "certify": check,
     })
-    certifies = twin(step.certifies, {"try_step": pose, "check": check})
-    back_off, less_far = (twin(one, {"certifies": certifies}) for one in (step.back_off, step.go_less_far))
-    one = twin(step.step, {
-        "attempt": attempt, "back_off": back_off, "go_less_far": less_far, "aim": clocked(aim, IK),
-        "adopt": clocked(step.adopt, POSING),
-    })
-    frame = twin(follow.follow, {"walk": twin(walk.walk, {"step": one})})
-    return clocked(twin(checked.follow_opened, {"follow": frame}), WHOLE)
+    back = twin(sqp_step.back_off, {"try_step": clocked(try_step, POSING), "certify": check})
+    one = twin(sqp_step.sqp_step, {"try_qp": solved, "back_off": back, "adopt": clocked(sqp_step.adopt, POSING)})
+    return clocked(twin(ik_loop.track, {"solve": twin(solve.solve, {"sqp_step": one})}), WHOLE)
 
 
-TWINS: Final = {"paper": (paper, "follow_printed", paper_twin), "default": (checked, "follow_opened", checked_twin)}
+TWINS: Final = {"paper": (paper, "follow_printed", paper_twin), "default": (ik_loop, "track", default_twin)}
 """By method: the module whose frame is replaced, the name there, and what makes the twin."""

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.coherent import signed_distance_coherent
 from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
-from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.collide.scratch import Scratch, make_scratch, opened_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.kernel import kernel
-from avatarsim.loops.opened_checked import opened_scratch
 from avatarsim.scene.shape import Piece, Shape
 from avatarsim.spatial.vec3 import row
 from avatarsim.world.arena import Opening, index_line, line, matrices, opening, packed, vectors

@@ -20,6 +20,7 @@
     return node;
   };
   const numbers = (packed) => new Uint16Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
+  const reals = (packed) => new Float32Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
   const three = (value) => value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(1) : Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
   const PREFIXES = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]], us: [[1e6, "s"], [1e3, "ms"], [1, "µs"], [1e-3, "ns"]] };
   function quantity(value, unit) {
@@ -55,13 +56,13 @@
       const y = TOP + (HEIGHT - TOP - BOTTOM) * (1 - (-6 - low) / (high - low));
       picture.append(make("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y, stroke: data.alarm, "stroke-dasharray": "4 3" }));
     }
-    const lines = about.lines.map((line) => ({ ...line, codes: numbers(line.values) }));
+    const lines = about.lines.map((line) => ({ ...line, codes: numbers(line.values), moments: reals(line.times) }));
     lines.sort((a, b) => Number(b.run.startsWith("tracker/")) - Number(a.run.startsWith("tracker/")));
     for (const line of lines) {
       let path = "", begun = false;
       line.codes.forEach((code, k) => {
         if (!code) { begun = false; return; }
-        path += `${begun ? "L" : "M"}${across(line.first + k * line.step).toFixed(1)} ${up(code).toFixed(1)}`;
+        path += `${begun ? "L" : "M"}${across(line.moments[k]).toFixed(1)} ${up(code).toFixed(1)}`;
         begun = true;
       });
       const stroke = data.strokes[line.run] || { light: data.muted, dash: "" };
@@ -74,9 +75,11 @@
       cursor.setAttribute("x1", across(time));
       cursor.setAttribute("x2", across(time));
       told.textContent = lines.map((line) => {
-        const k = Math.floor((time - line.first) / line.step + 1e-6);
+        // a point stands for the frames from its own on to the next point's
+        const later = line.moments.findIndex((moment) => moment > time + 1e-4), k = (later < 0 ? line.codes.length : later) - 1;
+        const last = line.moments.at(-1), apart = line.codes.length > 1 ? last - line.moments.at(-2) : 0;
         // times end, and may begin, where timing did; what is measured of every state has a value at any time
-        if (about.key === "time" && (k < 0 || k >= line.codes.length)) return `${line.run} not timed`;
+        if (about.key === "time" && (k < 0 || time > last + apart)) return `${line.run} not timed`;
         const code = line.codes[Math.max(0, Math.min(line.codes.length - 1, k))];
         const value = code ? real(code) : NaN;
         return `${line.run} ${about.key === "overlap" && code === 1 ? "0" : quantity(value, about.unit)}`;
@@ -107,7 +110,7 @@
   function choose(scene) {
     const charts = data.scenes[scene];
     cursors = [];
-    end = Math.max(1e-9, ...charts.flatMap((about) => about.lines.map((line) => line.first + line.step * (atob(line.values).length / 2 - 1))));
+    end = Math.max(1e-9, ...charts.flatMap((about) => about.lines.map((line) => reals(line.times).at(-1) ?? 0)));
     root.replaceChildren(...charts.map(chart));
     move(Math.min(now, end), false);
     root.dataset.drawn = charts.length;

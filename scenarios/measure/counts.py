@@ -3,12 +3,12 @@
 from scenarios.measure.value import Values
 from scenarios.record import Recording
 
-TOTALS = ("resyncs", "trapped", "walled", "crossings", "leaps")
+TOTALS = ("waiting", "planning", "following", "out_of_work")
 """Counts that are reported as a sum over the run, under their own name; all others as a mean, `<name>_per_frame`."""
 
 
 def work(recording: Recording) -> Values:
-    """<name>_per_frame: mean over the frames advanced; resyncs, trapped, walled, crossings, leaps: number in all."""
+    """<name>_per_frame: mean over the frames advanced; those of TOTALS: number in all."""
     found: dict[str, float] = {}
     for name, numbers in recording.counts.items():
         done = numbers[1:]

@@ -4,9 +4,9 @@ How postures are shown, in one table: a row per engine, preset and group. Groups
 short lengths; each room of the drawn motions (`scenarios.unseen`), with seeds drawn afresh unless given; and, with --clips, every
 clip of a folder in three rooms at two heights. All figures are of poses that were shown; chatter, reversals, offsets and angles
 (root mean square over links, over joints) are of frames in contact, pooled over the group. A turn of a joint or way of a root is
-what is shown beyond the user's largest of that frame, but for frames with a declared resync or teleport, which other engines do
-not declare. "Free 0.5 s" counts frames in which the target has been free for so long; one beyond a wall that has no door is
-outside its scene's region, and so not free. Times are of the engine alone, from runs one after the other, best of the repeats.
+what is shown beyond the user's largest of that frame. "Free 0.5 s" counts frames in which the target has been free for so long;
+one beyond a wall that has no door is outside its scene's region, and so not free. Times are of the engine alone, from runs one
+after the other, best of the repeats.
 
 Exit codes: 0; 2 wrong usage; 3 a run crashed or could not be measured.
 """

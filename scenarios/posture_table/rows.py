@@ -31,9 +31,6 @@ class Row:
     limits: float
     not_finite: int
     wrong_side: int
-    crossings: int
-    resyncs: int
-    leaps: int
     contact: int
     chatter: float
     reversal_p95: float
@@ -71,8 +68,8 @@ def share(flags: NDArray[np.bool_]) -> float:
 
 
 def jumped(series: Series, values: Array, limit: float) -> Array:
-    """(F,) 1 where `values` are above `limit`, or no number, in a frame without a declared jump."""
-    return np.where(~(values <= limit) & (series.declared == 0.0), 1.0, 0.0)
+    """(F,) 1 where `values` are above `limit`, or no number."""
+    return np.where(~(values <= limit), 1.0, 0.0)
 
 
 def row_of(engine: str, group: str, runs: Sequence[Seen]) -> Row:
@@ -86,13 +83,13 @@ def row_of(engine: str, group: str, runs: Sequence[Seen]) -> Row:
     held = pooled(runs, lambda s: s.contact) > 0.0
     owed = pooled(runs, lambda s: s.owed) > 0.0
     offset, angle = (pooled(runs, of)[held] for of in (lambda s: s.offset, lambda s: s.angle))
-    turn = pooled(runs, lambda s: np.where(s.declared > 0.0, 0.0, s.turn))
-    way = pooled(runs, lambda s: np.where(s.declared > 0.0, 0.0, s.way))
+    turn = pooled(runs, lambda s: s.turn)
+    way = pooled(runs, lambda s: s.way)
     overlap, *limits = (float(np.max(figures(name), initial=0.0)) for name in PROMISED)
     times = np.concatenate([run.times for run in runs])
     return Row(
         engine, group, len(runs), held.size, overlap, float(np.max(limits)),
-        total("not_finite_frames"), total("wrong_side_frames"), total("crossings"), total("resyncs"), total("leaps"),
+        total("not_finite_frames"), total("wrong_side_frames"),
         int(held.sum()), share(pooled(runs, lambda s: s.shakes)[held] > 0.0),
         percentile(pooled(runs, lambda s: s.reversal)[held], 95.0), percentile(figures("jerk_ratio"), 50.0),
         int(pooled(runs, lambda s: jumped(s, s.turn, TURNS)).sum()), float(np.max(turn, initial=0.0)),

@@ -26,7 +26,7 @@ from scenarios.seat import repeat
 
 FIGURES = (
     "residual_overlap_max", "joint_limit_excess_max", "reach_cone_excess_max", "not_finite_frames", "wrong_side_frames",
-    "crossings", "resyncs", "leaps", "jerk_ratio", "tracker_offset_rms", "tracker_angle_rms",
+    "jerk_ratio", "tracker_offset_rms", "tracker_angle_rms",
 )
 """Metrics that are taken as the run measured them; everything else is pooled from series."""
 KIND = "posture"

@@ -17,9 +17,6 @@ from scenarios.record import Recording
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-DECLARED = ("resyncs", "leaps")
-"""Counts of frames in which an engine says that it jumps, or that its user did."""
-
 
 @dataclass(frozen=True, eq=False)
 class Series:
@@ -27,7 +24,7 @@ class Series:
 
     overlap [m]; limits: excess over joint limits and reach cones [deg]; wrong: something outside its region; contact; shakes;
     reversal: largest of a link [m]; jerk: third difference of a link origin beyond the target's largest [m], at its last frame;
-    turn [deg] and way [m]: largest of a joint and of a root beyond the user's largest; declared: see DECLARED;
+    turn [deg] and way [m]: largest of a joint and of a root beyond the user's largest;
     owed: the target has been free for half a second; farthest: link origin from its target's [m]; silent: see `silent_frames`;
     offset [m] of link origins and angle [deg] of joints: root mean square over the links, over the joints. Flags are 0 and 1.
     """
@@ -41,7 +38,6 @@ class Series:
     jerk: Array
     turn: Array
     way: Array
-    declared: Array
     owed: Array
     farthest: Array
     silent: Array
@@ -69,11 +65,10 @@ def series_of(recording: Recording, known: Known) -> Series:
     wrong = outside(recording.positions, scenario.regions, scene.names)
     wrong[recording.inside_frame[outside(recording.inside_positions, scenario.regions, scene.names)]] = True
     distance = offsets(recording)
-    declared = sum((recording.counts[name] > 0 for name in DECLARED if name in recording.counts), np.zeros(len(wrong)))
     return Series(
         overlap=recording.overlap[1:], limits=np.degrees(limits[1:]), wrong=_numbers(wrong[1:]), contact=_numbers(contact[1:]),
         shakes=_numbers(shaking(reversed_by, recording.dt)), reversal=reversed_by.max(axis=1), jerk=_jerk(shown, target),
-        turn=np.degrees(turn), way=way, declared=_numbers(declared[1:] > 0.0), owed=_numbers(free_awhile(free, recording.dt)),
+        turn=np.degrees(turn), way=way, owed=_numbers(free_awhile(free, recording.dt)),
         farthest=distance.max(axis=1), silent=_numbers(silent_frames(recording, free)), offset=_rms_each(distance),
         angle=_rms_each(np.degrees(angle_offsets(recording, scene))),
     )

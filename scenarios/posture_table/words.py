@@ -9,8 +9,8 @@ from scenarios.posture_table.rows import MOVES, TURNS, Row
 COLUMNS: tuple[tuple[str, str, float, str], ...] = (
     ("engine", "engine", 0.0, ""), ("group", "group", 0.0, ""), ("runs", "runs", 1.0, "d"), ("frames", "frames", 1.0, "d"),
     ("overlap", "overlap m", 1.0, ".2g"), ("limits", "limits deg", 1.0, ".2g"), ("not_finite", "not finite", 1.0, "d"),
-    ("wrong_side", "wrong side", 1.0, "d"), ("crossings", "crossings", 1.0, "d"), ("resyncs", "resyncs", 1.0, "d"),
-    ("leaps", "teleports", 1.0, "d"), ("contact", "contact frames", 1.0, "d"), ("chatter", "chatter %", 1.0, ".2f"),
+    ("wrong_side", "wrong side", 1.0, "d"),
+    ("contact", "contact frames", 1.0, "d"), ("chatter", "chatter %", 1.0, ".2f"),
     ("reversal_p95", "reversal p95 mm", 1e3, ".2f"), ("jerk_ratio", "jerk ratio", 1.0, ".2f"),
     ("turns", f"turns > {TURNS:g} deg", 1.0, "d"), ("turn_max", "largest deg", 1.0, ".1f"),
     ("root_moves", f"root > {MOVES:g} m", 1.0, "d"), ("root_max", "largest m", 1.0, ".3f"), ("silent", "silent frames", 1.0, "d"),

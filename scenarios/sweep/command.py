@@ -23,7 +23,7 @@ from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.sweep import clock, limit, measure
 from scenarios.sweep.cell import Cell
-from scenarios.sweep.grid import Setting, applicable, settings_of
+from scenarios.sweep.grid import applicable, settings_of
 from scenarios.sweep.limits_run import converge
 from scenarios.sweep.limits_run import table as limits_table
 from scenarios.sweep.rows import Row, rows_of, with_fronts
@@ -45,8 +45,7 @@ def cells_of(
     for name, scenario in scenes.items():
         scene = scenario.as_run(asked.full).build()
         for engine, offer in offered.items():
-            named = (Setting(engine, preset, preset) for preset in offer.on_request if preset in asked.preset)
-            for setting in (*settings_of(engine, offer.presets, own), *named):
+            for setting in settings_of(engine, offer.presets, own):
                 if applicable(setting, scene) and (not asked.preset or setting.base in asked.preset):
                     found += [Cell(name, setting, seed, asked.full, asked.frames) for seed in asked.seed[:1]]
     return found

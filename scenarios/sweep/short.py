@@ -39,7 +39,7 @@ ROWS, ABOUT = "sweep.csv", "sweep.json"
 SHORT: Mapping[str, tuple[str, ...]] = {
     "avatarsim": (
         "default", "paper", "default stand_off=1e-3", "default frame=1/120", "default stand_off=2e-5", "default steps=1",
-        "default sweeps=5", "default frame=1/240", "paper rounds=4",
+        "default work=300", "default frame=1/240", "paper rounds=4",
     ),
     "mujoco": (
         "default", "tuned", "tuned sleep=true", "tuned loose_margin=0", "tuned loose_margin=0.0002", "tuned loose_margin=0.0004",

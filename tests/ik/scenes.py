@@ -14,8 +14,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
-from tests.posture.little_worlds import at, hand, mixed_avatar
 from tests.stability.hostile import hinged_avatar
+from tests.worlds.little_worlds import at, hand, mixed_avatar
 
 
 def block(name: str, centre: Vector, size: Vector) -> Body:

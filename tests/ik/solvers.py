@@ -11,7 +11,7 @@ from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.scene.scene import Scene
 from avatarsim.world.skeleton import FREE, Posture
 from avatarsim.world.world import World, build, posture_of
-from tests.posture.little_worlds import hand, mixed_avatar, random_sample
+from tests.worlds.little_worlds import hand, mixed_avatar, random_sample
 
 Array = NDArray[np.float64]
 

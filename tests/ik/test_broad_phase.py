@@ -12,7 +12,7 @@ from avatarsim.ik.kinematics import try_step
 from avatarsim.scene.scene import Scene
 from tests.ik.scenes import block
 from tests.ik.solvers import Solver, random_posture, solver_of
-from tests.posture.little_worlds import hand, mixed_avatar
+from tests.worlds.little_worlds import hand, mixed_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 HANDS = Scene("hands", (block("b", (50.0, 0.0, 0.0), (1.0, 1.0, 1.0)),), tuple(hand(name=f"h{k}") for k in range(9)))

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from avatarsim import tolerances
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.ik.certificate import accepted_gap
@@ -20,12 +21,13 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.pair_filter import may_meet
 from tests.ik.solvers import Solver, solver_of
-from tests.posture.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
+from tests.worlds.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
 
-SETTINGS, SCRATCH, ANY = IkSettings(), make_scratch(), np.zeros(0, dtype=np.int64)
+SETTINGS, SCRATCH, ANY = PostureSettings(), make_scratch(), np.zeros(0, dtype=np.int64)
+LEAST, WEDGED = tolerances.least_gap(SETTINGS.stand_off), tolerances.wedged_gap(SETTINGS.stand_off)
 HANDS = {
     "ball": (Piece(Sphere(0.05)),), "box": (Piece(Box((0.1, 0.08, 0.06))),), "capsule": (Piece(Capsule(0.03, 0.1)),),
     "hull": (Piece(ellipsoid_hull((0.05, 0.04, 0.08))),),
@@ -73,8 +75,8 @@ def test_passing_beside_the_panel_and_sliding_along_it_are_not_refused(name: str
 def test_the_gap_at_the_end_decides_and_standing_still_is_always_accepted() -> None:
     face = -0.001 - 0.05
     found = solver_of(hand_scene((face - 0.01, 0.0, 0.0), panel()))
-    assert failures(found, move(0.01 - 1.01 * SETTINGS.least_gap)) == 0
-    assert failures(found, move(0.01 - 0.99 * SETTINGS.least_gap)) == 1
+    assert failures(found, move(0.01 - 1.01 * LEAST)) == 0
+    assert failures(found, move(0.01 - 0.99 * LEAST)) == 1
     assert failures(found, move(0.01)) == 1 and failures(found, move(0.03)) == 1
     for gap in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8):
         assert failures(solver_of(hand_scene((face - gap, 0.0, 0.0), panel())), 0.0) == 0
@@ -147,16 +149,16 @@ def test_a_certified_step_never_overlaps_on_its_way(seed: int, name: str) -> Non
     after = found.working.trial.vertices.copy()
     ways = [np.ascontiguousarray((1.0 - t) * before + t * after) for t in np.linspace(0.0, 1.0, 13 if failed == 0 else 60)]
     least = min(least_gap(found, way) for way in ways)
-    assert least > 0.0 if failed == 0 else least < 0.02
+    assert least > 0.0 if failed == 0 else least < 0.05
 
 
 @given(st.floats(1e-12, 1.0))
 def test_the_accepted_gap_lets_a_pair_stand_still_and_a_wedged_one_come_no_nearer(gap: float) -> None:
     least = accepted_gap(SETTINGS, gap)
-    assert least <= gap and least <= SETTINGS.least_gap
-    assert least >= min(gap, SETTINGS.wedged_gap) - 1e-9
+    assert least <= gap and least <= LEAST
+    assert least >= min(gap, WEDGED) - 1e-9
 
 
 @pytest.mark.parametrize("gap", [np.nan, -np.inf, -1e-6, 0.0])
 def test_a_pair_that_is_not_apart_promises_nothing(gap: float) -> None:
-    assert not accepted_gap(SETTINGS, gap) > SETTINGS.least_gap
+    assert not accepted_gap(SETTINGS, gap) > LEAST

@@ -8,13 +8,13 @@ from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.ik.constraints import IDLE_STEPS, add_touching, keep_touching, touch
 from avatarsim.ik.kinematics import try_step
 from avatarsim.scene.scene import Scene
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.skeleton import Posture
 from tests.ik.solvers import Solver, random_posture, solver_of
-from tests.posture.little_worlds import hand, mixed_avatar, panel
+from tests.worlds.little_worlds import hand, mixed_avatar, panel
 
 pytestmark = [pytest.mark.boundscheck]
-SETTINGS, GAP, THICK = IkSettings(), 0.004, 0.02
+SETTINGS, GAP, THICK = PostureSettings(), 0.004, 0.02
 SCRATCH = make_scratch()
 
 

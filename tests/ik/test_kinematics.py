@@ -11,7 +11,7 @@ from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from avatarsim.world.skeleton import BALL
 from tests.ik.solvers import TREES, Solver, copied, point_rates, random_posture, solver_of
-from tests.posture.little_worlds import random_sample
+from tests.worlds.little_worlds import random_sample
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 FOUND = solver_of(TREES)

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.motion_budget import AT_REST, bound_step, keep_budget, open_budget, spend
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.world.skeleton import FREE, HINGES
 from tests.ik.solvers import TREES, Solver, random_posture, solver_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
-SETTINGS, DT = IkSettings(catch_up_turn=10.0, catch_up_move=4.0), 1.0 / 60.0
+SETTINGS, DT = PostureSettings(catch_up_turn=10.0, catch_up_move=4.0), 1.0 / 60.0
 FOUND = solver_of(TREES)
 ND, LINKS = len(FOUND.avatars.joint_of), range(len(FOUND.world.skeleton.kind))
 

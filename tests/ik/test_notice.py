@@ -8,7 +8,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.world.geometry import place
 from tests.ik.scenes import block
 from tests.ik.solvers import Solver, solver_of
-from tests.posture.little_worlds import hand
+from tests.worlds.little_worlds import hand
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 NOT_KNOWN = np.zeros(0, dtype=np.int64)

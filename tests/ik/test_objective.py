@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.ik.objective import LOSS_RADIUS, model, value_of
 from tests.ik.solvers import Solver, apart, copied, metric_of, point_rates
-from tests.posture.little_worlds import mixed_avatar
+from tests.worlds.little_worlds import mixed_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 NEAR, FAR = 0.02, 0.5

@@ -1,4 +1,4 @@
-"""Frames of preset `ik` under the eyes of the judge, over motions drawn at random."""
+"""Frames of preset `default` under the eyes of the judge, over motions drawn at random."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,13 +14,13 @@ from avatarsim.ik.motion_budget import SLACK
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from tests.ik.scenes import SCENES, both_hands, drawn, free_hinged, posed
-from tests.posture.ride import Ride, ride
 from tests.stability.hostile import DT
+from tests.worlds.ride import Ride, ride
 
-SETTINGS = IkSettings()
+SETTINGS = PostureSettings()
 
 
 def turns_and_moves(scene: Scene, positions: np.ndarray, orientations: np.ndarray, angles: np.ndarray) -> tuple[list, list]:
@@ -84,7 +84,7 @@ class Budgeted:
 @given(seed=st.integers(0, 10**6), dt=st.sampled_from((1 / 30, 1 / 60, 1 / 90, 1 / 240)))
 def test_nothing_overlaps_limits_hold_and_each_frame_keeps_its_budget(name: str, seed: int, dt: float) -> None:
     scene = SCENES[name]
-    go = ride(scene, preset="ik")
+    go = ride(scene)
     budgeted = Budgeted(go, scene.first_sample)
     for sample in drawn(scene, seed, 25):
         budgeted.frame(sample, dt)
@@ -94,7 +94,7 @@ def test_nothing_overlaps_limits_hold_and_each_frame_keeps_its_budget(name: str,
 @given(seed=st.integers(0, 10**6))
 def test_a_free_target_within_limits_is_reached_in_one_frame_however_far(seed: int) -> None:
     scene, rng = free_hinged(), np.random.default_rng(seed)
-    go = ride(scene, preset="ik")
+    go = ride(scene)
     for _ in range(12):
         # within this spread the feet keep apart
         sample = posed(scene, rng, spread=0.04, room=5.0)
@@ -105,7 +105,7 @@ def test_a_free_target_within_limits_is_reached_in_one_frame_however_far(seed: i
 def records(scene: Scene, samples: Sequence[TrackerSample], **options: object) -> Iterator[FrameRecord]:
     """What an engine of its own shows."""
     with AvatarsimEngine() as engine:
-        engine.load(scene, Settings("ik", options), DT)
+        engine.load(scene, Settings("default", options), DT)
         for sample in samples:
             yield engine.advance(sample, DT)
 
@@ -122,7 +122,7 @@ def test_the_same_motion_gives_the_same_bits(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_when_the_work_of_a_frame_is_spent_it_says_so_and_what_is_shown_is_free(name: str, work: int) -> None:
     scene = SCENES[name]
-    go, said = ride(scene, preset="ik", work=work), 0
+    go, said = ride(scene, work=work), 0
     for sample in drawn(scene, 3, 30):
         said += go.frame(sample).statuses.get("out_of_work", 0)
     assert said > 0 or work > 10 or name == "hand"

@@ -1,4 +1,4 @@
-"""Frames of preset `ik` where it is hard: leaps into things, squeezes, walls between avatar and target; and what rests, rests."""
+"""Frames where it is hard: leaps into things, squeezes, walls between avatar and target; and what rests, rests."""
 
 from dataclasses import replace
 from itertools import islice
@@ -14,9 +14,9 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from tests.ik.scenes import block, walled_hinged
-from tests.posture.little_worlds import at, hand
-from tests.posture.ride import Ride, ride
 from tests.stability.hostile import DT, TRIALS, hostile_motion, outside_room
+from tests.worlds.little_worlds import at, hand
+from tests.worlds.ride import Ride, ride
 
 
 @pytest.mark.parametrize("dt", [1 / 30, 1 / 60, 1 / 90, 1 / 240])
@@ -24,7 +24,7 @@ from tests.stability.hostile import DT, TRIALS, hostile_motion, outside_room
 def test_hostile_motion_at_any_frame_rate(name: str, dt: float) -> None:
     """Teleports into furniture, targets beyond limits, tangles and swings; nothing leaves the room or is no number."""
     trial = TRIALS[name]()
-    go = ride(trial.scene, preset="ik")
+    go = ride(trial.scene)
     for _, sample in islice(hostile_motion(trial, 7, 24, 12), 180):
         shown = go.frame(sample, dt).shown
         assert np.isfinite(shown.positions).all() and np.isfinite(shown.orientations).all()
@@ -35,7 +35,7 @@ def test_hostile_motion_at_any_frame_rate(name: str, dt: float) -> None:
 def test_half_turns_of_everything_at_once(seed: int) -> None:
     """There the tangent error jumps from one side to the other."""
     scene, rng = walled_hinged(), np.random.default_rng(seed)
-    go, start = ride(scene, preset="ik"), scene.first_sample
+    go, start = ride(scene), scene.first_sample
     for k in range(60):
         axis = rng.normal(size=3) if k % 2 else np.array([0.0, 0.0, 1.0])
         half = rotation.from_axis_angle(axis / np.linalg.norm(axis), np.pi * (1.0 + 1e-9 * (k % 3 - 1)))
@@ -48,7 +48,7 @@ def test_half_turns_of_everything_at_once(seed: int) -> None:
 
 def pressed(scene: Scene, **options: float) -> tuple[Ride, TrackerSample]:
     """Sixteen hulls that were led half a metre into a wall, and the target that rests there from now on."""
-    go, start = ride(scene, preset="ik", **options), scene.first_sample
+    go, start = ride(scene, **options), scene.first_sample
     sample = start
     for k in range(60):
         sample = at(start, (0.012 * k, 0.01 * np.sin(k / 5.0), 1.1 - 0.001 * k))
@@ -90,7 +90,7 @@ def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> N
     scene = walled_hinged()
     limits = [(h.lower, h.upper) for link in scene.links if isinstance(link.joint, Hinges) for h in link.joint.hinges]
     low, high = np.array(limits).T
-    go, start = ride(scene, preset="ik", plan_work=0), scene.first_sample
+    go, start = ride(scene, around=0), scene.first_sample
     wanted = np.clip(start.angles + 0.3 * np.clip(np.random.default_rng(1).normal(size=len(low)), -1.0, 1.0), low, high)
     for k in range(240):
         share = min(1.0, k / 120)
@@ -115,7 +115,7 @@ def plates(apart: float) -> tuple[Scene, TrackerSample]:
 @pytest.mark.parametrize("apart", [0.2, 0.1003, 0.1001, 0.10002, 0.100001])
 def test_what_is_squeezed_between_two_plates_comes_free_and_is_never_stuck(apart: float) -> None:
     scene, home = plates(apart)
-    go, rng = ride(scene, preset="ik"), np.random.default_rng(0)
+    go, rng = ride(scene), np.random.default_rng(0)
     for k in range(60):
         target = at(replace(home, rotations=rotation.normalised(rng.normal(size=(1, 4)))), (0.01 * k, 0.0, 0.3 * np.sin(k)))
         go.frame(target)
@@ -127,7 +127,7 @@ def test_what_is_squeezed_between_two_plates_comes_free_and_is_never_stuck(apart
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf])
 def test_a_sample_that_is_no_place_is_refused_and_changes_nothing(number: float) -> None:
     scene = walled_hinged()
-    go = ride(scene, preset="ik")
+    go = ride(scene)
     start = scene.first_sample
     positions, rotations, angles = start.positions.copy(), start.rotations.copy(), start.angles.copy()
     for part in (positions[0], rotations[0], angles):
@@ -141,10 +141,10 @@ def test_a_sample_that_is_no_place_is_refused_and_changes_nothing(number: float)
 
 def test_waiting_is_said_once_it_comes_no_nearer_and_no_longer_than_that() -> None:
     scene, home = plates(0.2)
-    go = ride(scene, preset="ik")
+    go = ride(scene)
     said = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.3))).statuses for _ in range(60)]
     assert not any(said[:5]) and all(said[30:])
     assert "waiting" not in go.frame(home).statuses
-    go = ride(scene, preset="ik")
+    go = ride(scene)
     near = ["waiting" in go.frame(at(home, (0.0, 0.0, 0.09))).statuses for _ in range(60)]
     assert not any(near), "4 cm behind a plate is near"

@@ -9,7 +9,7 @@ from avatarsim.ik.state import IkState
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from tests.ik.solvers import Solver, solver_of
-from tests.posture.little_worlds import at, hand, panel
+from tests.worlds.little_worlds import at, hand, panel
 
 PAIR = (hand(), hand(name="other"))
 

@@ -9,17 +9,17 @@ from avatarsim.ik.broad_phase import form_islands
 from avatarsim.ik.constraints import touch
 from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.target import clip_to_limits, meet_target
-from avatarsim.posture.limits import cone_excess
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns
+from avatarsim.world.limits import cone_excess
 from avatarsim.world.skeleton import BALL, Posture
 from avatarsim.world.world import posture_of
 from tests.ik.solvers import TREES, Solver, copied, solver_of
-from tests.posture.little_worlds import random_sample
+from tests.worlds.little_worlds import random_sample
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 DT = 1.0 / 60.0
-SETTINGS = IkSettings()
+SETTINGS = PostureSettings()
 
 
 def clipped(found: Solver, tracker: Posture) -> Posture:

@@ -1,4 +1,4 @@
-"""Frames of method `ik` through its arena against the same kernel on plain arrays: every bit is the same."""
+"""Frames of method `default` through its arena against the same kernel on plain arrays: every bit is the same."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from tests.world.test_arena import leaves
 def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
     scene, chosen = SCENES[name], Chosen()
     apart, world = solver_of(scene), build(scene)
-    target, lower = Target(world), IkLoop(world, chosen.ik, chosen.coupling)
+    target, lower = Target(world), IkLoop(world, chosen.posture, chosen.coupling)
     lower.watch(NOT_KNOWN)
     worked, w = 0, apart.world
     plan, ghost = make_planner(
@@ -32,11 +32,11 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
         tracker, dt = posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0
         geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
         avatars, state, working = apart.avatars, apart.state, apart.working
-        begin_frame(geo, skel, avatars, chosen.ik, tracker, dt, NOT_KNOWN, poses, state, working)
+        begin_frame(geo, skel, avatars, chosen.posture, tracker, dt, NOT_KNOWN, poses, state, working)
         drop_paths(geo, skel, avatars, tracker, posture, poses, plan, ghost, state, working)
         aim_along_paths(skel, avatars, dt, posture, plan, state, working)
-        solve(geo, skel, avatars, chosen.ik, posture, poses, state, working)
-        supervise(geo, skel, avatars, chosen.ik, tracker, dt, posture, poses, plan, ghost, state, working)
+        solve(geo, skel, avatars, chosen.posture, posture, poses, state, working)
+        supervise(geo, skel, avatars, chosen.posture, tracker, dt, posture, poses, plan, ghost, state, working)
         plain = leaves((w.posture, w.poses, apart.state, plan))
         packed = leaves((world.posture, world.poses, lower.state, lower.plan))
         for one, other in zip(plain, packed, strict=True):

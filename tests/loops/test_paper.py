@@ -11,7 +11,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.start_check import overlapping_pairs
 from avatarsim.world.target import Target
-from tests.posture.arms import ball_hand, world_of
+from tests.worlds.arms import ball_hand, world_of
 
 pytestmark = [pytest.mark.nojit]
 

@@ -5,14 +5,14 @@ import pytest
 
 from avatarsim.loops.paper_memory import GAVE_WAY, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK
 from avatarsim.loops.paper_walk import AVATARS_HIT, CHAINS_HIT, EVERYTHING, choose_links
-from avatarsim.posture.chain import Chains
+from avatarsim.paper.chain import Chains
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.start_check import overlapping_pairs
 from avatarsim.world.geometry import place
-from tests.posture.arms import RADIUS, arm, ball_hand, planar
-from tests.posture.loops import Loop
+from tests.worlds.arms import RADIUS, arm, ball_hand, planar
+from tests.worlds.loops import Loop
 
 pytestmark = [pytest.mark.nojit]
 

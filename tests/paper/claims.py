@@ -154,8 +154,8 @@ FIGURES = {
         "a joint is turned so that the distance to the goal is least",
         (
             "paper/test_equation_5.py::test_no_other_turn_brings_the_effector_nearer",
-            "posture/test_cyclic_coordinate_descent.py::test_two_links_reach_as_the_law_of_cosines_says",
-            "posture/test_cyclic_coordinate_descent.py::test_a_sweep_never_leads_away_from_the_goal",
+            "printed/test_cyclic_coordinate_descent.py::test_two_links_reach_as_the_law_of_cosines_says",
+            "printed/test_cyclic_coordinate_descent.py::test_a_sweep_never_leads_away_from_the_goal",
         ),
         ("singular_chain",),
     ),
@@ -209,21 +209,21 @@ IN_WORDS = {
     "joint limits": Claim(
         "planar joints stop at an angle, others are projected back into a reach cone",
         (
-            "posture/test_cyclic_coordinate_descent.py::test_hinge_limits_hold_exactly_for_ten_thousand_goals",
-            "posture/test_reach_cone.py::test_nothing_inside_is_nearer_than_the_nearest_direction_inside",
+            "printed/test_cyclic_coordinate_descent.py::test_hinge_limits_hold_exactly_for_ten_thousand_goals",
+            "world/test_reach_cone.py::test_nothing_inside_is_nearer_than_the_nearest_direction_inside",
         ),
         ("limit_torture", "reach_cone_edges"),
     ),
     "parallel link": Claim(
         "a link parallel to the surface is moved out by translation and reconnected",
-        ("posture/test_free_link.py::test_a_nearly_parallel_link_is_moved_and_not_turned",),
+        ("printed/test_free_link.py::test_a_nearly_parallel_link_is_moved_and_not_turned",),
         ("parallel_link",),
     ),
     "coach and trainee": Claim(
         "the posture is attracted to the user's",
         (
             "paper/test_coach_and_trainee.py::test_the_papers_attraction_returns_on_its_exponential",
-            "posture/test_attraction.py::test_a_released_posture_returns_exponentially",
+            "printed/test_attraction.py::test_a_released_posture_returns_exponentially",
         ),
         ("coach_release",),
     ),

@@ -12,8 +12,8 @@ from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.start_check import meeting_pairs, overlapping_pairs
 from avatarsim.world.geometry import place
-from tests.posture.arms import ball_hand, world_of
-from tests.posture.loops import Loop
+from tests.worlds.arms import ball_hand, world_of
+from tests.worlds.loops import Loop
 
 pytestmark = [pytest.mark.nojit]
 

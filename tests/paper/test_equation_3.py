@@ -8,8 +8,8 @@ import pytest
 from avatarsim.collide.global_depth import global_penetration_depth
 from avatarsim.collide.scratch import make_scratch
 from avatarsim.collide.status import CONVERGED
-from avatarsim.posture.end_effector import end_effector, goal_of
-from avatarsim.posture.free_link import link_contacts
+from avatarsim.paper.end_effector import end_effector, goal_of
+from avatarsim.paper.free_link import link_contacts
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed
 from avatarsim.scene.joint import Rigid

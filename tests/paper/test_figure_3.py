@@ -20,8 +20,8 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.start_check import overlapping_pairs
 from avatarsim.world.geometry import place
-from tests.posture.arms import arm, ball_hand, limited_ball, planar
-from tests.posture.loops import Loop
+from tests.worlds.arms import arm, ball_hand, limited_ball, planar
+from tests.worlds.loops import Loop
 
 pytestmark = [pytest.mark.nojit]
 

@@ -7,8 +7,8 @@ from avatarsim.loops.paper_memory import CANCELLED, HELD, ROUNDS, WALKED_BACK
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.start_check import overlapping_pairs
-from tests.posture.arms import ball_hand
-from tests.posture.loops import Loop
+from tests.worlds.arms import ball_hand
+from tests.worlds.loops import Loop
 
 pytestmark = [pytest.mark.nojit]
 

@@ -12,7 +12,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.posture.little_worlds import at, hand
+from tests.worlds.little_worlds import at, hand
 
 DT = 1.0 / 60.0
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -80,11 +80,11 @@ def palm() -> Avatar:
 
 
 class Run:
-    """An engine of preset `ik` with its scene."""
+    """An engine of preset `default` with its scene."""
 
     def __init__(self, scene: Scene, seed: int = 0, **options: object) -> None:
         self.scene, self.engine = scene, AvatarsimEngine()
-        self.record: FrameRecord = self.engine.load(scene, Settings("ik", options, seed=seed), DT)
+        self.record: FrameRecord = self.engine.load(scene, Settings("default", options, seed=seed), DT)
         self.said: dict[str, int] = {}
 
     def go(self, sample: TrackerSample, frames: int) -> list[FrameRecord]:

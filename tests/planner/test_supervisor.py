@@ -6,11 +6,11 @@ import pytest
 from avatarsim.planner.supervisor import LEAST_SLICE
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.settings import IkSettings
+from avatarsim.settings import PostureSettings
 from reference.judge import Judge
 from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
 
-SETTINGS = IkSettings()
+SETTINGS = PostureSettings()
 SECONDS = 60
 
 
@@ -29,9 +29,9 @@ def test_a_door_is_found_and_gone_through_within_the_motion_budget() -> None:
     assert run.record.statuses == {}
 
 
-def test_without_work_for_searches_the_avatar_waits_behind_the_wall_and_says_so() -> None:
+def test_where_no_path_is_sought_the_avatar_waits_behind_the_wall_and_says_so() -> None:
     scene, target = behind_the_wall(walker())
-    run = Run(scene, plan_work=0)
+    run = Run(scene, around=0)
     run.go(target, 2 * SECONDS)
     assert run.far(target) > 0.5 and run.said["waiting"] > SECONDS and "planning" not in run.said
 
@@ -47,7 +47,7 @@ def test_a_hand_without_joints_is_led_only_if_asked_for(around: int, is_led: boo
 
 def test_an_arm_that_a_post_holds_folds_to_get_past_it() -> None:
     scene, target = held_arm()
-    stuck, run = Run(scene, plan_work=0), Run(scene)
+    stuck, run = Run(scene, around=0), Run(scene)
     stuck.go(target, 3 * SECONDS)
     run.go(target, 3 * SECONDS)
     assert stuck.far(target) > 0.05 and run.far(target) < 1e-3 and run.said["following"] > 0
@@ -72,7 +72,7 @@ def test_same_seed_same_bits_and_another_seed_another_path() -> None:
 @pytest.mark.parametrize("status", ["planning", "following"])
 def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) -> None:
     scene, target = behind_the_wall(walker())
-    run, other = Run(scene, plan_work=200), Run(scene, plan_work=200)
+    run, other = Run(scene, work=300), Run(scene, work=300)
     while not run.record.statuses.get(status):
         run.go(target, 1)
     run.go(target, 2)
@@ -81,11 +81,11 @@ def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) 
     assert [one.state_hash() for one in run.go(target, SECONDS)] == [one.state_hash() for one in other.go(target, SECONDS)]
 
 
-@pytest.mark.parametrize("plan_work", [150, 800])
-def test_searches_keep_their_work_but_for_the_rest_of_a_step(plan_work: int) -> None:
+@pytest.mark.parametrize("work", [300, 1200])
+def test_searches_keep_to_two_thirds_of_the_work_but_for_the_rest_of_a_step(work: int) -> None:
     scene, target = behind_the_wall(walker())
-    spent = [record.counts["plan_work"] for record in Run(scene, plan_work=plan_work).go(target, SECONDS)]
-    assert 0 < max(spent) <= plan_work + LEAST_SLICE
+    spent = [record.counts["plan_work"] for record in Run(scene, work=work).go(target, SECONDS)]
+    assert 0 < max(spent) <= 2 * work // 3 + LEAST_SLICE
 
 
 def test_a_path_is_dropped_when_its_end_is_no_nearer_to_the_target_than_the_avatar_is() -> None:

@@ -17,7 +17,7 @@ from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
 from avatarsim.world.skeleton import Posture, Skeleton
 from avatarsim.world.world import build
-from tests.posture.little_worlds import mixed_avatar
+from tests.worlds.little_worlds import mixed_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 

@@ -1,5 +1,6 @@
 """Lines over time: what is said is what the numbers say, and what is drawn comes back."""
 
+import base64
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,7 +24,7 @@ def test_a_line_of_overlap_comes_back_in_decades() -> None:
     [line] = chart["lines"]  # type: ignore[misc]
     found = 10.0 ** unpacked(line["values"], (-9.0, 0.0))
     assert found[[0, 1, 2, 4]] == pytest.approx([1e-9, 1e-3, 2e-2, 1e-7], rel=1e-3) and np.isnan(found[3])
-    assert (line["first"], line["step"]) == (0.0, 0.5)
+    assert moments(line["times"]) == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
 
 
 def test_frame_times_begin_with_the_first_frame_not_the_first_state() -> None:
@@ -38,7 +39,24 @@ def test_spikes_survive_fewer_points() -> None:
     [chart] = charts({"overlap": [Course("a/default", 0, values)]}, 0.01, 50)
     [line] = chart["lines"]  # type: ignore[misc]
     found = unpacked(line["values"], (-9.0, 0.0))
-    assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3) and line["step"] == pytest.approx(0.2)
+    assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3)
+
+
+@pytest.mark.parametrize("frames", [601, 999, 450])
+def test_points_stand_at_the_first_frame_of_their_groups(frames: int) -> None:
+    """Groups that do not come out even are longer at first: evenly spaced, points would stand too late."""
+    [chart] = charts({"overlap": [Course("a/default", 2, np.linspace(0.0, 0.5, frames))]}, 0.01, 400)
+    [line] = chart["lines"]  # type: ignore[misc]
+    whole = np.linspace(0.0, 0.5, frames)
+    found, at = 10.0 ** unpacked(line["values"], (-9.0, 0.0)), moments(line["times"])
+    begins = np.rint(at / 0.01).astype(int) - 2
+    ends = np.append(begins[1:], frames)
+    assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], rel=1e-3)
+
+
+def moments(text: str) -> np.ndarray:
+    """Times that a page holds."""
+    return np.frombuffer(base64.b64decode(text), dtype="<f4").astype(np.float64)
 
 
 def test_who_rises_above_its_energy_is_named() -> None:

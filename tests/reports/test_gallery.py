@@ -8,6 +8,7 @@ from reports.gallery import Picture, cards, families, sentence
 from reports.load import load
 from reports.tables import blocks
 from reports.verdict import verdict
+from tests.reports.conftest import row
 from tests.reports.recorded import recording, scene
 
 Json = dict[str, object]
@@ -29,7 +30,7 @@ def test_cards_say_what_the_gate_says(run_dir: Write, results: Json) -> None:
     assert (found["ball_drop"].status, found["ball_drop"].said) == ("failed", "1 of 1 bound failed")
     assert found["arm_wall"].picture.svg == "<svg/>" and found["ball_drop"].picture.svg == ""
     assert found["arm_wall"].figures == (("overlap", "300 nm (avatarsim)"), ("others up to", "4.00 mm (mujoco/default)"))
-    assert found["ball_drop"].behind == ("error of restitution",)
+    assert found["ball_drop"].behind == ("error of restitution 0.3, best other 0.02 (pybullet/default)",)
 
 
 def test_what_is_no_number_is_the_worst_of_the_others(run_dir: Write, results: Json) -> None:
@@ -47,6 +48,25 @@ def test_families_are_those_of_the_file_or_the_scene_itself(run_dir: Write, resu
     found = made(run_dir(named))
     assert found["families"] == (("hand_over_table", 2), ("ball_drop", 1))
     assert found["sentence"] == "3 scenes in 2 families; in 1 of them another engine is better in at least one measure."
+
+
+def test_every_scene_of_a_family_says_its_own_losses_what_is_seen_first(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    for name, jump in (("arm_wall", 0.174), ("hand_over_table", 0.473)):
+        rows += [row(name, "avatarsim/default", "jerk_ratio", 4.0), row(name, "mujoco/tuned", "jerk_ratio", 1.0)]
+        rows.append(row(name, "avatarsim/default", "link_jump_max", jump, "m"))
+        rows.append(row(name, "mujoco/tuned", "link_jump_max", 0.05, "m"))
+    scenes = {"arm_wall": {"family": "walls"}, "hand_over_table": {"family": "walls", "scale": 1.0}}
+    found = made(run_dir(results | {"scenes": scenes}))
+    told = found["cards"]
+    assert isinstance(told, dict)
+    assert [told[name].behind[0] for name in ("arm_wall", "hand_over_table")] == [
+        "jump of a link in a frame beyond its target's 174 mm, best other 50.0 mm (mujoco/tuned)",
+        "jump of a link in a frame beyond its target's 473 mm, best other 50.0 mm (mujoco/tuned)",
+    ]
+    assert all(told[name].behind[-1].startswith("roughness of motion") for name in ("arm_wall", "hand_over_table"))
+    assert "in 3 of them another engine is better" in str(found["sentence"])
 
 
 def test_the_index_shows_the_pictures_and_leads_to_the_moment(run_dir: Write, results: Json) -> None:

@@ -15,9 +15,8 @@ def test_names_that_need_explaining_are_explained_by_the_very_words_of_the_page(
     explained = {terms for terms, _ in TERMS}
     for metric in ("residual_overlap_max", "chatter_frames", "silent_offset_frames"):
         assert WORDS[metric] in explained
-    for word in ("jitter in contact", "trap", "wall between", "leap", "untied", "jump", "turn"):
+    for word in ("jitter in contact", "waiting", "leap", "jump", "turn"):
         assert word in explained
     assert f"{1e3 * SHAKES / 60:g} mm a frame at 60 Hz ({SHAKES} m/s)" in dict(TERMS)[WORDS["jitter_rms"]]
-    budget = PostureSettings().steps * PostureSettings().move_cap
-    assert f"({budget:g} m as set)" in dict(TERMS)["jump"] and f"({budget:g} m as set)" in dict(TERMS)["leap"]
+    assert f"({1e3 * PostureSettings().catch_up_move / 60:.0f} mm at 60 Hz as set)" in dict(TERMS)["jump"]
     assert WORDS["reversal_p95"].startswith("displacement taken back") and WORDS["jerk_ratio"].startswith("roughness of motion")

@@ -230,6 +230,14 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     assert "none of 1 setting measured here" in page and "ours is kinematic" in page
 
 
+def test_half_of_a_surrogate_pair_in_a_file_costs_a_sign_and_not_the_page(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    (folder / sweep.ROWS).write_text(HEAD + WON)
+    (folder / "sweep.json").write_text('{"form": "short", "seconds": "\\ud800", "scenes": ["wall"]}')
+    write_report(folder)
+    assert "short sweep of ? s" in (folder / "index.html").read_text(encoding="utf-8")
+
+
 def test_few_frames_have_a_slowest_and_no_percentile_and_one_repeat_has_no_tail(tmp_path: Path) -> None:
     (point, *_) = loaded(tmp_path, WON).points
     few = replace(point, p95=30.0, slowest=50.0, repeats=3, frames=60)

@@ -21,13 +21,13 @@ FIGURES = {
     "residual_overlap_max": (0.0, 3e-3, 0.02), "chatter_frames": (9.0, 0.0, 1.0), "reversal_p95": (0.026, 0.0, 2e-3),
     "jerk_ratio": (12.0, 1.2, 2.0), "tracker_offset_rms": (0.3, 0.2, 0.1), "silent_offset_frames": (4.0, 0.0, 0.0),
     "link_jump_max": (0.5, 0.03, 0.01), "root_jump_max": (0.3, 0.02, 0.01), "reversal_max": (0.47, 0.01, 0.001),
-    "tracker_offset_max": (0.9, 0.8, 0.7), "joint_limit_excess_max": (0.0, 0.4, 0.2), "trapped": (12.0, 0.0, 0.0),
+    "tracker_offset_max": (0.9, 0.8, 0.7), "joint_limit_excess_max": (0.0, 0.4, 0.2), "waiting": (12.0, 0.0, 0.0),
     "frame_time_p50": (40.0, 900.0, 1500.0), "frame_time_max": (5e3, 1.5e3, 1e3), "wrong_side_frames": (0.0, 0.0, 9.0),
 }
 UNITS = {"residual_overlap_max": "m", "chatter_frames": "%", "reversal_p95": "m", "tracker_offset_rms": "m",
          "silent_offset_frames": "frames", "frame_time_p50": "us", "frame_time_max": "us", "wrong_side_frames": "frames",
          "link_jump_max": "m", "root_jump_max": "m", "reversal_max": "m",
-         "tracker_offset_max": "m", "joint_limit_excess_max": "deg", "trapped": "frames"}
+         "tracker_offset_max": "m", "joint_limit_excess_max": "deg", "waiting": "frames"}
 
 
 def rows_of(room: str, shakes: float = 9.0) -> list[Json]:
@@ -66,7 +66,7 @@ def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_o
     assert "keeps what it promises" in said and f"20.0 mm ({BULLET}," in said
     assert said.index("behind") < said.index("keeps") and SAID in unseen.source(found)
     assert all(line.run != "tracker/default" for line in found.lines)
-    assert unseen.statuses(found) == f"Frames and events that {OURS} itself reports: wall: 12 in a trap; door: 12 in a trap."
+    assert unseen.statuses(found) == f"Frames and events that {OURS} itself reports: wall: 12 waiting; door: 12 waiting."
 
 
 def test_the_room_in_which_ours_shakes_most_stands_first(run_dir: Write) -> None:

@@ -217,21 +217,6 @@ def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
     assert timed == {"ball_drop"} and found["exit_code"] is not None
 
 
-def test_a_preset_on_request_runs_when_it_is_named_or_is_the_base_of_a_row(
-    site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["check", "--engine", "avatarsim", "--filter", "coincident_start"]
-    called(tmp_path, *words, "--preset", "ik", frames=3)
-    assert [entry["preset"] for entry in latest(tmp_path)["engines"]] == ["ik"]
-    rows = tmp_path / "rows.toml"
-    rows.write_text('[avatarsim.calm]\npreset = "ik"\nsettle_time = 0.2\n')
-    called(tmp_path, *words, "--settings", str(rows), frames=3)
-    assert [entry["preset"] for entry in latest(tmp_path)["engines"]] == ["default", "calm"]
-    rows.write_text('[avatarsim.ik]\nsettle_time = 0.2\n')
-    capsys.readouterr()
-    assert called(tmp_path, *words, "--settings", str(rows)) == 2 and "own presets" in capsys.readouterr().err
-
-
 def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -> None:
     words = ["check", "--engine", "tunnels", "--filter", "ball_drop", "--preset", "default", "other", "--seed", "1", "2"]
     called(tmp_path, *words)

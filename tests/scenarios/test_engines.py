@@ -4,8 +4,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
-from scenarios.engines import BUILT_IN, ON_REQUEST, known, opened
-from scenarios.harness import offer
+from scenarios.engines import BUILT_IN, known, opened
 from tests.scenarios.bad_engines import NAMES, joined
 
 
@@ -17,15 +16,6 @@ def _strangers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_engines_join_through_the_entry_points() -> None:
     assert list(known())[:4] == list(BUILT_IN) and set(NAMES) < set(known())
     assert opened("frozen").presets == ("default", "other")
-
-
-def test_presets_on_request_run_only_where_they_are_named() -> None:
-    ours = offer("avatarsim")
-    assert ours.on_request == ON_REQUEST["avatarsim"] == ("ik",) and set(ours.all_presets) == set(opened("avatarsim").presets)
-    assert ours.chosen(()) == ours.presets == ("default", "paper")
-    assert ours.chosen(["ik"]) == ("ik",) and ours.chosen(["ik", "default", "tuned"]) == ("default", "ik")
-    other = offer("frozen")
-    assert other.chosen(()) == other.all_presets == ("default", "other") and other.chosen(["ik"]) == ()
 
 
 def test_an_unknown_engine_lists_those_there_are() -> None:

@@ -9,7 +9,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.separate.overlaps import ASKED, NOT_CHECKED, answer_for, find_overlaps, make_overlaps
 from avatarsim.start_check import overlapping_pairs
 from avatarsim.world.geometry import place
-from tests.posture.arms import ball_hand, world_of
+from tests.worlds.arms import ball_hand, world_of
 
 pytestmark = [pytest.mark.nojit]
 

@@ -10,7 +10,7 @@ from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.separate.push_apart import STAY, lengthened, push_apart
 from avatarsim.world.geometry import place
-from tests.posture.arms import ball_hand, world_of
+from tests.worlds.arms import ball_hand, world_of
 
 pytestmark = [pytest.mark.nojit]
 

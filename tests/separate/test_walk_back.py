@@ -6,7 +6,7 @@ import pytest
 from avatarsim.separate.walk_back import interpolate, narrowed
 from avatarsim.spatial import rotation
 from avatarsim.world.skeleton import Posture
-from tests.posture.arms import arm, ball_hand, limited_ball, planar, world_of
+from tests.worlds.arms import arm, ball_hand, limited_ball, planar, world_of
 
 pytestmark = [pytest.mark.nojit]
 

@@ -2,7 +2,8 @@
 
 import pytest
 
-from avatarsim.separate.who_gives_way import DRIVEN, FIXED, SIMULATED, shares
+from avatarsim.separate.who_gives_way import shares
+from avatarsim.world.dynamics import DRIVEN, FIXED, SIMULATED
 
 ROLES = (FIXED, SIMULATED, DRIVEN)
 

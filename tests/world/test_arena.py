@@ -13,15 +13,17 @@ from numba.core.registry import cpu_target
 
 from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
 from avatarsim.collide.scratch import Scratch, make_scratch, scratch_at
+from avatarsim.coupling.opened import opened_springs
+from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
+from avatarsim.ik.make import make_solver
 from avatarsim.impact.events import make_events
 from avatarsim.kernel import kernel
-from avatarsim.loops import opened_checked, opened_paper, opened_upper
-from avatarsim.loops.coupling import make_springs
+from avatarsim.loops import opened_ik, opened_paper, opened_upper
 from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
-from avatarsim.posture.workspace import make_memory
+from avatarsim.planner.make import make_planner
 from avatarsim.scene.body import simulated
 from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
@@ -34,7 +36,7 @@ from avatarsim.world.shapes import SHAPE
 from avatarsim.world.view import declared
 from avatarsim.world.view import opened as laid_open
 from avatarsim.world.world import World, build
-from tests.posture.little_worlds import mixed_avatar, panel
+from tests.worlds.little_worlds import mixed_avatar, panel
 
 ROOT = Path(__file__).parents[2]
 CRATE = (Piece(Box((0.1, 0.2, 0.3))),)
@@ -61,11 +63,14 @@ def same_memory(a: object, b: object) -> bool:
 
 def parts(world: World, cap: int = 3) -> dict[str, tuple]:
     """What is packed in the engine, by the name of what opens it."""
-    geo, skel, dyn, poses = world.geometry, world.skeleton, world.dynamics, world.poses
+    geo, skel, dyn, posture, poses = world.geometry, world.skeleton, world.dynamics, world.posture, world.poses
+    avatars, state, working = make_solver(geo, skel, posture, poses, cap)
+    plan, ghost = make_planner(geo, skel, avatars, state, posture, poses, np.zeros(3), 1)
     return {
         "geometry": geo, "dynamics": dyn, "poses": poses, "velocities": world.velocities, "skeleton": skel,
-        "posture": world.posture, "checked memory": make_memory(geo, skel, poses),
-        "settings": PostureSettings(steps=7, merit=0.5), "springs": make_springs(skel, dyn, poses, CouplingSettings(3.0, 4.0)),
+        "posture": posture, "avatars": avatars, "state": state, "working": working, "plan": plan, "ghost": ghost,
+        "settings": PostureSettings(steps=7, near=0.5),
+        "springs": make_springs(geo, skel, dyn, posture, poses, CouplingSettings(3.0, 4.0)),
         "upper memory": make_upper_memory(geo, dyn, poses),
         "events": make_events(len(geo.first_shape) - 1, cap), "switches": Switches(False, True, False, True, False),
         "paper memory": make_paper_memory(world, 1), "paper settings": PaperSettings(rounds=3),
@@ -76,8 +81,9 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
 OPEN = {
     "geometry": opened.opened_geometry, "dynamics": opened.opened_dynamics, "poses": opened.opened_poses,
     "velocities": opened.opened_velocities, "skeleton": opened.opened_skeleton, "posture": opened.opened_posture,
-    "checked memory": opened_checked.opened_memory, "settings": opened_checked.opened_settings,
-    "springs": opened_checked.opened_springs, "upper memory": opened_upper.opened_memory, "events": opened_upper.opened_events,
+    "avatars": opened_ik.opened_avatars, "state": opened_ik.opened_state, "working": opened_ik.opened_working,
+    "plan": opened_ik.opened_plan, "ghost": opened_ik.opened_ghost, "settings": opened_ik.opened_settings,
+    "springs": opened_springs, "upper memory": opened_upper.opened_memory, "events": opened_upper.opened_events,
     "switches": opened_upper.opened_switches, "paper memory": opened_paper.opened_memory,
     "paper settings": opened_paper.opened_settings, "coupling": opened_paper.opened_coupling,
     "attraction": opened_paper.opened_attraction,

@@ -6,7 +6,7 @@ Read as a list: `test_grades.py` fails when a metric or a closed form is missing
 TIMING = "test_timing.py::test_the_least_of_all_repeats_counts_and_the_raw_times_stand_beside"
 SHARES = "test_timing.py::test_shares_of_the_frames_are_those_of_a_sorted_list"
 PHASES = "test_timing.py::test_a_median_of_two_phases_is_told_apart"
-SUMS = "test_timing.py::test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run"
+SUMS = "test_timing.py::test_frames_that_wait_plan_and_follow_are_a_sum_over_the_run"
 DEPTHS = "test_overlap.py::test_known_depths_come_out_exactly"
 COURSE = "test_course.py::test_the_farthest_from_the_course_is_the_figure"
 REST = "test_course.py::test_drift_is_from_where_it_came_to_rest_and_energy_is_that_of_the_end"
@@ -63,8 +63,7 @@ METRICS_GRADED = {
     "frame_time_python_p50": TIMING, "warmup": TIMING, "frame_time_moving_p50": PHASES, "frame_time_resting_p50": PHASES,
     "resting_frames": PHASES,
     "deterministic": "test_timing.py::test_repeats_that_end_in_other_bits_are_not_deterministic",
-    "resyncs": "test_timing.py::test_work_is_a_mean_per_frame_and_resyncs_a_sum",
-    "trapped": SUMS, "walled": SUMS, "crossings": SUMS, "leaps": SUMS,
+    "waiting": SUMS, "planning": SUMS, "following": SUMS, "out_of_work": SUMS,
 }
 """Files are beside this one. The stand-in "run" is no measure."""
 

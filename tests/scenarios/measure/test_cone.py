@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.scene.reach_cone import ReachCone
 from scenarios.measure.cone import beyond_cone, beyond_cone_each
-from tests.posture.test_reach_cone import CONES
+from tests.world.test_reach_cone import CONES
 
 
 @pytest.mark.parametrize("name", CONES)

@@ -36,7 +36,7 @@ def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray
     draw = np.random.default_rng(seed)
     shown, target = walk(seed, frames), walk(seed + 1, frames, 2e-3)
     shown[draw.integers(5, frames) :] += 0.2
-    made = replace(moved(shown, target), statuses={"trapped": (draw.random(frames + 1) < 0.1).astype(np.int64)})
+    made = replace(moved(shown, target), statuses={"waiting": (draw.random(frames + 1) < 0.1).astype(np.int64)})
     return made, draw.random(frames + 1) < 0.98, draw.random(frames + 1) < 0.7
 
 
@@ -185,7 +185,7 @@ def test_silent_are_frames_far_off_after_half_a_second_of_free_target() -> None:
     assert found["silent_offset_frames"] == len(far) == 31
     said = np.zeros(101, dtype=np.int64)
     said[80:85] = 1
-    told = smoothness(replace(recording, statuses={"walled": said}), arm_scene(), free, free)
+    told = smoothness(replace(recording, statuses={"waiting": said}), arm_scene(), free, free)
     assert told["silent_offset_frames"] == 26
     assert free_for(free, 30).sum() == 11 + 31
 

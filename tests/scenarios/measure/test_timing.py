@@ -41,11 +41,11 @@ def test_the_accuracy_pass_must_have_reached_the_same_bits_at_the_same_frame() -
     assert frame_times(timed, ("a", "c", "b", "c"))["deterministic"] == 0.0
 
 
-def test_work_is_a_mean_per_frame_and_resyncs_a_sum() -> None:
+def test_work_is_a_mean_per_frame_and_what_waits_a_sum() -> None:
     recording = replace(
-        resting(fist_scene(), 4), counts={"pairs": np.array([100, 1, 2, 3, 4]), "resyncs": np.array([0, 1, 0, 2, 0])},
+        resting(fist_scene(), 4), counts={"pairs": np.array([100, 1, 2, 3, 4]), "waiting": np.array([0, 1, 0, 2, 0])},
     )
-    assert work(recording) == {"pairs_per_frame": 2.5, "resyncs": 3.0}
+    assert work(recording) == {"pairs_per_frame": 2.5, "waiting": 3.0}
 
 
 def test_shares_of_the_frames_are_those_of_a_sorted_list() -> None:
@@ -121,11 +121,11 @@ def test_a_median_of_two_phases_is_told_apart(moving: int) -> None:
     assert not {"frame_time_moving_p50", "resting_frames"} & set(frame_times(timed, resting=rests[:179]))
 
 
-def test_what_is_trapped_walled_and_crossed_is_a_sum_over_the_run() -> None:
-    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("trapped", "walled", "crossings", "leaps"))}
+def test_frames_that_wait_plan_and_follow_are_a_sum_over_the_run() -> None:
+    numbers = {name: np.array([9, 1, 0, k, 1]) for k, name in enumerate(("waiting", "planning", "following", "out_of_work"))}
     found = work(replace(resting(fist_scene(), 4), counts=numbers))
     # the first state is no frame
-    assert found == {"trapped": 2.0, "walled": 3.0, "crossings": 4.0, "leaps": 5.0}
+    assert found == {"waiting": 2.0, "planning": 3.0, "following": 4.0, "out_of_work": 5.0}
 
 
 def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:

@@ -25,11 +25,11 @@ def test_what_is_no_number_comes_first_and_nothing_comes_of_nothing() -> None:
 def test_moments_of_all_runs_are_ranked_by_measure_with_scene_and_frame() -> None:
     still = [0.0] * 4
     found = list(worst([
-        run("a", turn=[0, 20.0, 0, 0], silent=still), run("b", seed=3, turn=[0, 0, 90.0, 30.0], declared=[0, 0, 1, 0]),
+        run("a", turn=[0, 20.0, 0, 0], silent=still), run("b", seed=3, turn=[0, 0, 10.0, 30.0]),
         run("c", turn=[-1.0] * 4, times=[1, 1, 5, 1]),
     ], 2))
     assert found == [
-        "- turn beyond the user's, not declared [deg]", "  - 30: b --seed 3 frame 4", "  - 20: a frame 2",
+        "- turn beyond the user's [deg]", "  - 30: b --seed 3 frame 4", "  - 20: a frame 2",
         "- frame time [us]", "  - 5: c frame 3",
     ]
 

@@ -38,10 +38,9 @@ def slow_row(runs: list[Seen]) -> dict[str, float]:
                 reversals.append(s.reversal[k])
                 offsets.append(s.offset[k])
                 angles.append(s.angle[k])
-            if not s.declared[k]:
-                turns += int(s.turn[k] > 15.0)
-                moves += int(s.way[k] > 0.1)
-                largest_turn, largest_move = max(largest_turn, s.turn[k]), max(largest_move, s.way[k])
+            turns += int(s.turn[k] > 15.0)
+            moves += int(s.way[k] > 0.1)
+            largest_turn, largest_move = max(largest_turn, s.turn[k]), max(largest_move, s.way[k])
             silent += int(s.silent[k])
             if s.owed[k]:
                 owed += 1
@@ -61,7 +60,7 @@ def test_a_row_is_what_loops_over_frames_give(seed: int) -> None:
     random, runs = np.random.default_rng(seed), []
     for k in range(3):
         frames = int(random.integers(1, 40))
-        flags = {name: random.integers(0, 2, frames) for name in ("contact", "shakes", "declared", "silent", "owed")}
+        flags = {name: random.integers(0, 2, frames) for name in ("contact", "shakes", "silent", "owed")}
         values = {name: random.exponential(size, frames) for name, size in (
             ("reversal", 0.01), ("turn", 12.0), ("way", 0.1), ("farthest", 0.1), ("offset", 0.1), ("angle", 9.0))}
         runs.append(run(f"s{k}", frames=frames, times=random.exponential(50.0, frames), **flags, **values))
@@ -74,10 +73,9 @@ def one(**given: object) -> Row:
     return row_of("avatarsim/default", "g", [run(**given)])  # type: ignore[arg-type]
 
 
-def test_a_jump_in_a_frame_that_declares_one_is_none() -> None:
-    turn, way = [1.0, 40.0, 16.0, 15.0], [0.0, 0.5, 0.2, 0.1]
-    found = one(turn=turn, way=way, declared=[0, 1, 0, 0])
-    assert (found.turns, found.turn_max, found.root_moves, found.root_max) == (1, 16.0, 1, 0.2)
+def test_jumps_are_those_beyond_the_limits_and_not_at_them() -> None:
+    found = one(turn=[1.0, 40.0, 16.0, 15.0], way=[0.0, 0.5, 0.2, 0.1])
+    assert (found.turns, found.turn_max, found.root_moves, found.root_max) == (2, 40.0, 2, 0.5)
 
 
 def test_what_is_no_number_counts_as_a_jump_and_as_far_off() -> None:
@@ -88,13 +86,13 @@ def test_what_is_no_number_counts_as_a_jump_and_as_far_off() -> None:
 
 def test_the_worst_run_counts_for_promises_and_the_median_for_jerk() -> None:
     figures = [
-        {"residual_overlap_max": 1e-9, "joint_limit_excess_max": 0.5, "jerk_ratio": 1.0, "crossings": 1.0},
+        {"residual_overlap_max": 1e-9, "joint_limit_excess_max": 0.5, "jerk_ratio": 1.0},
         {"residual_overlap_max": 3e-9, "reach_cone_excess_max": 0.7, "jerk_ratio": 9.0, "not_finite_frames": 2.0},
-        {"residual_overlap_max": 2e-9, "jerk_ratio": 2.0, "resyncs": 3.0, "leaps": 4.0, "wrong_side_frames": 5.0},
+        {"residual_overlap_max": 2e-9, "jerk_ratio": 2.0, "wrong_side_frames": 5.0},
     ]
     found = row_of("e", "g", [run(f"s{k}", figures=given) for k, given in enumerate(figures)])
     assert (found.overlap, found.limits, found.jerk_ratio, found.runs) == (3e-9, 0.7, 2.0, 3)
-    assert (found.crossings, found.not_finite, found.resyncs, found.leaps, found.wrong_side) == (1, 2, 3, 4, 5)
+    assert (found.not_finite, found.wrong_side) == (2, 5)
     broken = row_of("e", "g", [run(figures={"residual_overlap_max": math.nan}), run(figures=figures[0])])
     assert math.isnan(broken.overlap)
 

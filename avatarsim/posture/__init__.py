@@ -1,1 +1,0 @@
-"""Posture: reads contacts, writes joint angles."""

@@ -1,0 +1,192 @@
+"""Who takes an impulse, how it comes back by eq. 6, and who presses on whom."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.coupling.spring import coupled
+from avatarsim.coupling.virtual_coupling import Springs, give, give_to_roots, make_springs, place_displaced, pull, relax
+from avatarsim.engine import Settings
+from avatarsim.ik.state import make_contacts
+from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.joint import Free, Hinge, Hinges
+from avatarsim.scene.mass import solid
+from avatarsim.scene.material import TABLE_1
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.settings import CouplingSettings
+from avatarsim.simulator import AvatarsimEngine
+from avatarsim.world.kinematics import carry, forward
+from avatarsim.world.world import World, build
+
+DT = 1.0 / 60.0
+NO_GRAVITY = (0.0, 0.0, 0.0)
+FINGER = (Piece(Box((0.1, 0.02, 0.02)), (0.05, 0.0, 0.0)),)
+PALM = (Piece(Box((0.1, 0.08, 0.03)), (-0.06, 0.0, 0.0)),)
+
+
+def pointing() -> Avatar:
+    """A palm of 5 kg and a finger of 20 g along x, which bends down."""
+    bend = Hinges((Hinge((0.0, 1.0, 0.0), -1.5, 1.5),))
+    return Avatar("hand", (
+        Link("palm", None, Free(), PALM, solid(PALM, 5.0)), Link("finger", "palm", bend, FINGER, solid(FINGER, 0.02)),
+    ))
+
+
+def block(mass: float, x: float, velocity: float = 0.0, role: str = "simulated") -> Body:
+    """A cube of 0.2 m whose near face is at x."""
+    pieces = (Piece(Box((0.2, 0.2, 0.2))),)
+    at = (x + 0.1, 0.0, 0.0)
+    if role == "fixed":
+        return fixed("block", pieces, "wood", at)
+    return simulated("block", pieces, "wood", solid(pieces, mass), at, velocity=(velocity, 0.0, 0.0))
+
+
+def at(avatar: Avatar, x: float) -> TrackerSample:
+    """The avatar's root at x, all joints at zero."""
+    sample = rest((avatar,))
+    positions = sample.positions.copy()
+    positions[0, 0] = x
+    return replace(sample, positions=positions)
+
+
+def world() -> World:
+    return build(Scene("point", (block(1.0, 0.5),), (pointing(),)))
+
+
+def springs_of(w: World) -> Springs:
+    """Springs at rest."""
+    return make_springs(w.geometry, w.skeleton, w.dynamics, w.posture, w.poses, CouplingSettings())
+
+
+@pytest.mark.nojit
+def test_an_impulse_changes_the_velocity_of_the_link_that_took_it_and_of_no_other() -> None:
+    w = world()
+    received, rate = np.zeros((3, 3)), np.zeros((2, 3))
+    received[2] = (-0.1, 0.0, 0.0)
+    give(w.skeleton, received, w.dynamics.inverse_mass, np.zeros((2, 3)), rate)
+    np.testing.assert_allclose(rate, [[0.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
+
+
+@pytest.mark.nojit
+def test_where_only_roots_have_springs_momentum_is_that_of_the_root() -> None:
+    """0.1 N s are 2 cm/s of 5 kg, not 5 m/s."""
+    w = world()
+    received, rate = np.zeros((3, 3)), np.zeros((2, 3))
+    received[2] = (-0.1, 0.0, 0.0)
+    give_to_roots(w.skeleton, received, w.dynamics.inverse_mass, rate)
+    np.testing.assert_allclose(rate, [[-0.02, 0.0, 0.0], [0.0, 0.0, 0.0]])
+
+
+@pytest.mark.nojit
+def test_a_push_that_met_nobody_is_taken_back() -> None:
+    w = world()
+    pressed = np.array([[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]])
+    rate = pressed.copy()
+    give(w.skeleton, np.zeros((3, 3)), w.dynamics.inverse_mass, pressed, rate)
+    assert not rate.any()
+
+
+@pytest.mark.nojit
+def test_only_who_has_an_offset_gets_the_box_that_whole_kinematics_give() -> None:
+    w = world()
+    springs = springs_of(w)
+    w.posture.root[0], w.posture.angle[6] = (0.3, 0.1, 0.2), 0.4
+    forward(w.geometry, w.skeleton, w.posture, springs.still, springs.one, springs.axes)
+    carry(w.skeleton, w.posture, springs.still, springs.other, springs.axes)
+    before = springs.other.hulls.copy()
+    springs.offset[1] = (0.0, 0.0, 0.01)
+    place_displaced(w.geometry, w.skeleton, springs.offset, springs.other)
+    np.testing.assert_array_equal(springs.other.rotation, springs.one.rotation)
+    np.testing.assert_array_equal(springs.other.position, springs.one.position)
+    np.testing.assert_array_equal(springs.other.hulls[2], springs.one.hulls[2])
+    np.testing.assert_array_equal(springs.other.hulls[:2], before[:2])
+    assert (before[1:] != springs.one.hulls[1:]).all()
+
+
+@pytest.mark.nojit
+def test_every_link_returns_by_eq_6_with_its_own_mass() -> None:
+    """The closed form, over ten frames at once and one by one; only the root displaces the target's root."""
+    w, settings = world(), CouplingSettings()
+    springs, root = springs_of(w), np.zeros((2, 3))
+    springs.offset[:] = (0.01, 0.0, 0.02)
+    springs.rate[:] = (-0.5, 1.0, 0.0)
+    for _ in range(10):
+        root[:] = 0.0
+        relax(w.skeleton, springs.mass, settings, DT, springs.offset, springs.rate, root)
+    for link, mass in enumerate((5.0, 0.02)):
+        x, v = coupled(mass, settings.spring, settings.damping, (0.01, 0.0, 0.02), (-0.5, 1.0, 0.0), 10.0 * DT)
+        np.testing.assert_allclose(springs.offset[link], x, rtol=1e-9, atol=1e-15)
+        np.testing.assert_allclose(springs.rate[link], v, rtol=1e-9, atol=1e-13)
+    np.testing.assert_array_equal(root, [springs.offset[0], [0.0, 0.0, 0.0]])
+
+
+@pytest.mark.parametrize("preset", ["default", "paper"])
+@pytest.mark.parametrize("mass", [1.0, 1e6])
+def test_a_finger_that_meets_a_heavy_block_does_not_throw_its_hand_away(preset: str, mass: float) -> None:
+    """The user goes 10 cm into it at 1 m/s; the hand is never farther than that from its user, and comes back with him."""
+    avatar = pointing()
+    engine = AvatarsimEngine()
+    engine.load(Scene("point", (block(mass, 0.15),), (avatar,), gravity=NO_GRAVITY), Settings(preset), DT)
+    farthest, x = 0.0, 0.0
+    for k in range(40):
+        x = min(0.15, (k + 1) * DT) if k < 20 else 0.0
+        record = engine.advance(at(avatar, x), DT)
+        farthest = max(farthest, abs(record.shown.positions[1, 0] - x)) if k < 20 else farthest
+    assert farthest < 0.11
+    assert abs(record.shown.positions[1, 0]) < 0.01
+    assert np.linalg.norm(record.shown.velocities[0]) < 2.5
+
+
+def pressed_against(body: Body, *more: Body) -> np.ndarray:
+    """Impulse on a hand of 0.5 kg that a user holds 5 cm inside a body, over half a second [N s]."""
+    avatar = rigid_avatar("hand", (Piece(Box((0.04, 0.1, 0.1))),), solid(PALM, 0.5))
+    engine = AvatarsimEngine()
+    engine.load(Scene("press", (body, *more), (avatar,), gravity=NO_GRAVITY), Settings(), DT)
+    total = np.zeros(3)
+    for k in range(90):
+        engine.advance(at(avatar, min(0.13, 0.01 * k)), DT)
+        if k >= 60:
+            total += engine._frames.upper.memory.received[-1]
+    return total
+
+
+def test_who_is_held_presses_with_the_spring_and_a_wall_feels_nothing_of_it() -> None:
+    """5 cm and 1000 N/m are 50 N; impacts of 60 Hz give the order of it, not the figure."""
+    wall = fixed("wall", (Piece(Box((0.2, 2.0, 2.0))),), "wood", (0.4001, 0.0, 0.0))
+    force = -pressed_against(block(2.0, 0.1), wall)[0] / 0.5
+    assert 15.0 < force < 75.0
+    bystander = replace(block(2.0, 5.0), name="bystander")
+    assert not pressed_against(block(2.0, 0.1, role="fixed"), bystander).any()
+
+
+@pytest.mark.nojit
+def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -> None:
+    """A tracker's posture is taken as it is, or its body would be placed elsewhere for as long as the hit lasts."""
+    w = world()
+    springs = springs_of(w)
+    d = int(w.skeleton.first_dof[1])
+    w.posture.angle[d] = 2.0
+    springs.offset[1] = 0.0, 1e-3, 1e-3
+    pull(w.geometry, w.skeleton, w.dynamics, w.poses, make_contacts(1), DT, w.posture, w.velocities, springs)
+    assert w.posture.angle[d] > 1.9
+
+
+@pytest.mark.parametrize("narrow", [(), ("coupling",)])
+def test_a_hand_strikes_whether_or_not_it_is_struck_back(narrow: tuple[str, ...]) -> None:
+    """Eqs 8 and 9: a hand of 2 kg at 1.5 m/s meets a block of 1 kg, wood on wood."""
+    palm = rigid_avatar("palm", PALM, solid(PALM, 2.0), material="wood")
+    scene = Scene("strike", (block(1.0, 0.1),), (palm,), gravity=NO_GRAVITY, narrow=narrow)
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    struck = list[float]()
+    for k in range(21):
+        speed = float(engine.advance(at(palm, 1.5 * DT * k), DT).shown.velocities[0, 0])
+        struck += [speed] if speed != 0.0 else []
+    restitution = TABLE_1.contact("wood", "wood").restitution
+    assert struck[0] == pytest.approx((1.0 + restitution) * 1.5 * 2.0 / 3.0, rel=1e-6)
+    # the spring throws it after the user; without one the hand strikes again until the block is as fast as that
+    assert struck[-1] == pytest.approx(1.5, rel=1e-4) if narrow else struck[-1] > 1.6
