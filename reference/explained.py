@@ -35,6 +35,8 @@ class Explanation:
 
     cause: Cause
     sentence: str
+    brief: str = ""
+    """The cause in a few words, for where a figure stands in another sentence."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +66,8 @@ def _engine(sentence: str) -> Explanation:
     return Explanation(Cause.ENGINE, sentence)
 
 
-def _adapter(sentence: str) -> Explanation:
-    return Explanation(Cause.ADAPTER, sentence)
+def _adapter(sentence: str, brief: str = "") -> Explanation:
+    return Explanation(Cause.ADAPTER, sentence, brief)
 
 
 def _setting(sentence: str) -> Explanation:
@@ -213,6 +215,7 @@ _FOLLOWING = (
 _HINGES = (
     "Three hinges with ranges in its place limit it, with offsets alike: row mujoco/hinges of the same scene."
 )
+_UNLIMITED = "adapter: twist unlimited"
 _LIMITS = (
     _excess("limit_torture*", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the user asks for postures beyond every limit all the time; defaults follow the user there, as their ball "
@@ -232,11 +235,11 @@ _LIMITS = (
     _excess("*", "mujoco/default", _adapter(
         "our adapter makes MuJoCo ball joints, whose range limits the total turn, so that default joints have neither swing cone "
         "nor twist limit; contacts turn limbs about their axes. With swing limits as tendons and targets clamped it is alike "
-        f"(mocap_spin 149 instead of 146 degrees, all of it twist). {_HINGES}"
+        f"(mocap_spin 149 instead of 146 degrees, all of it twist). {_HINGES}", _UNLIMITED
     )),
     _excess("*", "mujoco/servos", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn. "
-        f"{_HINGES}"
+        f"{_HINGES}", _UNLIMITED
     )),
     _excess("unseen_*", "mujoco/hinges", _adapter(
         "our adapter makes three hinges of each ball joint, and these are within some degrees of their ranges: "
@@ -245,7 +248,7 @@ _LIMITS = (
     _excess("*", "mujoco/tuned mujoco/sleeping", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn; swing, "
         "which tendons limit, is 2.4 degrees beyond at most (mocap_crawl 100 degrees of twist, 0.5 of swing; mocap_spin 120 and "
-        f"0.2). {_HINGES}"
+        f"0.2). {_HINGES}", _UNLIMITED
     )),
     _excess("*", "pybullet/*", _engine(
         "spherical joints have no limits, and a root constraint of 100 kN against motors of 100 kN m twists what is caught: "
