@@ -18,6 +18,8 @@ PROFILED = (1e-3, 1e-6)
 NOISE = 0.03
 """Share by which medians of the same frames differ from one process to the next: nearer times of an engine are not told apart,
 and the simplest of such settings is named. Smaller, and the name changes from run to run."""
+CHEAPEST = "cheapest (measured of planned)"
+"""What the numbers beside the name of a setting are."""
 BASE = "/".join(OURS)
 """What every factor is a multiple of: the time of our engine as it comes, in the same scene."""
 
@@ -113,16 +115,16 @@ class Line:
 
     @property
     def of(self) -> str:
-        """"cheapest of 10 of 21": of so many settings measured of so many planned."""
-        return f"cheapest of {self.tried}" + (f" of {self.planned}" if self.planned > self.tried else "")
+        """"10 of 21": so many settings measured of so many planned."""
+        return f"{self.tried}" + (f" of {self.planned}" if self.planned > self.tried else "")
 
     @property
     def none(self) -> str:
         """What is said where no setting reached an accuracy: that none does, or which steps were not measured."""
         if not self.unasked:
             return f"none of {self.measured}"
-        verb = "was" if len(self.unasked) == 1 else "were"
-        return f"not said: none of {self.measured} does, but {listed(self.unasked)} {verb} not"
+        steps = count(len(self.unasked), "step")
+        return f"not said: {steps} of the ladder not measured, none of {self.of}"
 
     def missed(self, level: int) -> tuple[str, ...]:
         """Rungs not measured that could change what is said of a level: with a setting that reaches it, the coarser ones."""
@@ -439,4 +441,5 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
     if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
         time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
         tail = f"; {time}, as what rests sleeps in the others"
-    return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."
+    errors = f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}"
+    return f"{errors}, {CHEAPEST}: {', '.join(said)}{tail}{beside}."

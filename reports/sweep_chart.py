@@ -250,7 +250,7 @@ def one_line(block: Block) -> str:
         attempt = line.cells[index].attempt
         said.append(f"{line.engine}: {line.none}" if attempt is None else
                     f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
-    return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
+    return f"at 1 mm, of so many: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
 def figure(value: object) -> str:
@@ -269,19 +269,19 @@ def left_out(sweep: Sweep) -> list[tuple[str, str]]:
 
 
 def at_other_rates(results: Results | None, point: Point, metrics: Sequence[str]) -> str:
-    """Where a preset errs more in a variant of its scene, such as at another frame rate: the largest of its errors that count
-    there, beside that in its own scene; "" for what is no preset, or where no variant is worse."""
-    if results is None or not point.is_preset:
+    """Where a setting, or the preset beneath it, errs more in a variant of its scene, such as at another frame rate: the largest
+    of its errors that count there; of other settings only their own scene is measured. "" where no variant is worse."""
+    if results is None:
         return ""
     family = results.family(point.scenario)
     found = [(as_length(row.metric, row.value), row) for row in results.rows
-             if results.family(row.scenario) == family and row.run == point.run and row.metric in metrics
+             if results.family(row.scenario) == family and row.run == point.family and row.metric in metrics
              and row.value is not None and counts(row.metric, row.unit)]
     own = max((value for value, row in found if row.scenario == point.scenario), default=math.nan)
     worst = max((one for one in found if one[1].scenario != point.scenario), key=lambda one: one[0], default=None)
     if worst is None or not worst[0] > max(own, LEVELS[-1]):
         return ""
-    return f"{quantity(worst[0], 'm')} in {worst[1].scenario}"
+    return f"{'' if point.is_preset else f'{point.base}: '}{quantity(worst[0], 'm')} in {worst[1].scenario}"
 
 
 def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:

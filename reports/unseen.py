@@ -335,9 +335,9 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     if found is None:
         return {"unseen": None, "unseen_verdict": ""}
     ordered = worst_first(found)
-    said = " ".join(filter(None, [conclusion(found), limits_sentence(results, ours)]))
     return {
-        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": said,
+        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen_limits": limits_sentence(results, ours),
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (
