@@ -4,15 +4,16 @@ iterations and frame time of every engine, side by side."""
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
 from avatarsim.spatial import rotation
 from reports import packed
 from reports.charts import peaks
+from reports.conclusions import peak
 from reports.kept import Array, Drawn, Shown
-from reports.load import Series
+from reports.load import Results, Series
+from reports.tables import RAW_TRACKER, engine_of
 from reports.wording import count, quantity
 
 OVERLAP_FLOOR = 1e-9
@@ -127,17 +128,28 @@ def conclusion(key: str, lines: Sequence[Course]) -> str:
         start = {line.run: float(line.values[0]) for line in lines if np.isfinite(line.values[0])}
         gains = [run for run in start if run in top and top[run] > start[run] + max(1e-6, 0.01 * abs(start[run]))]
         return (f"Above the energy they began with, by a hundredth or more: {', '.join(gains)}; a driven hand may add it."
-                if gains else "Nobody rises above the energy it began with by more than a hundredth.")
+                if gains else "No engine rises above the energy it began with by more than a hundredth.")
     return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}."
 
 
-def over_all(courses: CourseCharts, ours: str) -> str:
-    """What the charts of overlap of all scenes together let a reader conclude about our run."""
-    reached = [chart for charts in courses.values() for chart in charts if chart["key"] == "overlap"]
-    # scenes that ours refuses have no line of it
-    has_ours = [chart for chart in reached if any(line["run"] == ours for line in cast(list[dict[str, object]], chart["lines"]))]
-    lowest = sum(str(chart["concludes"]).startswith((f"Lowest peak: {ours},", "All reach")) for chart in has_ours)
-    return f"In {lowest} of {len(has_ours)} scenes that {ours} runs, no line of overlap peaks lower than its own."
+def over_all(results: Results, ours: str) -> str:
+    """In how many scenes no other engine's overlap peaks lower than ours, and how large ours is in the others. The raw tracker
+    and other presets of our engine are no other engine; a scene that ours refuses is not counted."""
+    lower, scenes = dict[str, float](), 0
+    for scene, runs in results.series.items():
+        peaks_of = {run: peak(one.overlap) for run, one in runs.items() if one.overlap.size}
+        rivals = [value for run, value in peaks_of.items() if engine_of(run) not in (RAW_TRACKER, engine_of(ours))]
+        if ours in peaks_of and rivals:
+            scenes += 1
+            if math.isnan(peaks_of[ours]) or any(value < peaks_of[ours] for value in rivals):
+                lower[scene] = peaks_of[ours]
+    if not scenes:
+        return f"No scene has the overlap of {ours} beside that of another engine."
+    said = f"In {scenes - len(lower)} of {count(scenes, 'scene')} no other engine's overlap peaks lower than that of {ours}"
+    if not lower:
+        return f"{said}."
+    most = max(lower, key=lambda scene: math.inf if math.isnan(lower[scene]) else lower[scene])
+    return f"{said}; where one does ({len(lower)}), ours reaches at most {quantity(lower[most], 'm')} ({most})."
 
 
 def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> list[dict[str, object]]:

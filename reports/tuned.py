@@ -1,4 +1,4 @@
-"""Tuned beside documented defaults: in which figures are the best settings that we know of an engine worse than its own?"""
+"""Tuned beside default parameters, both in our rig: in which figures are the settings that we chose worse than default?"""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence

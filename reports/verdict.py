@@ -4,20 +4,20 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from reports.asleep import told
 from reports.load import Results, Row
 from reports.losses import beside
 from reports.metric_words import words
 from reports.tables import RAW_TRACKER, gated_run
 from reports.wording import count, limit, quantity
 from scenarios.behind import Compared, Lost, by_family, compared
+from scenarios.like_for_like import with_avatar
 
 PROMISED = {
     "residual_overlap_max": "no overlap", "joint_limit_excess_max": "joint limits", "wrong_side_frames": "the right side",
     "not_finite_frames": "finite numbers",
 }
 """What holds whatever the scene and the motion, by metric."""
-AVATAR = "tracker_offset_rms"
-"""A metric that every scene with an avatar has, and no other."""
 LOOKS = (
     "link_jump_max", "root_jump_max", "pose_jump_max", "reversal_max", "reversal_p95", "chatter_frames", "jitter_rms",
     "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
@@ -127,7 +127,7 @@ def believed(row: Row, ours: str) -> str:
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
-    ranked = compared(results.rows, ours, results.unsaid, results.scales)
+    ranked = compared(results.rows, ours, results.unsaid, results.scales, told(results))
     by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
@@ -279,7 +279,7 @@ def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:
     lost = losing_scenes(verdict_)
     trouble = {row.scenario for row in verdict_.failed + verdict_.ceiling}
     trouble |= {row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated}
-    avatars = {row.scenario for row in results.rows if row.metric == AVATAR}
+    avatars = with_avatar(results.rows)
 
     def kind(scene: str) -> int:
         if scene in trouble:

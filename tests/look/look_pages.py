@@ -194,6 +194,20 @@ def test_tables_are_cards_where_there_is_no_room(run: Path, opened: tuple[Browse
     assert (display, shown != "none") == (("block", True) if name.startswith("narrow") else ("table-row", False))
 
 
+def test_labels_of_cards_are_inside_the_screen(run: Path, opened: tuple[Browser, str]) -> None:
+    """A label lies in the room that its cell keeps free at the left, and begins by so much before its content."""
+    one, name = opened
+    one.open(run / "index.html")
+    one.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    outside = one.value("""[...document.querySelectorAll('.scroll [data-label]')].filter((cell) => {
+        const box = cell.getBoundingClientRect(), label = getComputedStyle(cell, '::before');
+        if (!box.width || label.content === 'none') return false;
+        const left = box.left + parseFloat(getComputedStyle(cell).paddingLeft) + parseFloat(label.marginLeft || '0');
+        return left < -0.5 || left + parseFloat(label.width) > window.innerWidth + 0.5;
+    }).length""")
+    assert outside == 0, name
+
+
 def test_no_metric_is_called_by_its_identifier(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     one.open(run / "index.html")

@@ -238,7 +238,7 @@ def test_a_falling_ball_keeps_its_energy(folder: Path) -> None:
     found = drawn(folder, NAME)
     lines = courses({}, shown(folder, NAME, [OURS, THEIRS]), found)
     assert found and lines["energy"][0].values == pytest.approx(np.zeros(STATES), abs=1e-12)
-    assert conclusion("energy", lines["energy"]).startswith(("All reach the same", "Nobody rises"))
+    assert conclusion("energy", lines["energy"]).startswith(("All reach the same", "No engine rises"))
     assert sentence("contacts", lines["contacts"]) == f"{OURS}: median 10, largest 19; {THEIRS}: median 6, largest 11."
 
 
