@@ -166,14 +166,18 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> li
         made.append({
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
             "shows": measure.shows, "concludes": conclusion(measure.key, lines), "text": sentence(measure.key, lines),
-            "lines": [
-                {"run": line.run, "times": packed.reals(dt * (line.first + frames)),
-                 "values": packed.text(packed.codes(_scaled(values, log, low), (_scaled(np.array([low]), log, low)[0],
-                                                                               _scaled(np.array([high]), log, low)[0])))}
-                for line, frames, values in points
-            ],
+            "lines": [_line(line, dt * (line.first + frames), _scaled(values, log, low)) for line, frames, values in points],
         })
     return made
+
+
+def _line(line: Course, times: Array, values: Array) -> dict[str, object]:
+    """One line for the page's script: times [s] and values, or their decimal logarithms, on a scale of its own from `low` to
+    `high`: on one for all, an engine that explodes would leave the others no digits."""
+    finite = values[np.isfinite(values)]
+    ends = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    return {"run": line.run, "times": packed.reals(times), "low": ends[0], "high": ends[1],
+            "values": packed.text(packed.codes(values, ends))}
 
 
 def _points(values: Array, most: int) -> tuple[Array, Array]:

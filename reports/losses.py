@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from reports import piles
 from reports.load import Results, Row
 from reports.metric_words import words
-from reports.moment import moment
+from reports.moment import Instants, moment
 from reports.wording import count, factor, families, limit, listed
 from scenarios.behind import BEST, Behind, Compared, MetricLosses, aside, by_family
 from scenarios.like_for_like import TIME
@@ -73,15 +73,17 @@ def aside_said(found: Compared, family_of: Mapping[str, str]) -> str:
     return f"Times that are not ranked: {'; '.join(parts)}." if parts else ""
 
 
-def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
-    """What the template of the losses is made of."""
+def section(
+    results: Results, found: Compared, ours: str, known: Mapping[str, Instants] | None = None,
+) -> dict[str, object]:
+    """What the template of the losses is made of; `known`: when figures of ours are largest in each scene."""
     made = _most_lost_first(by_family(found, results.families))
     lost = [one for one in made if one.lost]
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
         "lost_shown": shown, "lost_kinds": kinds_sentence(made),
-        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
+        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours, known),
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
@@ -114,9 +116,10 @@ def silent_sentence(found: Compared) -> str:
     return f"Not ranked, because the engine has no words for it, are {count(number, 'figure')}: {said}."
 
 
-def at(results: Results, one: Behind, ours: str) -> str:
-    """"#t=0.3417", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series; else ""."""
-    return moment(results, one.row.scenario, ours, one.row.metric)
+def at(results: Results, one: Behind, ours: str, known: Mapping[str, Instants] | None = None) -> str:
+    """"#t=0.341667", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series or that are
+    `known` from its recordings; else ""."""
+    return moment(results, one.row.scenario, ours, one.row.metric, known)
 
 
 def over(one: Behind) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from reports import (
+    bad_news,
     bounds_by_kind,
     broad_phase,
     broad_phase_chart,
@@ -66,6 +67,7 @@ from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
 from reports.metric_words import words
+from reports.moment import Instants, address
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.navigation import linked
@@ -86,7 +88,7 @@ from scenarios.behind import by_family
 from scenarios.native import COMPILED
 
 TEMPLATES = Path(__file__).parent / "templates"
-SHARED: Mapping[str, object] = {"quantity": quantity, "limit": limit, "count": count, "words_of": words}
+SHARED: Mapping[str, object] = {"moment_at": address, "quantity": quantity, "limit": limit, "count": count, "words_of": words}
 """What templates of all sections know."""
 SHORT_COMMIT = 12
 """Characters of a commit's hash that are printed: enough to be the only one that begins so."""
@@ -174,27 +176,29 @@ def layout(results: Results, verdict: Verdict) -> Layout:
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
-         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: list[str] | None = None) -> str:
+         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: list[str] | None = None,
+         instants: Mapping[str, Instants] | None = None) -> str:
     """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
     scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene; `damage`: what could not be used, to
-    which comes what is noticed here."""
+    which comes what is noticed here; `instants`: when figures of our engine are largest in each scene."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
-    damage = [] if damage is None else damage
+    damage, instants = [] if damage is None else damage, instants or {}
     shown, colours, order = (laid_out or layout(results, verdict))[:3]
     percentiles = time_percentiles(results)
-    scripts = [source("gallery.js"), *([source("courses.js")] if courses else [])]
+    scripts = [source("gallery.js"), *([source("quantity.js"), source("courses.js")] if courses else [])]
     found = gallery.cards(results, shown, verdict, pictures or {})
     ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
     return labelled(linked(template.render(
         verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
-        **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
+        bad_news=bad_news.news(results, verdict.ranked, verdict.gated, instants),
+        **losses.section(results, verdict.ranked, verdict.gated, instants), **explained.section(results),
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
         cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
-        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.TERMS,
+        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.terms(extras.sweep),
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
@@ -206,7 +210,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         gallery_js=source("gallery.js"), lost_on_card=gallery.ON_CARD,
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
         ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), verdict.ranked, results.families),
-        policy=policy(scripts), courses_js=source("courses.js"),
+        policy=policy(scripts), quantity_js=source("quantity.js"), courses_js=source("courses.js"),
         course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(results, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),

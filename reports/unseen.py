@@ -8,6 +8,7 @@ import numpy as np
 
 from reports.columns import worst
 from reports.load import Results, Row
+from reports.metric_words import words
 from reports.tables import RAW_TRACKER, engine_of
 from reports.wording import MISSING, count, listed, quantity
 from scenarios.explaining import briefly
@@ -44,7 +45,7 @@ MEASURES = (
     Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
     Measure(FARTHEST, "farthest from the user", "m", 1e-3),
     Measure("silent_offset_frames", "far from a free user, no status", "frames", 0.5),
-    Measure(LIMITS, "beyond joint limits", "deg", math.inf),
+    Measure(LIMITS, words(LIMITS), "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
@@ -245,7 +246,7 @@ def verdict_sentence(found: Unseen) -> str:
         return f"{told}, {found.ours} has no figure."
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
-    said = [sentence for metric, words in WORST.items() if (sentence := _worst(found, metric, words))]
+    said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
     said += [sentence for sentence in (_worst(found, CHATTER, "up to {} of the frames in contact shake"),) if sentence]
     return " ".join(filter(None, [f"{told}, {kept}; but {', '.join(said)}.", smoother(found)]))
 
@@ -256,7 +257,7 @@ def _rooms(found: Unseen) -> str:
     return f"{count(len(found.asked), 'room')}{again}"
 
 
-def _worst(found: Unseen, metric: str, words: str) -> str:
+def _worst(found: Unseen, metric: str, form: str) -> str:
     """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
     the table; "" where there is none."""
     measure = next(one for one in MEASURES if one.metric == metric)
@@ -268,7 +269,7 @@ def _worst(found: Unseen, metric: str, words: str) -> str:
     figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf)
     best = found.best(room, measure)
     beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
-    return f"{words.format(quantity(figure, measure.unit))} ({room}{beside})"
+    return f"{form.format(quantity(figure, measure.unit))} ({room}{beside})"
 
 
 def smoother(found: Unseen) -> str:

@@ -148,7 +148,7 @@ def verdict(results: Results) -> Verdict:
         ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
         tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
         _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
-        _states(results, ours, failed), code, results.exit_code is not None,
+        _states(results, ours, failed, by_word["ceiling"]), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
         (sum(row.bound is not None for row in _looks(results, ours)), len(_looks(results, ours))),
     )
@@ -159,13 +159,15 @@ def _looks(results: Results, ours: str) -> list[Row]:
     return [row for row in results.rows if row.run == ours and row.metric in LOOKS and row.value is not None]
 
 
-STATES = ("held", "failed", "crashed", "refused", "not measured")
-"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, held."""
+CEILING = "within a ceiling"
+STATES = ("held", CEILING, "failed", "crashed", "refused", "not measured")
+"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, within a ceiling, held. In a scene
+within a ceiling a bound does not hold, and the gate stands higher."""
 
 
-def _states(results: Results, ours: str, failed: Iterable[Row]) -> Mapping[str, int]:
+def _states(results: Results, ours: str, failed: Iterable[Row], ceiling: Iterable[Row]) -> Mapping[str, int]:
     """Number of scenes by state of `ours`: each scene of the run has exactly one, so they add up."""
-    lost = {row.scenario for row in failed}
+    lost, above = {row.scenario for row in failed}, {row.scenario for row in ceiling}
     counted = dict.fromkeys(STATES, 0)
     for scene in results.scenes():
         own = [row for row in results.of(scene) if row.run == ours]
@@ -177,7 +179,7 @@ def _states(results: Results, ours: str, failed: Iterable[Row]) -> Mapping[str, 
         elif scene in lost:
             state = "failed"
         else:
-            state = "refused" if said & {"refused", "cannot-say"} else "held"
+            state = "refused" if said & {"refused", "cannot-say"} else CEILING if scene in above else "held"
         counted[state] += 1
     return counted
 
@@ -233,9 +235,10 @@ def _compared(lost: Lost) -> Loss:
 
 def scenes_sentence(verdict_: Verdict) -> str:
     """How the scenes add up, and what the gate counts beside them."""
-    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items())
     bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
     above = f", {len(verdict_.ceiling)} above the bound and within a ceiling" if verdict_.ceiling else ""
+    # a run without ceilings need not be told of them
+    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items() if number or state != CEILING)
     return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'bound')}: "
             f"{len(verdict_.held)} hold{above}, {len(verdict_.failed)} failed. A scene that expects a "
             "refusal and got it counts as refused.")

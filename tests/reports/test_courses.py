@@ -22,7 +22,7 @@ def test_a_line_of_overlap_comes_back_in_decades() -> None:
     [chart] = charts(lines, 0.5, 100)
     assert (chart["key"], chart["low"], chart["high"], chart["log"]) == ("overlap", 1e-9, 1.0, True)
     [line] = chart["lines"]  # type: ignore[misc]
-    found = 10.0 ** unpacked(line["values"], (-9.0, 0.0))
+    found = 10.0 ** values_of(line)
     assert found[[0, 1, 2, 4]] == pytest.approx([1e-9, 1e-3, 2e-2, 1e-7], rel=1e-3) and np.isnan(found[3])
     assert moments(line["times"]) == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0])
 
@@ -38,7 +38,7 @@ def test_spikes_survive_fewer_points() -> None:
     values[777] = 0.5
     [chart] = charts({"overlap": [Course("a/default", 0, values)]}, 0.01, 50)
     [line] = chart["lines"]  # type: ignore[misc]
-    found = unpacked(line["values"], (-9.0, 0.0))
+    found = values_of(line)
     assert len(found) == 50 and found.max() == pytest.approx(np.log10(0.5), abs=1e-3)
 
 
@@ -48,10 +48,24 @@ def test_points_stand_at_the_first_frame_of_their_groups(frames: int) -> None:
     [chart] = charts({"overlap": [Course("a/default", 2, np.linspace(0.0, 0.5, frames))]}, 0.01, 400)
     [line] = chart["lines"]  # type: ignore[misc]
     whole = np.linspace(0.0, 0.5, frames)
-    found, at = 10.0 ** unpacked(line["values"], (-9.0, 0.0)), moments(line["times"])
+    found, at = 10.0 ** values_of(line), moments(line["times"])
     begins = np.rint(at / 0.01).astype(int) - 2
     ends = np.append(begins[1:], frames)
     assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], rel=1e-3)
+
+
+def test_the_largest_value_keeps_three_digits_beside_a_line_that_explodes() -> None:
+    calm, spike = np.full(600, 0.01), np.zeros(600)
+    calm[300], spike[5] = 0.4735, 1e6
+    [chart] = charts({"offset": [Course("a/default", 0, calm), Course("b/default", 0, spike)]}, 0.01, 600)
+    lines = [values_of(line) for line in chart["lines"]]  # type: ignore[attr-defined]
+    assert lines[0][300] == pytest.approx(0.4735, rel=1e-4) and lines[1][5] == 1e6
+    assert float(str(chart["high"])) < 0.05, "the axis is that of nearly all values"
+
+
+def values_of(line: Json) -> np.ndarray:
+    """Values that a page holds of one line, or their decimal logarithms."""
+    return unpacked(str(line["values"]), (float(str(line["low"])), float(str(line["high"]))))
 
 
 def moments(text: str) -> np.ndarray:
