@@ -1,11 +1,9 @@
 """Why is a figure of another engine larger than 100 mm or 90 degrees: is it the engine, our adapter, or what the scene asks?
 
 Data: rules by scene, run and metric, of which the first that fits holds. Each sentence says what was looked at: recordings link
-by
-link, or the same scene at another setting or with parts taken away. A figure without a rule is printed as not yet explained.
-Scenes
-`unseen_*` change with every commit: their rules are by run and metric, and name what was varied. No sentence has a figure of
-theirs, which on the page of another run would be of other motions.
+by link, or the same scene at another setting or with parts taken away. A figure without a rule is printed as not yet explained.
+Scenes `unseen_*` change with every commit: their rules are by run and metric, and name what was varied. No sentence has a figure
+of theirs, which on the page of another run would be of other motions.
 """
 
 from collections.abc import Sequence

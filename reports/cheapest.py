@@ -322,11 +322,11 @@ def sentence(found: Table) -> str:
     neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
     parts += [f"Not reached by any setting measured here of any engine: {listed(neither)}."] if neither else []
     alone = [case for case in cases if case.ours is not None and case.rival is None and case.asked]
-    open_ = [case for case in cases if case.ours is not None and not case.asked]
+    unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
                      f"does: of {_tried(alone)}.")
-    return " ".join([*parts, *_factors(cases), *_unasked(open_), *_beside(found)])
+    return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 
 def _where(cases: Sequence[Case]) -> tuple[str, ...]:

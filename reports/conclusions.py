@@ -41,7 +41,7 @@ def peak(overlap: Array) -> float:
 
 
 def overlap_sentence(runs: Mapping[str, Series]) -> str:
-    """What one panel of residual overlap shows: who stays below the bound, who does not, by how much."""
+    """What one panel of residual overlap shows: which engines stay below the bound, which do not, by how much."""
     peaks = {run: peak(series.overlap) for run, series in runs.items() if series.overlap.size}
     if not peaks:
         return "No engine has a series here, so nothing follows."

@@ -99,7 +99,7 @@ def told(value: float, unit: str) -> str:
 
 
 def sentence(key: str, lines: Sequence[Course]) -> str:
-    """Median and largest of each line, in words: the text of the chart for those who do not see it."""
+    """Median and largest of each line, in words: the text in place of the picture."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     said = []
     for line in lines:

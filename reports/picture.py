@@ -25,7 +25,7 @@ STRAIGHT = re.compile(r"M[-\d.]+,[-\d.]+(?:L[-\d.]+,[-\d.]+)+")
 
 
 def picture(spec: Mapping[str, object], label: str, name: str) -> str:
-    """The SVG of `spec`, described by `label` for those who do not see it; `name` keeps ids apart within one page."""
+    """The SVG of `spec`, described by `label` in words, in place of the picture; `name` keeps ids apart within one page."""
     svg: str = vl_convert.vegalite_to_svg(dict(spec), VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
     svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))

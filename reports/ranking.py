@@ -1,4 +1,4 @@
-"""The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and who is best."""
+"""The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and which is best."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

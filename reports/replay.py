@@ -52,7 +52,7 @@ def replay(
     followed = list(range(len(scene.bodies) - links, len(scene.bodies))) if links else moving
     names = scene.names_of_links(links)
     worst = {one.run: moments(one, (depths or {}).get(one.run), names) for one in engines}
-    # the user too is to be seen, which may be far from what is shown
+    # the user too is to be seen, whose place may be far from what is shown
     seen = np.concatenate([main.positions[:, followed], main.raw_positions], axis=1)
     near = _near(seen, [reach[which[k]] for k in followed] * (2 if links else 1))
     radius = float(0.5 * np.linalg.norm(high - low))

@@ -65,13 +65,14 @@ PROMISED = ("residual_overlap_max", "wrong_side_frames", "not_finite_frames", "j
 
 @dataclass(frozen=True)
 class Line:
-    """One engine in one room: its figures in the order of MEASURES, None where there is none, how many frames were timed, whether
-    it left the allowed side, and why there is no figure at all ("" where there is one)."""
+    """One engine in one room: its figures in the order of MEASURES, None where there is none, how many frames were timed, from
+    which on, whether it left the allowed side, and why there is no figure at all ("" where there is one)."""
 
     room: str
     run: str
     figures: tuple[float | None, ...]
     timed: int
+    first: int
     outside: bool
     nothing: str
 
@@ -159,8 +160,9 @@ def _line(results: Results, scene: str, run: str, rows: Sequence[Row]) -> Line:
     whole = next((row for row in rows if row.metric == "run"), None)
     nothing = f"{whole.status}: {whole.note}".removesuffix(": ") if whole else ""
     outside = any(row.metric == "wrong_side_frames" and row.value is not None and not row.value <= 0.0 for row in rows)
-    timed = int(np.isfinite(series.frame_time).sum()) if series else 0
-    return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed, outside, nothing)
+    timed = np.flatnonzero(np.isfinite(series.frame_time)) if series else np.zeros(0, dtype=np.int64)
+    first = int(timed[0]) if timed.size else 0
+    return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed.size, first, outside, nothing)
 
 
 def _breaks(row: Row) -> bool:
@@ -323,8 +325,8 @@ def cell_rows(lines: Sequence[Line], ours: str) -> list[dict[str, object]]:
     for line in lines:
         rows.append({
             "room": line.room if line.room != before else "", "scene": f"{PREFIX}{line.room}", "run": line.run,
-            "texts": line.texts, "timed": line.timed or MISSING, "nothing": line.nothing, "ours": line.run == ours,
-            "outside": line.outside,
+            "texts": line.texts, "timed": f"{line.timed} from {line.first}" if line.timed else MISSING,
+            "nothing": line.nothing, "ours": line.run == ours, "outside": line.outside,
         })
         before = line.room
     return rows

@@ -74,8 +74,6 @@ new Promise((done) => {
 })
 """
 """Resolves once the page no longer scrolls."""
-HIDDEN = 'document.querySelectorAll("figure").forEach((one) => { one.style.contentVisibility = "visible"; })'
-"""Charts off the screen are not laid out before the page is scrolled there."""
 
 
 LONG = 1300
@@ -154,7 +152,6 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     one, name = opened
     page = run / "index.html"
     one.open(page)
-    one.value(HIDDEN)
     assert one.value("document.querySelectorAll('figure svg').length") > 4
     assert one.value(BLANK) == 0
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
@@ -181,10 +178,14 @@ def test_links_at_the_top_reach_every_section(run: Path, opened: tuple[Browser, 
     sections = one.value("[...document.querySelectorAll('section')].map((one) => one.id)")
     assert sections and all(sections)
     assert one.value("[...document.querySelectorAll('nav a')].map((one) => one.getAttribute('href').slice(1))") == sections
-    for section in sections:
-        # each from the top, as a reader comes
-        one.value("window.scrollTo({top: 0, behavior: 'instant'})")
-        one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
+    for number, section in enumerate(sections):
+        # from the top of the page, and every third one from elsewhere, when nothing of the page has been drawn yet
+        if number % 3 or section == sections[-1]:
+            one.value("window.scrollTo({top: 0, behavior: 'instant'})")
+            one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
+        if number % 3 == 0:
+            one.open(scenes(run)[0])
+            one.open(run / "index.html", f"#{section}")
         assert one.value("location.hash") == f"#{section}"
         one.value(SETTLED)
         top, left = one.value(f"[document.getElementById('{section}').getBoundingClientRect().top, "
@@ -306,8 +307,8 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
             assert float(one.value("location.hash").removeprefix("#t=")) == pytest.approx(state * step, rel=1e-5)
             one.value(SETTLED)
             # the view of the engine that the button is about is on the screen
-            assert one.value(f"(() => {{ const box = document.querySelectorAll('.view')[{button}.dataset.of].getBoundingClientRect();"
-                      "return box.top >= -1 && box.bottom <= window.innerHeight + 1; })()")
+            box = f"document.querySelectorAll('.view')[{button}.dataset.of].getBoundingClientRect()"
+            assert one.value(f"{box}.top >= -1 && {box}.bottom <= window.innerHeight + 1")
         assert one.errors == []
 
 

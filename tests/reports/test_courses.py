@@ -73,7 +73,7 @@ def moments(text: str) -> np.ndarray:
     return np.frombuffer(base64.b64decode(text), dtype="<f4").astype(np.float64)
 
 
-def test_who_rises_above_its_energy_is_named() -> None:
+def test_an_engine_that_rises_above_its_energy_is_named() -> None:
     calm, wild = Course("a/default", 0, np.array([5.0, 4.0, 3.0])), Course("b/default", 0, np.array([5.0, 5.2, 3.0]))
     assert conclusion("energy", [calm, wild]).startswith("Above the energy they began with, by a hundredth or more: b/default;")
     assert conclusion("energy", [calm, Course("c/default", 0, np.array([4.0, 3.0, 2.0]))]).startswith("No engine rises")

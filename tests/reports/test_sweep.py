@@ -92,7 +92,7 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
             "pybullet/tuned)") in said
 
 
-def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
+def test_what_went_through_the_wall_beats_nothing(tmp_path: Path) -> None:
     found = loaded(tmp_path, THROUGH)
     assert not found.rivalries[0].lost and found.rivalries[0].spoilt[0].run == "mujoco/tuned"
     assert "at most 10 µm is reached by none of " in sweep.conclusion(found)

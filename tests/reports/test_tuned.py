@@ -36,7 +36,7 @@ def test_a_figure_is_worse_by_more_than_counts_as_equal(column: Column, more: fl
     assert (tuning.engine, tuning.compared, tuning.better, len(tuning.worse)) == ("a", 1, better, worse)
 
 
-def test_what_is_no_number_is_worse_than_any_and_of_whom_left_the_room_nothing_else_is_told() -> None:
+def test_what_is_no_number_is_worse_than_any_and_of_a_run_that_left_the_room_nothing_else_is_told() -> None:
     (tuning,) = found(
         row("a/default", OVERLAP, 1e-3), row("a/tuned", OVERLAP, math.nan),
         row("a/default", OVERLAP, 1e-3, "gone"), row("a/tuned", "run", None, "gone", "crashed"),

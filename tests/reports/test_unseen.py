@@ -4,13 +4,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from reports import baseline, unseen
 from reports.diff import diff
-from reports.load import Results, load
+from reports.load import Results, Series, load
 from reports.page import page
 from reports.verdict import verdict
+from reports.wording import MISSING
 from tests.reports.conftest import row, whole_run
 
 Json = dict[str, object]
@@ -154,3 +156,12 @@ def test_the_smoother_preset_stands_beside_its_own_limits_and_hinges_beside_it(r
     assert "door_90hz;" not in unseen.verdict_sentence(found), "figures are of the rooms that are counted and shown"
     short = unseen.section(results, OURS)["unseen_tables"][0][1]  # type: ignore[index]
     assert "mujoco/hinges" in {one["run"] for one in short} and "door_90hz" not in {one["room"] for one in short}
+
+
+def test_the_table_says_from_which_frame_on_its_times_are(run_dir: Write) -> None:
+    found = run_with(run_dir, rows_of("wall"))
+    late = Series(np.zeros(0), np.array([np.nan] * 226 + [5.0] * 40))
+    found = replace(found, series={"unseen_wall": {OURS: late}})
+    (_, short), _ = unseen.section(found, OURS)["unseen_tables"]  # type: ignore[misc]
+    timed = {one["run"]: one["timed"] for one in short}
+    assert timed[OURS] == "40 from 226" and timed[TUNED] == MISSING
