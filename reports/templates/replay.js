@@ -106,7 +106,10 @@
     for (const k of pairs.flatMap((pair) => pair.slice(0, 2))) {
       if (view.meshes[k].userData.role !== "fixed") view.meshes[k].material = ink.bad;
     }
-    const deepest = pairs[0];
+  }
+  function caption(view, frame) {
+    const ended = frame >= view.moves.frames;
+    const deepest = ended ? undefined : (view.run.pairs[frame] || [])[0];
     const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
     const broken = !ended && view.run.broken.includes(frame);
     view.cell.classList.toggle("overlaps", Boolean(deepest) || broken);
@@ -172,6 +175,8 @@
   const lead = home.focus.clone();
   let frame = 0, playing = false, speed = 1, clock = 0, poster = true;
   function draw(whole = false) {
+    // words first: they may change how high a view is, and so where the next one is
+    views.forEach((view) => caption(view, frame));
     const all = stage.getBoundingClientRect();
     const wide = Math.round(all.width), high = Math.round(all.height);
     const size = renderer.getSize(new THREE.Vector2());

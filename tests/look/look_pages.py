@@ -45,6 +45,26 @@ new Promise((done) => {
 })
 """
 """How many different colours the replay's canvas has."""
+DRAWN = """
+new Promise((done) => {
+  const stage = document.querySelector(".stage"), canvas = stage.querySelector("canvas"), all = stage.getBoundingClientRect();
+  window.dispatchEvent(new Event("resize"));
+  requestAnimationFrame(() => {
+    const copy = document.createElement("canvas"), scale = canvas.width / all.width;
+    copy.width = canvas.width; copy.height = canvas.height;
+    const pen = copy.getContext("2d");
+    pen.drawImage(canvas, 0, 0);
+    const share = (part) => {
+      const box = part.getBoundingClientRect();
+      const place = [box.left - all.left + 1, box.top - all.top + 1, box.width - 2, box.height - 2];
+      const drawn = pen.getImageData(...place.map((length) => length * scale)).data;
+      return drawn.some((value, k) => k % 4 === 3 && value) ? 1 : 0;
+    };
+    done([".picture", ".said"].map((name) => share(document.querySelector(name))));
+  });
+})
+"""
+"""Whether anything is drawn in the picture of the first view, and in its caption."""
 BLANK = """
 [...document.querySelectorAll("figure svg")].filter((svg) => {
   const box = svg.getBoundingClientRect();
@@ -357,6 +377,9 @@ def test_captions_leave_the_picture_free_where_there_is_no_room(run: Path, opene
     sticky = one.value("getComputedStyle(document.querySelector('.controls')).position")
     if name.startswith("narrow"):
         assert all(above >= -0.5 and below >= -0.5 for above, below, _ in over) and sticky == "static"
+        assert one.value("[...document.querySelectorAll('.said')].every((said) => said.scrollHeight <= said.clientHeight)")
+        # what is drawn is where the pictures are, and nowhere else
+        assert one.value(DRAWN) == [1, 0]
     else:
         assert sticky == "sticky"
 
