@@ -160,6 +160,8 @@
     const flat = Math.cos(eye.height) * eye.distance;
     camera.position.set(Math.cos(eye.azimuth) * flat, Math.sin(eye.azimuth) * flat, Math.sin(eye.height) * eye.distance).add(eye.focus);
     camera.lookAt(eye.focus);
+    // in a large scene what the eye is near to must not lie before the near plane
+    camera.near = Math.min(0.02 * data.radius, 0.1 * eye.distance);
   }
 
   let renderer;

@@ -101,8 +101,11 @@ LONG = 1300
 
 
 def _aside(path: Path) -> None:
-    """Put the hand aside by 37 mm and by 474 mm in states that are not drawn themselves."""
+    """Let all end after 200 states, before it has fallen out of sight, and put the hand aside by 37 mm and by 474 mm in states
+    that are not drawn themselves."""
     arrays = array_file.read(path)
+    for name in ("positions", "raw_positions"):
+        arrays[name][200:] = arrays[name][199]
     arrays["positions"][500, 2, 0] += 0.037
     arrays["positions"][1001, 2, 1] += 0.4735
     with path.open("wb") as file:
