@@ -51,4 +51,4 @@ def waiting(known: Mapping[str, Instants]) -> tuple[News, ...]:
         return ()
     (length, begin), scene = max(waits)
     return (News(f"an avatar waits up to {quantity(length * 1e6, 'us')}", f"{path_of(scene)}{address(begin)}",
-                 f"{scene}; held off its user, no path sought"),)
+                 f"{scene}; held off its user, no path known"),)

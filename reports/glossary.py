@@ -27,7 +27,8 @@ TERMS = (
     ("angle beyond joint limits, angle beyond a reach cone", "Two figures: how far a hinge is beyond its range, or a ball joint "
      "beyond its swing or twist; and how far a limb points outside the reach cone of its ball joint."),
     ("waiting", "An avatar is held off its user by more than 5 cm and has come no nearer for stall_time, and no path around "
-     "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it."),
+     "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it. How long "
+     "an avatar waits counts the first two together."),
     ("leap", "A target that is elsewhere from one frame to the next, such as after a teleport. Its way is followed in that "
      "frame as far as it is free; what is in between is then planned around."),
     ("roughness of motion", "95th percentile of the third differences of link places, shown over target; 1 is as smooth as the "

@@ -26,7 +26,7 @@ WHOLE = "a whole .npz file from this runner"
 WRITTEN = "the whole file that a run wrote"
 PARTS = {"name", "role", "pieces", "mass"}
 """What a scene's file says of every body."""
-COUNTED = ("contacts", "iterations", "pairs", "waiting")
+COUNTED = ("contacts", "iterations", "pairs", "waiting", "planning")
 """Counts per frame that a page shows or tells of, where an engine gives them."""
 
 

@@ -13,6 +13,10 @@ OVERLAPS = ("residual_overlap_max", "residual_overlap_p95", "residual_overlap_me
 TIMES = ("frame_time_p95", "frame_time_p99", "frame_time_max")
 """Metrics of which a run keeps a number per state, and per timed frame: what belongs to the largest is the moment to look at."""
 
+WAITS = ("waiting", "planning")
+"""Counts of frames in which an avatar is held off its user and no path is known; a wait is broken by neither's becoming the
+other."""
+
 
 @dataclass(frozen=True)
 class Instants:
@@ -31,12 +35,12 @@ def instants(one: Shown, scene: Drawn | None) -> Instants:
 
 
 def _longest_wait(one: Shown) -> tuple[float, float] | None:
-    """Of the stretches of frames in which an avatar waits the longest: how long it is and when it begins [s]."""
-    waits = np.asarray(one.counts.get("waiting", ()))
-    if len(waits) != len(one.times) or len(waits) < 2 or not (waits > 0).any():
+    """Of the stretches of frames in which an avatar waits, or a path for it is sought, the longest: how long it is and when it
+    begins [s]."""
+    counted = [np.asarray(one.counts[name]) > 0 for name in WAITS if len(one.counts.get(name, ())) == len(one.times)]
+    if len(one.times) < 2 or not np.any(counted):
         return None
-    # a frame is told of by the state that ends it
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], waits > 0, [False]])))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], np.any(counted, axis=0), [False]])))
     begins, ends = edges[::2], edges[1::2]
     longest = int(np.argmax(ends - begins))
     dt = float(one.times[1] - one.times[0])

@@ -60,8 +60,11 @@ def room(run_dir: Write, results: Json) -> Path:
     arrays["positions"][12:, 2, 0] += 0.4
     waits = np.zeros(len(arrays["times"]), dtype=np.int64)
     waits[[2, 16, 17]], waits[5:11] = 1, 2
+    # for a frame in between a path is sought
+    waits[8], seeks = 0, np.zeros_like(waits)
+    seeks[8] = 1
     with path.open("wb") as file:
-        array_file.write(file, arrays | {"counts:waiting": waits})
+        array_file.write(file, arrays | {"counts:waiting": waits, "counts:planning": seeks})
     return folder
 
 
