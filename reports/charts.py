@@ -11,6 +11,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reports.asleep import asleep, sleepers
 from reports.columns import worst
@@ -45,7 +46,7 @@ class Panel:
 
     @property
     def svg(self) -> str:
-        """The picture; whoever asks waits until it is drawn."""
+        """The picture, once it is drawn."""
         return self.drawn if isinstance(self.drawn, str) else self.drawn.result()
 
 
@@ -58,7 +59,11 @@ def peaks(values: Array, most: int = MOST_POINTS) -> tuple[Array, Array, Array]:
     length, longer = divmod(values.size, groups)
     sizes = np.full(groups, length)
     sizes[:longer] += 1
-    starts = np.cumsum(sizes) - sizes
+    return of_groups(values, np.cumsum(sizes) - sizes)
+
+
+def of_groups(values: Array, starts: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """The same of the groups that begin at these places."""
     sound = np.isfinite(values)
     largest = np.maximum.reduceat(np.where(sound, values, -math.inf), starts)
     return starts.astype(np.float64), largest, np.add.reduceat(~sound, starts, dtype=np.float64).clip(max=1.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from avatarsim.spatial import rotation
 from reports import packed
-from reports.charts import peaks
+from reports.charts import of_groups, peaks
 from reports.conclusions import peak
 from reports.kept import Array, Drawn, Shown
 from reports.load import Results, Series
@@ -152,15 +152,18 @@ def over_all(results: Results, ours: str) -> str:
     return f"{said}; where one does ({len(lower)}), ours reaches at most {quantity(lower[most], 'm')} ({most})."
 
 
-def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> list[dict[str, object]]:
-    """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames."""
+def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int, stride: int = 0) -> list[dict[str, object]]:
+    """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames. Beside
+    a replay that draws one of every `stride` states no group reaches across two of these: so both always say the same."""
     made = []
     for measure in MEASURES:
         lines = lines_of.get(measure.key, ())
         if not lines:
             continue
         log = measure.key in LOGARITHMIC
-        points = [(line, *_points(line.values, most)) for line in lines]
+        points = [(line, *_points(line, most, stride)) for line in lines]
+        if measure.key == "overlap":
+            points = [(line, frames, _three_digits(values)) for line, frames, values in points]
         finite = np.concatenate([values[np.isfinite(values)] for _, _, values in points])
         low, high = _range(finite, measure.key)
         made.append({
@@ -180,10 +183,21 @@ def _line(line: Course, times: Array, values: Array) -> dict[str, object]:
             "values": packed.text(packed.codes(values, ends))}
 
 
-def _points(values: Array, most: int) -> tuple[Array, Array]:
+def _points(line: Course, most: int, stride: int) -> tuple[Array, Array]:
     """(frame, largest value) of each group of frames; nan, which is drawn as a gap, where one of the group is no number."""
-    frames, largest, broken = peaks(values, most)
+    if stride and line.values.size:
+        # the finest groups of which whole ones make up a drawn state
+        size = next((size for size in range(1, stride) if stride % size == 0 and line.values.size <= most * size), stride)
+        at = line.first + np.arange(line.values.size)
+        frames, largest, broken = of_groups(line.values, np.flatnonzero((at % size == 0) | (at == line.first)))
+    else:
+        frames, largest, broken = peaks(line.values, most)
     return frames, np.where(broken > 0.0, np.nan, largest)
+
+
+def _three_digits(values: Array) -> Array:
+    """Rounded as words have them: what packing adds then does not change a digit."""
+    return np.array([float(f"{value:.3g}") for value in values], dtype=np.float64)
 
 
 def _scaled(values: Array, log: bool, low: float) -> Array:

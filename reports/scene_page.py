@@ -24,15 +24,15 @@ from reports.marked import cell_note
 from reports.metric_words import words
 from reports.moment import Instants, instants
 from reports.palette import ALARM, GRID, MUTED, TEXT, Stroke, dark_rules
-from reports.replay import counts_of, replay
+from reports.replay import MOST_FRAMES, counts_of, replay
 from reports.tables import RAW_TRACKER, Block, engine_of
 from reports.thumbnail import telling, thumbnail
 from reports.verdict import Verdict, believed
 from reports.wording import count, limit, quantity, ratio
 from reports.your_project import grasped
 
-POINTS = 400
-"""Points of a line of a scene's own charts: one per state up to seven seconds."""
+POINTS = MOST_FRAMES
+"""Points of a line of a scene's own charts, as many as states are drawn beside them."""
 
 
 @dataclass(frozen=True)
@@ -144,8 +144,8 @@ def page(
     if library and found.replay:
         sources = [library, scripts.source("gif.js"), scripts.source("replay.js"), *sources]
     sources += [scripts.source("quantity.js")] if sources else []
-    drawn_charts = charts(found.lines, found.dt, POINTS)
     replayed = found.replay or {}
+    drawn_charts = charts(found.lines, found.dt, POINTS, int(str(replayed.get("stride", 0))))
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
         block=block, damage=found.damage, grasped=found.grasped, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT,

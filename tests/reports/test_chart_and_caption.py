@@ -63,4 +63,8 @@ def test_words_captions_and_charts_agree_at_every_worst_moment(folder: Path) -> 
             caption = run["pairs"][moment["state"]][0][2] / 1e3 if figure[1] else None
             assert caption is None or quantity(caption, "m") == figure[1]
             asked.append((run["run"], key))
+    overlap = by_key["overlap"]
+    for state, pairs in enumerate(next(run["pairs"] for run in replayed["runs"] if run["run"] == THEIRS)):  # type: ignore[attr-defined]
+        shown = told(overlap, THEIRS, state * replayed["dt"], replayed["dt"])  # type: ignore[operator]
+        assert shown == pytest.approx(pairs[0][2] / 1e3 if pairs else overlap["low"], rel=1e-3), "in every other state too"
     assert replayed["stride"] == 3 and asked == [(OURS, "offset"), (THEIRS, "overlap"), (THEIRS, "offset")]

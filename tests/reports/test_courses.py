@@ -10,6 +10,7 @@ import pytest
 from reports.courses import Course, charts, conclusion, courses, over_all, sentence
 from reports.load import Series, load
 from reports.packed import unpacked
+from reports.wording import quantity
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -45,10 +46,10 @@ def test_spikes_survive_fewer_points() -> None:
 @pytest.mark.parametrize("frames", [601, 999, 450])
 def test_points_stand_at_the_first_frame_of_their_groups(frames: int) -> None:
     """Groups that do not come out even are longer at first: evenly spaced, points would stand too late."""
-    [chart] = charts({"overlap": [Course("a/default", 2, np.linspace(0.0, 0.5, frames))]}, 0.01, 400)
+    [chart] = charts({"offset": [Course("a/default", 2, np.linspace(0.0, 0.5, frames))]}, 0.01, 400)
     [line] = chart["lines"]  # type: ignore[misc]
     whole = np.linspace(0.0, 0.5, frames)
-    found, at = 10.0 ** values_of(line), moments(line["times"])
+    found, at = values_of(line), moments(line["times"])
     begins = np.rint(at / 0.01).astype(int) - 2
     ends = np.append(begins[1:], frames)
     assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], rel=1e-3)
@@ -61,6 +62,13 @@ def test_the_largest_value_keeps_three_digits_beside_a_line_that_explodes() -> N
     lines = [values_of(line) for line in chart["lines"]]  # type: ignore[attr-defined]
     assert lines[0][300] == pytest.approx(0.4735, rel=1e-4) and lines[1][5] == 1e6
     assert float(str(chart["high"])) < 0.05, "the axis is that of nearly all values"
+
+
+def test_every_depth_comes_back_with_the_digits_that_words_have() -> None:
+    depths = np.array([0.0, *np.geomspace(2e-9, 0.0895, 500)])
+    [chart] = charts({"overlap": [Course("a/default", 0, depths)]}, 0.01, 600, 1)
+    [line] = chart["lines"]  # type: ignore[misc]
+    assert [quantity(10.0**value, "m") for value in values_of(line)[1:]] == [quantity(depth, "m") for depth in depths[1:]]
 
 
 def values_of(line: Json) -> np.ndarray:
