@@ -52,7 +52,7 @@ def test_points_stand_at_the_first_frame_of_their_groups(frames: int) -> None:
     found, at = values_of(line), moments(line["times"])
     begins = np.rint(at / 0.01).astype(int) - 2
     ends = np.append(begins[1:], frames)
-    assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], rel=1e-3)
+    assert begins[0] == 0 and found[1:] == pytest.approx(whole[ends - 1][1:], abs=1e-5)
 
 
 def test_the_largest_value_keeps_three_digits_beside_a_line_that_explodes() -> None:
