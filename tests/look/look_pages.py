@@ -65,6 +65,17 @@ new Promise((done) => {
 })
 """
 """Whether anything is drawn in the picture of the first view, and in its caption."""
+WRITTEN = """
+(() => {
+  const pen = CanvasRenderingContext2D.prototype, write = pen.fillText;
+  window.written = [];
+  pen.fillText = function (text, x, y, most) {
+    window.written.push([text, this.measureText(text).width, most === undefined ? this.canvas.width - x : most]);
+    write.apply(this, arguments);
+  };
+})()
+"""
+"""Keeps the words that are written into pictures, the width of each, and the room that it has [px]."""
 BLANK = """
 [...document.querySelectorAll("figure svg")].filter((svg) => {
   const box = svg.getBoundingClientRect();
@@ -335,6 +346,21 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
         assert one.errors == []
 
 
+def test_nothing_glides_where_less_motion_is_asked_for(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(scenes(run)[0])
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    one.tell("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+    try:
+        one.value("window.scrollTo(0, document.documentElement.scrollHeight)")
+        box = "document.querySelector('.view').getBoundingClientRect()"
+        assert one.value(f"{box}.bottom < 0")
+        seen = one.value(f"(() => {{ document.querySelector('[data-worst]').click(); return {box}.bottom; }})()")
+        assert 0 < seen <= SIZES["wide"][1] + 1
+    finally:
+        one.screen(*SIZES[name.partition("-")[0]], dark=name.endswith("dark"))
+
+
 def test_charts_and_captions_say_the_same_at_every_worst_moment(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     for page in scenes(run):
@@ -393,9 +419,14 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     one.downloads(tmp_path)
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
+    one.value(WRITTEN)
     one.value("document.querySelector('[data-part=film]').click()")
     one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
     one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
+    # its words have the width that they need, and no digits that nothing was measured to
+    words = one.value("window.written")
+    assert words and all(width <= most + 0.5 for _, width, most in words)
+    assert not [text for text, *_ in words if re.search(r"\d\.\d{3}", text)]
     saved = tmp_path / f"{page.stem}.gif"
     for _ in range(100):
         if saved.exists():
