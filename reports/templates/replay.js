@@ -83,7 +83,7 @@
     rings.forEach((ring) => { ring.renderOrder = 3; world.add(ring); });
     const cell = stage.querySelectorAll(".view")[number];
     return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, picture: cell.querySelector(".picture"),
-      called: cell.querySelector(".called"), said: cell.querySelector(".said"), remarks: new Map(run.remarks) };
+      said: cell.querySelector(".said"), remarks: new Map(run.remarks) };
   });
   const last = Math.max(...views.map((view) => view.moves.frames)) - 1;
 
