@@ -81,7 +81,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
-    aim_along_paths(skeleton, avatars, dt, posture, plan, state, working)
+    aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
     solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
     if dt > 0.0:
         supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)

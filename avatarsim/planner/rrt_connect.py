@@ -5,10 +5,10 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import parts_of, tangent_error
+from avatarsim.ik.kinematics import carry_avatar, parts_of, tangent_error
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import PRODUCTS, Avatars
+from avatarsim.ik.state import FORWARDS, PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
 from avatarsim.planner.ghost import (
@@ -25,7 +25,8 @@ from avatarsim.planner.ghost import (
 )
 from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
+from avatarsim.planner.shortcut import SHORT, begin_at, begin_cut, choose_leaving, end_cut
+from avatarsim.planner.sight import is_in_sight
 from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
@@ -42,7 +43,7 @@ MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
 SEARCHING, FOUND, FAILED, NO_GOAL = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-NOTHING_LEFT, STALE, TOO_DEAR = int(Outcome.NOTHING_LEFT), int(Outcome.STALE), int(Outcome.TOO_DEAR)
+STALE = int(Outcome.STALE)
 
 
 @kernel
@@ -64,75 +65,86 @@ def search(
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
-    found = SEARCHING
-    if s.phase[avatar] != GOAL and not is_followed and is_stale(geo, skel, avatars, avatar, tracker, target, value, plan_out, g):
-        return STALE
+    found, is_going_on = SEARCHING, True
+    if s.phase[avatar] != GOAL and not is_followed:
+        found = buy(skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
     if s.phase[avatar] == GOAL:
-        aim_at_target(skel, avatars, avatar, tracker, target, g)
+        aim_at_tracker(skel, avatars, avatar, tracker, g)
     elif s.at[avatar] >= 0:
         resume(geo, skel, avatars, avatar, plan_out, g)
-    while found == SEARCHING and work_done(g.scratch) < most_work:
+    while found == SEARCHING and is_going_on and work_done(g.scratch) < most_work:
         phase = s.phase[avatar]
         if phase == GOAL:
             found = find_goal(geo, skel, avatars, settings, avatar, shown, target, value, plan_out, g)
         elif phase == SAMPLE:
             found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
         elif phase == CUT:
-            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
+            is_going_on = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
-    if found == NOTHING_LEFT and not is_followed:
-        is_worth = is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
-        return FOUND if is_worth else TOO_DEAR
     return found
 
 
 @kernel
-def is_stale(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, value: float, plan: Plan,
-    ghost_out: Ghost,
-) -> bool:
-    """Whether the target has moved so far from the goal of a search that it is no goal any more."""
-    g = ghost_out
-    put_ghost_at(geo, skel, avatars, avatar, GOAL_NODE, plan, g)
-    aim_at_target(skel, avatars, avatar, tracker, target, g)
-    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
-    return not there <= CLOSER * value
+def buy(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture, shown: Posture,
+    value: float, plan: Plan, ghost_out: Ghost,
+) -> int:
+    """What there is before a slice: STALE if the goal, or where the path ends by now, is none for the target as it is; FOUND if
+    the path is paid. One that is not is kept, and improved."""
+    s, has_path = plan.searches, plan.searches.phase[avatar] >= CUT
+    end = plan.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
+    aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
+    if not value_at(skel, avatars, avatar, end, target, plan, ghost_out) <= CLOSER * value:
+        return STALE
+    if has_path and is_worth_it(skel, avatars, settings, avatar, target, shown, value, plan, ghost_out):
+        return FOUND
+    return SEARCHING
 
 
 @kernel
-def aim_at_target(
-    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, ghost_out: Ghost
-) -> None:
-    """Link origins of the tracker, and the ghost's tangent error to the clipped target."""
+def aim_at_tracker(skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
+    """Link origins of the tracker."""
+    ghost_out.state.tracking.is_located[avatar] = 0
+    locate(skel, avatars, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
+
+
+@kernel
+def value_at(
+    skel: Skeleton, avatars: Avatars, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost
+) -> float:
+    """Objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
     g = ghost_out
-    g.state.tracking.is_located[avatar] = 0
-    locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
+    get_node(skel, avatars, avatar, k, plan, g.posture)
+    carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
+    g.scratch.counts[FORWARDS] += 1
     tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
+    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
+    return there
 
 
 @kernel
 def is_worth_it(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, value: float, plan: Plan, ghost_out: Ghost,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float,
+    plan: Plan, ghost_out: Ghost,
 ) -> bool:
     """Whether a path costs no more than waiting has cost already: the objective beyond the shown posture's, summed over the time
     that the path takes, against the shown postures' summed over the time for which the avatar has been stalled.
 
     Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
-    is begun has cost twice the waiting at most."""
-    g, dearer, before = ghost_out, 0.0, value
+    is begun has cost twice the waiting at most. The ghost's objective holds the link origins of the tracker."""
+    g, s, dearer, before = ghost_out, plan.searches, 0.0, value
     copy_posture(skel, avatars, avatar, shown, g.aim)
-    for i in range(plan.searches.length[avatar]):
-        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, i], plan, g)
+    for i in range(s.length[avatar]):
+        there = value_at(skel, avatars, avatar, plan.path[avatar, i], target, plan, g)
         tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
         lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
         copy_posture(skel, avatars, avatar, g.posture, g.aim)
-        aim_at_target(skel, avatars, avatar, tracker, target, g)
-        there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
         dearer += lasts * max(0.0, 0.5 * (before + there) - value)
+        if not dearer <= s.paid[avatar]:
+            return False
         before = there
-    return bool(dearer <= plan.searches.paid[avatar])
+    return True
 
 
 @kernel
@@ -149,27 +161,25 @@ def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar:
 def shorten(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, is_followed: bool,
     plan_out: Plan, ghost_out: Ghost,
-) -> int:
-    """Begin the next shortcut, if there is one to try."""
+) -> bool:
+    """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the target as it is by now."""
     s = plan_out.searches
-    if is_followed and 2 * s.count[avatar] > NODES:
+    if 2 * s.count[avatar] > NODES:
         keep_path(avatar, plan_out)
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
-    if not is_followed and s.cuts[avatar] > SHORTCUTS:
-        return NOTHING_LEFT
-    if is_followed and s.cuts[avatar] % 2 == 0:
+    if s.cuts[avatar] % 2 == 0 and first < s.length[avatar] and s.count[avatar] < NODES:
         copy_posture(skel, avatars, avatar, target, ghost_out.posture)
         put_ghost(geo, skel, avatars, avatar, ghost_out)
-        if first < s.length[avatar] and s.count[avatar] < NODES and is_free(geo, skel, avatars, settings, ghost_out):
+        if is_free(geo, skel, avatars, settings, ghost_out):
             put_node(skel, avatars, avatar, target, AIM, plan_out)
             begin_at(avatar, choose_leaving(avatar, first, plan_out), TRY_END, plan_out)
             resume(geo, skel, avatars, avatar, plan_out, ghost_out)
-            return SEARCHING
+            return True
     if not begin_cut(avatar, first, plan_out):
-        return NOTHING_LEFT
+        return False
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
-    return SEARCHING
+    return True
 
 
 @kernel
@@ -230,7 +240,9 @@ def extend(
     outcome, s.value[avatar], s.pace[avatar] = step_ghost(
         geo, skel, avatars, settings, avatar, pace, most_work, s.value[avatar], ghost_out
     )
-    if outcome != TRAPPED and not keep_step(skel, avatars, avatar, pace, plan_out, ghost_out):
+    if outcome != TRAPPED and not keep_step(
+        geo, skel, avatars, settings, avatar, pace, plan_out, ghost_out
+    ):
         outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
         end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
@@ -246,19 +258,25 @@ def extend(
 
 
 @kernel
-def keep_step(skel: Skeleton, avatars: Avatars, avatar: int, pace: float, plan_out: Plan, ghost_out: Ghost) -> bool:
-    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step; False without
-    room.
+def keep_step(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, pace: float, plan_out: Plan,
+    ghost_out: Ghost,
+) -> bool:
+    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step, or no straight
+    motion that is certified; False without room.
 
     Short steps in contact would else fill the trees with nodes that lie side by side."""
-    s = plan_out.searches
+    s, g = plan_out.searches, ghost_out
     s.edge[avatar] += pace
     if s.count[avatar] > s.begun[avatar] and s.edge[avatar] <= LONGEST:
-        put_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], plan_out)
-        return True
+        get_node(skel, avatars, avatar, plan_out.before[avatar, s.at[avatar]], plan_out, g.scratch.target)
+        # back to where the edge begins, which is the same
+        if is_in_sight(geo, skel, avatars, settings, 0, g.posture, g.poses, g.state, g.scratch):
+            put_node(skel, avatars, avatar, g.posture, s.at[avatar], plan_out)
+            return True
     phase = s.phase[avatar]
     tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
-    k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
+    k = add_node(skel, avatars, avatar, g.posture, s.at[avatar], tree, plan_out)
     if k == NONE:
         return False
     s.at[avatar], s.edge[avatar] = k, pace
@@ -293,4 +311,4 @@ def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
         trace_path(avatar, one, other, plan_out)
     else:
         trace_path(avatar, other, one, plan_out)
-    s.phase[avatar] = CUT
+    s.phase[avatar], s.meeting[avatar] = CUT, NONE

@@ -12,9 +12,6 @@ from avatarsim.planner.tree import AIM
 
 CUT, TRY_CUT, TRY_END = int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
-SHORTCUTS = 6
-"""Shortcuts that are tried before a path is followed. More: the avatar waits for longer than they spare."""
-
 SHORT = 1
 """Edges of a path, or of a part of one, that are not worth a shortcut; and how many ahead of the node that is followed are left
 alone, since the avatar goes on meanwhile."""

@@ -32,17 +32,13 @@ class Outcome(IntEnum):
     SEARCHING = 0
     """Its work is spent; it goes on in the next frame."""
     FOUND = 1
-    """There is a path, and it is worth following."""
+    """There is a path, and waiting has cost as much as it does."""
     FAILED = 2
     """Samples or nodes are used up."""
     NO_GOAL = 3
     """No posture near the target's is free and near enough."""
-    NOTHING_LEFT = 4
-    """No shortcut is left to try."""
-    STALE = 5
-    """The avatar is no longer where the search began."""
-    TOO_DEAR = 6
-    """The path costs more than waiting has cost so far."""
+    STALE = 4
+    """Where the search or its path ends is no goal any more: the target, or the avatar, has moved on."""
 
 
 class Phase(IntEnum):

@@ -10,7 +10,7 @@ from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
-from avatarsim.planner.follow_path import is_near
+from avatarsim.planner.follow_path import AT, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
@@ -21,7 +21,7 @@ from avatarsim.world.skeleton import Posture, Skeleton
 TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
 
 FOUND, FAILED, NO_GOAL = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-STALE, TOO_DEAR = int(Outcome.STALE), int(Outcome.TOO_DEAR)
+STALE = int(Outcome.STALE)
 
 LONGEST_REST = 4.0
 """[s] that an avatar rests at most between two searches in vain."""
@@ -104,7 +104,9 @@ def follow_on(
     catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
-    is_at_end = s.place[avatar] == s.length[avatar] - 1 and is_near(skel, avatars, avatar, 1.0, posture, state_out, scratch_out)
+    last = s.length[avatar] - 1
+    put_target(skel, avatars, avatar, last, plan_out, scratch_out)
+    is_at_end = s.place[avatar] == last and is_near(skel, avatars, avatar, AT, posture, state_out, scratch_out)
     if is_at_end:
         set_free(avatar, value, state_out)
     elif s.held[avatar] >= settings.stall_time:
@@ -170,7 +172,7 @@ def search_all(
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
-        if found == STALE or found == TOO_DEAR:
+        if found == STALE:
             begin_search(skel, avatars, avatar, posture, plan_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
 
