@@ -69,22 +69,24 @@ def look_ahead(
     place, last = p.place[avatar], p.length[avatar] - 1
     activate(m, m + 1, s)
     put_target(skel, avatars, avatar, place, plan_out, s)
-    farthest = place
+    farthest, next_ = place, place
     if dt > 0.0:
-        p.held[avatar] = 0.0 if state_out.tracking.has_arrived[avatar] > 0 else p.held[avatar] + dt
+        p.late[avatar] += dt
         if place < last and is_near(skel, avatars, avatar, AT, posture, state_out, s):
-            place, p.held[avatar] = place + 1, 0.0
-            farthest = place
-            put_target(skel, avatars, avatar, place, plan_out, s)
+            farthest = place + 1
+            put_target(skel, avatars, avatar, farthest, plan_out, s)
+        next_ = farthest
         while farthest < last and is_near(skel, avatars, avatar, AHEAD, posture, state_out, s):
             farthest += 1
             put_target(skel, avatars, avatar, farthest, plan_out, s)
     sees = is_in_sight(geo, skel, avatars, settings, m, posture, poses, state_out, s)
-    while not sees and farthest > place:
-        farthest = (place + farthest) // 2
+    while not sees and farthest > next_:
+        farthest = (next_ + farthest) // 2
         put_target(skel, avatars, avatar, farthest, plan_out, s)
         sees = is_in_sight(geo, skel, avatars, settings, m, posture, poses, state_out, s)
-    p.place[avatar] = farthest
+    if farthest > place:
+        tangent_error(skel, avatars, avatar, posture, s.target, s.step)
+        p.place[avatar], p.late[avatar] = farthest, -time_of(skel, avatars, settings, avatar, s.step)
     return sees
 
 
@@ -106,6 +108,16 @@ def go_straight(
         scale_step(avatars, avatar, 1.0 / frames, s.step)
         copy_posture(skel, avatars, avatar, posture, s.target)
         take_step(skel, avatars, avatar, s.step, s.target)
+
+
+@kernel
+def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
+    """Time [s] that the catch-up speeds take for a way (nd)."""
+    longest = 0.0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, way)
+        longest = max(longest, moved / settings.catch_up_move, turned / settings.catch_up_turn)
+    return longest
 
 
 @kernel

@@ -5,12 +5,13 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import carry_avatar, parts_of, tangent_error
+from avatarsim.ik.kinematics import carry_avatar, tangent_error
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FORWARDS, PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
+from avatarsim.planner.follow_path import time_of
 from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,
@@ -30,7 +31,7 @@ from avatarsim.planner.sight import is_in_sight
 from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Array, Geometry, Poses
+from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
@@ -52,7 +53,7 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
     s = plan_out.searches
     s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
     s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
-    s.place[avatar], s.held[avatar], s.cut_from[avatar], s.cut_to[avatar] = 0, 0.0, 0, 0
+    s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar] = 0, 0.0, 0, 0
     add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
 
 
@@ -145,16 +146,6 @@ def is_worth_it(
             return False
         before = there
     return True
-
-
-@kernel
-def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Time [s] that the catch-up speeds take for a way (nd)."""
-    longest = 0.0
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, way)
-        longest = max(longest, moved / settings.catch_up_move, turned / settings.catch_up_turn)
-    return longest
 
 
 @kernel

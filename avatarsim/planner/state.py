@@ -63,7 +63,7 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"),
+        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("late", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
         ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
@@ -101,8 +101,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """Nodes of the path."""
     place: Index
     """Place in the path of the node that is the target now."""
-    held: Array
-    """[s] for which the avatar has not come to the next node of the path."""
+    late: Array
+    """[s] by which the avatar is late at the node that it goes to: since it set out, less what the catch-up speeds take."""
     cuts: Index
     """Shortcuts tried."""
     cut_from: Index

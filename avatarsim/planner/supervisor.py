@@ -10,7 +10,7 @@ from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
-from avatarsim.planner.follow_path import AT, is_near, put_target
+from avatarsim.planner.follow_path import AT, is_near, put_target, time_of
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
@@ -109,7 +109,7 @@ def follow_on(
     is_at_end = s.place[avatar] == last and is_near(skel, avatars, avatar, AT, posture, state_out, scratch_out)
     if is_at_end:
         set_free(avatar, value, state_out)
-    elif s.held[avatar] >= settings.stall_time:
+    elif s.late[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
         begin_search(skel, avatars, avatar, posture, plan_out)
 
@@ -174,7 +174,21 @@ def search_all(
         plan_out.turn[0] = (avatar + 1) % count
         if found == STALE:
             begin_search(skel, avatars, avatar, posture, plan_out)
+        if found == FOUND:
+            set_out(skel, avatars, settings, avatar, posture, plan_out, scratch_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
+
+
+@kernel
+def set_out(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan,
+    scratch_out: IkScratch,
+) -> None:
+    """Go to where the path begins, from where the avatar is by now."""
+    s, way = plan_out.searches, scratch_out.objective.error
+    put_target(skel, avatars, avatar, 0, plan_out, scratch_out)
+    tangent_error(skel, avatars, avatar, posture, scratch_out.target, way)
+    s.place[avatar], s.late[avatar] = 0, -time_of(skel, avatars, settings, avatar, way)
 
 
 @kernel
@@ -183,7 +197,7 @@ def note_outcome(avatar: int, found: int, settings: PostureSettings, plan_out: P
     rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches
     if found == FOUND:
-        t.mode[avatar], s.place[avatar], s.held[avatar] = FOLLOW_PATH, 0, 0.0
+        t.mode[avatar] = FOLLOW_PATH
     elif found == NO_GOAL:
         t.mode[avatar], s.rest[avatar] = WAIT, settings.stall_time
     elif found == FAILED:
