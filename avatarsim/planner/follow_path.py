@@ -8,7 +8,7 @@ is not free.
 from math import inf
 
 from avatarsim.ik.broad_phase import sweep_boxes
-from avatarsim.ik.kinematics import parts_of, take_step, tangent_error
+from avatarsim.ik.kinematics import longest_part, parts_of, take_step, tangent_error
 from avatarsim.ik.objective import locate
 from avatarsim.ik.solve import activate
 from avatarsim.ik.sqp_step import copy_poses, scale_step
@@ -113,11 +113,7 @@ def go_straight(
 @kernel
 def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
     """Time [s] that the catch-up speeds take for a way (nd)."""
-    longest = 0.0
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, way)
-        longest = max(longest, moved / settings.catch_up_move, turned / settings.catch_up_turn)
-    return longest
+    return longest_part(skel, avatars, avatar, way, settings.catch_up_move, settings.catch_up_turn)
 
 
 @kernel

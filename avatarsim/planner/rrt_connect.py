@@ -5,7 +5,7 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import carry_avatar, tangent_error
+from avatarsim.ik.kinematics import carry_avatar, longest_part, tangent_error
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FORWARDS, PRODUCTS, Avatars
@@ -16,6 +16,7 @@ from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,
     REACHED,
+    STRIDE,
     TRAPPED,
     aim_ghost,
     notice_world,
@@ -53,7 +54,7 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
     s = plan_out.searches
     s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
     s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
-    s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar] = 0, 0.0, 0, 0
+    s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar], s.here[avatar] = 0, 0.0, 0, 0, 0
     add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
 
 
@@ -78,9 +79,9 @@ def search(
         if phase == GOAL:
             found = find_goal(geo, skel, avatars, settings, avatar, shown, target, value, plan_out, g)
         elif phase == SAMPLE:
-            found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
+            found = begin_extension(geo, skel, avatars, avatar, shown, plan_out, g)
         elif phase == CUT:
-            is_going_on = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
+            is_going_on = shorten(geo, skel, avatars, settings, avatar, shown, target, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
     return found
@@ -150,13 +151,15 @@ def is_worth_it(
 
 @kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, is_followed: bool,
-    plan_out: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
+    is_followed: bool, plan_out: Plan, ghost_out: Ghost,
 ) -> bool:
     """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the target as it is by now."""
     s = plan_out.searches
     if 2 * s.count[avatar] > NODES:
         keep_path(avatar, plan_out)
+    if not is_followed:
+        keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
     if s.cuts[avatar] % 2 == 0 and first < s.length[avatar] and s.count[avatar] < NODES:
@@ -171,6 +174,31 @@ def shorten(
         return False
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
     return True
+
+
+@kernel
+def keep_up(
+    skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
+) -> None:
+    """A node where the avatar is shown, once that is a stride away from the last: the way on which it has gone on meanwhile, each
+    step of it certified, is where its path begins."""
+    s, g, has_path = plan_out.searches, ghost_out, plan_out.searches.phase[avatar] == CUT
+    last = plan_out.path[avatar, 0] if has_path else s.here[avatar]
+    get_node(skel, avatars, avatar, last, plan_out, g.posture)
+    tangent_error(skel, avatars, avatar, g.posture, shown, g.scratch.objective.error)
+    stride = STRIDE * g.state.tracking.reach[avatar]
+    if longest_part(skel, avatars, avatar, g.scratch.objective.error, stride, STRIDE) <= 1.0:
+        return
+    k = add_node(skel, avatars, avatar, shown, last, 2 if has_path else 0, plan_out)
+    if k == NONE:
+        return
+    if not has_path:
+        s.here[avatar] = k
+        return
+    for i in range(s.length[avatar], 0, -1):
+        plan_out.path[avatar, i] = plan_out.path[avatar, i - 1]
+    plan_out.path[avatar, 0] = k
+    s.length[avatar] += 1
 
 
 @kernel
@@ -206,10 +234,11 @@ def find_goal(
 
 @kernel
 def begin_extension(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
 ) -> int:
     """Draw a sample, and go from the nearest node of the tree whose turn it is."""
     s = plan_out.searches
+    keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
     if s.samples[avatar] >= MOST_SAMPLES or s.count[avatar] >= NODES:
         return FAILED
     draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
@@ -299,7 +328,7 @@ def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
         return
     one, other = s.at[avatar], s.meeting[avatar]
     if s.tree[avatar] == 0:
-        trace_path(avatar, one, other, plan_out)
+        trace_path(avatar, s.here[avatar], one, other, plan_out)
     else:
-        trace_path(avatar, other, one, plan_out)
-    s.phase[avatar], s.meeting[avatar] = CUT, NONE
+        trace_path(avatar, s.here[avatar], other, one, plan_out)
+    s.phase[avatar], s.meeting[avatar], s.here[avatar] = CUT, NONE, NONE

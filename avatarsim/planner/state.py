@@ -63,7 +63,7 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("late", "f8"),
+        ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("late", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
         ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
@@ -91,6 +91,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """Nodes in use as the extension began."""
     meeting: Index
     """Node of the other tree that a connection goes to."""
+    here: Index
+    """Node of tree 0 near which the avatar is shown by now: while a path is searched it goes on tracking."""
     value: Array
     """[m^2] objective towards the end of the extension after its last step."""
     pace: Array
@@ -167,7 +169,7 @@ def plan_is_sound(plan: Plan) -> bool:
     last = np.maximum(used - 1, 0)
     if (plan.before >= numbers).any():
         return False
-    for at in (s["at"], s["meeting"]):
+    for at in (s["at"], s["meeting"], s["here"]):
         if (at > last).any():
             return False
     in_path = numbers < length[:, None]
