@@ -27,7 +27,7 @@ from avatarsim.planner.ghost import (
 )
 from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import SHORT, begin_at, begin_cut, choose_leaving, end_cut
+from avatarsim.planner.shortcut import SHORT, begin_at, begin_cut, choose_leaving, end_cut, spares_time
 from avatarsim.planner.sight import is_in_sight
 from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
@@ -265,7 +265,8 @@ def extend(
     ):
         outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
-        end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
+        is_good = outcome == REACHED and spares_time(skel, avatars, settings, avatar, plan_out, ghost_out)
+        end_cut(avatar, is_good, outcome != ADVANCED, plan_out)
         return
     if outcome == ADVANCED:
         return

@@ -5,10 +5,17 @@ A path is improved before it is followed, and what is ahead of the avatar also w
 where the target is by now, since targets move on while paths are searched and followed.
 """
 
+from avatarsim.ik.kinematics import tangent_error
+from avatarsim.ik.solve import ARRIVED
+from avatarsim.ik.state import Avatars
+from avatarsim.ik.target import largest
 from avatarsim.kernel import kernel
+from avatarsim.planner.follow_path import time_of
 from avatarsim.planner.sample import drawn
-from avatarsim.planner.state import NODES, NONE, Phase, Plan
-from avatarsim.planner.tree import AIM
+from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
+from avatarsim.planner.tree import AIM, get_node
+from avatarsim.settings import PostureSettings
+from avatarsim.world.skeleton import Skeleton
 
 CUT, TRY_CUT, TRY_END = int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
@@ -50,23 +57,60 @@ def begin_at(avatar: int, start: int, phase: int, plan_out: Plan) -> None:
 
 
 @kernel
-def end_cut(avatar: int, has_reached: bool, is_trapped: bool, plan_out: Plan) -> None:
-    """After a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or longer
-    than what it spares, or if the avatar has gone past where it leaves."""
+def end_cut(avatar: int, is_good: bool, is_over: bool, plan_out: Plan) -> None:
+    """After a step of a shortcut: if it has arrived, and is good, its nodes are put into the path; if it is over for another
+    reason, or the avatar has gone past where it leaves, it is dropped."""
     s, path = plan_out.searches, plan_out.path
     start, begun, to_end = s.cut_from[avatar], s.begun[avatar], s.phase[avatar] == TRY_END
     end = s.length[avatar] if to_end else s.cut_to[avatar]
     steps = s.count[avatar] - begun
-    is_late = start < s.place[avatar] or (not to_end and steps >= end - start)
-    if has_reached and not is_late:
+    is_late = start < s.place[avatar]
+    if is_good and not is_late:
         # what comes after it moves up; a new end may be farther than the old one
-        for k in range(end, s.length[avatar]):
-            path[avatar, start + 1 + steps + k - end] = path[avatar, k]
+        shift, length = start + 1 + steps - end, s.length[avatar]
+        for k in range(length - end):
+            j = end + k if shift <= 0 else length - 1 - k
+            path[avatar, j + shift] = path[avatar, j]
         for k in range(steps):
             path[avatar, start + 1 + k] = begun + k
-        s.length[avatar] += start + 1 + steps - end
+        s.length[avatar] += shift
         s.phase[avatar] = CUT
-    elif has_reached or is_trapped or is_late:
+    elif is_over or is_late:
         s.count[avatar], s.phase[avatar] = begun, CUT
     if s.phase[avatar] == CUT:
         s.at[avatar] = NONE
+
+
+@kernel
+def spares_time(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, plan: Plan, ghost_out: Ghost
+) -> bool:
+    """Whether a shortcut that has arrived takes less time than what it is to take the place of. One to where the target is by now
+    does where the path ends elsewhere."""
+    g, s, path, old, new = ghost_out, plan.searches, plan.path, 0.0, 0.0
+    start, to_end = s.cut_from[avatar], s.phase[avatar] == TRY_END
+    end = s.length[avatar] - 1 if to_end else s.cut_to[avatar]
+    if to_end:
+        time_between(skel, avatars, settings, avatar, path[avatar, end], AIM, plan, g)
+        if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) >= ARRIVED:
+            return True
+    for i in range(start, end):
+        old += time_between(skel, avatars, settings, avatar, path[avatar, i], path[avatar, i + 1], plan, g)
+    last = path[avatar, start]
+    for k in range(s.begun[avatar], s.count[avatar]):
+        new += time_between(skel, avatars, settings, avatar, last, k, plan, g)
+        last = k
+    new += time_between(skel, avatars, settings, avatar, last, AIM, plan, g)
+    return new < old
+
+
+@kernel
+def time_between(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, k: int, m: int, plan: Plan, ghost_out: Ghost
+) -> float:
+    """Time [s] that the catch-up speeds take from node k to node m. The ghost's posture and aim are these then."""
+    g = ghost_out
+    get_node(skel, avatars, avatar, k, plan, g.posture)
+    get_node(skel, avatars, avatar, m, plan, g.aim)
+    tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
+    return time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
