@@ -55,13 +55,14 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
     s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
     s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
     s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar], s.here[avatar] = 0, 0.0, 0, 0, 0
+    s.lasts[avatar] = 0.0
     add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
 
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture,
+    target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
@@ -69,7 +70,7 @@ def search(
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
     found, is_going_on = SEARCHING, True
     if s.phase[avatar] != GOAL and not is_followed:
-        found = buy(skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
+        found = buy(skel, avatars, settings, avatar, dt, tracker, target, shown, value, plan_out, g)
     if s.phase[avatar] == GOAL:
         aim_at_tracker(skel, avatars, avatar, tracker, g)
     elif s.at[avatar] >= 0:
@@ -89,19 +90,22 @@ def search(
 
 @kernel
 def buy(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture, shown: Posture,
-    value: float, plan: Plan, ghost_out: Ghost,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture, target: Posture,
+    shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """What there is before a slice: STALE if the goal, or where the path ends by now, is none for the target as it is; FOUND if
-    the path is paid. One that is not is kept, and improved."""
-    s, has_path = plan.searches, plan.searches.phase[avatar] >= CUT
-    end = plan.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
+    the path is paid, and the last slice has shortened it by less than the frame took. One that is not is kept."""
+    s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
+    end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
     aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
-    if not value_at(skel, avatars, avatar, end, target, plan, ghost_out) <= CLOSER * value:
+    if not value_at(skel, avatars, avatar, end, target, plan_out, ghost_out) <= CLOSER * value:
         return STALE
-    if has_path and is_worth_it(skel, avatars, settings, avatar, target, shown, value, plan, ghost_out):
-        return FOUND
-    return SEARCHING
+    if not has_path:
+        return SEARCHING
+    before = s.lasts[avatar]
+    s.lasts[avatar], price = cost_of(skel, avatars, settings, avatar, target, shown, value, plan_out, ghost_out)
+    is_short = before > 0.0 and before - s.lasts[avatar] < dt
+    return FOUND if is_short and price <= s.paid[avatar] else SEARCHING
 
 
 @kernel
@@ -126,27 +130,27 @@ def value_at(
 
 
 @kernel
-def is_worth_it(
+def cost_of(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float,
     plan: Plan, ghost_out: Ghost,
-) -> bool:
-    """Whether a path costs no more than waiting has cost already: the objective beyond the shown posture's, summed over the time
-    that the path takes, against the shown postures' summed over the time for which the avatar has been stalled.
+) -> tuple[float, float]:
+    """The time [s] that a path takes, and its price [m^2 s]: the objective beyond the shown posture's, summed over that time. It is
+    worth it once that is no more than waiting has cost: the shown postures', summed over the time for which the avatar has been
+    stalled.
 
     Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
     is begun has cost twice the waiting at most. The ghost's objective holds the link origins of the tracker."""
-    g, s, dearer, before = ghost_out, plan.searches, 0.0, value
+    g, total, price, before = ghost_out, 0.0, 0.0, value
     copy_posture(skel, avatars, avatar, shown, g.aim)
-    for i in range(s.length[avatar]):
+    for i in range(plan.searches.length[avatar]):
         there = value_at(skel, avatars, avatar, plan.path[avatar, i], target, plan, g)
         tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
         lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
         copy_posture(skel, avatars, avatar, g.posture, g.aim)
-        dearer += lasts * max(0.0, 0.5 * (before + there) - value)
-        if not dearer <= s.paid[avatar]:
-            return False
+        total += lasts
+        price += lasts * max(0.0, 0.5 * (before + there) - value)
         before = there
-    return True
+    return total, price
 
 
 @kernel

@@ -63,7 +63,8 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("late", "f8"),
+        ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("lasts", "f8"),
+        ("place", "i8"), ("late", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
         ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
@@ -101,6 +102,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[strides] how long the edge is that its steps are put into."""
     length: Index
     """Nodes of the path."""
+    lasts: Array
+    """[s] that the path took before the last slice; 0 until that is known."""
     place: Index
     """Place in the path of the node that is the target now."""
     late: Array
