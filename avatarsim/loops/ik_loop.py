@@ -141,8 +141,8 @@ class IkLoop:
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
-            "searches.count": count, "begun": count, "meeting": node, "here": node, "length": count, "place": (0, NODES - 1), "cuts": (0, MOST),
-            "cut_from": (0, NODES - 1),
+            "searches.count": count, "begun": count, "meeting": node, "here": (0, NODES - 1), "length": count,
+            "place": (0, NODES - 1), "cuts": (0, MOST), "cut_from": (0, NODES - 1),
             "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
             "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
         }

@@ -48,13 +48,15 @@ def aim_along_paths(
         # what moves meanwhile is certified against this avatar where it is shown
         copy_poses(geo, skel, avatars, avatar, poses, s.trial)
         sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
+        for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+            s.step[j] = 0.0
         if sees:
             go_straight(skel, avatars, avatar, posture, state_out.budget, s)
         t.is_legal[avatar], t.is_located[avatar] = 1, 0
         locate(skel, avatars, avatar, s.target, t, s.objective)
-        # the tracker's own motion does not lead along the path
+        # what the target moves by in this frame, in place of the tracker's own motion
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-            s.objective.own[j] = 0.0
+            s.objective.own[j] = s.step[j]
 
 
 @kernel

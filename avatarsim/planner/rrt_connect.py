@@ -336,4 +336,4 @@ def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
         trace_path(avatar, s.here[avatar], one, other, plan_out)
     else:
         trace_path(avatar, s.here[avatar], other, one, plan_out)
-    s.phase[avatar], s.meeting[avatar], s.here[avatar] = CUT, NONE, NONE
+    s.phase[avatar], s.meeting[avatar], s.here[avatar] = CUT, NONE, 0

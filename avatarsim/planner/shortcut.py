@@ -78,7 +78,7 @@ def end_cut(avatar: int, is_good: bool, is_over: bool, plan_out: Plan) -> None:
     elif is_over or is_late:
         s.count[avatar], s.phase[avatar] = begun, CUT
     if s.phase[avatar] == CUT:
-        s.at[avatar] = NONE
+        s.at[avatar], s.cut_from[avatar], s.cut_to[avatar] = NONE, 0, 0
 
 
 @kernel

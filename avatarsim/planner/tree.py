@@ -161,4 +161,4 @@ def keep_path(avatar: int, plan_out: Plan) -> None:
         path[avatar, i] = number[avatar, path[avatar, i]]
     for k in range(s.count[avatar]):
         number[avatar, k] = NONE
-    s.count[avatar] = count
+    s.count[avatar], s.begun[avatar] = count, count
