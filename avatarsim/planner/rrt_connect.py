@@ -27,7 +27,7 @@ from avatarsim.planner.ghost import (
 )
 from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
 from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import SHORT, begin_at, begin_cut, choose_leaving, end_cut, spares_time
+from avatarsim.planner.shortcut import SHORT, begin_cut, begin_end, end_cut, spares_time
 from avatarsim.planner.sight import is_in_sight
 from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
@@ -171,10 +171,10 @@ def shorten(
         put_ghost(geo, skel, avatars, avatar, ghost_out)
         if is_free(geo, skel, avatars, settings, ghost_out):
             put_node(skel, avatars, avatar, target, AIM, plan_out)
-            begin_at(avatar, choose_leaving(avatar, first, plan_out), TRY_END, plan_out)
+            begin_end(skel, avatars, settings, avatar, first, plan_out, ghost_out)
             resume(geo, skel, avatars, avatar, plan_out, ghost_out)
             return True
-    if not begin_cut(avatar, first, plan_out):
+    if not begin_cut(skel, avatars, settings, avatar, first, plan_out, ghost_out):
         return False
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
     return True
@@ -269,8 +269,11 @@ def extend(
     ):
         outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
-        is_good = outcome == REACHED and spares_time(skel, avatars, settings, avatar, plan_out, ghost_out)
-        end_cut(avatar, is_good, outcome != ADVANCED, plan_out)
+        is_shorter = outcome != TRAPPED and spares_time(skel, avatars, settings, avatar, plan_out, ghost_out)
+        end_cut(avatar, outcome == REACHED, not is_shorter, plan_out)
+        if s.phase[avatar] != CUT:
+            aim_ghost(skel, avatars, avatar, AIM, plan_out, ghost_out)
+            get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
         return
     if outcome == ADVANCED:
         return

@@ -25,7 +25,9 @@ alone, since the avatar goes on meanwhile."""
 
 
 @kernel
-def begin_cut(avatar: int, first: int, plan_out: Plan) -> bool:
+def begin_cut(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost
+) -> bool:
     """Choose two places of the path, from `first` on, between which a straight way is tried; False where there is nothing to
     gain."""
     s = plan_out.searches
@@ -39,13 +41,36 @@ def begin_cut(avatar: int, first: int, plan_out: Plan) -> bool:
     aim_at = plan_out.path[avatar, s.cut_to[avatar]]
     for i in range(plan_out.node.shape[2]):
         plan_out.node[avatar, AIM, i] = plan_out.node[avatar, aim_at, i]
+    spare(skel, avatars, settings, avatar, s.cut_to[avatar], plan_out, ghost_out)
     return True
 
 
 @kernel
-def choose_leaving(avatar: int, first: int, plan_out: Plan) -> int:
-    """A place of the path, from `first` on, from which it is left for the target."""
-    return int(first + int(drawn(avatar, plan_out) * (plan_out.searches.length[avatar] - first)))
+def begin_end(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost
+) -> None:
+    """Leave the path for the target as it is by now, node AIM: from its end, if that is elsewhere, else from a place of it, from
+    `first` on, for a shorter way."""
+    g, s = ghost_out, plan_out.searches
+    last = s.length[avatar] - 1
+    time_between(skel, avatars, settings, avatar, plan_out.path[avatar, last], AIM, plan_out, g)
+    far = largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
+    start = last if far >= ARRIVED else first + int(drawn(avatar, plan_out) * (last - first))
+    begin_at(avatar, start, TRY_END, plan_out)
+    spare(skel, avatars, settings, avatar, last, plan_out, g)
+
+
+@kernel
+def spare(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, end: int, plan_out: Plan, ghost_out: Ghost
+) -> None:
+    """Note how long the path takes from where the shortcut leaves it to place `end`."""
+    s, path = plan_out.searches, plan_out.path
+    s.spared[avatar] = 0.0
+    for i in range(s.cut_from[avatar], end):
+        s.spared[avatar] += time_between(
+            skel, avatars, settings, avatar, path[avatar, i], path[avatar, i + 1], plan_out, ghost_out
+        )
 
 
 @kernel
@@ -57,15 +82,15 @@ def begin_at(avatar: int, start: int, phase: int, plan_out: Plan) -> None:
 
 
 @kernel
-def end_cut(avatar: int, is_good: bool, is_over: bool, plan_out: Plan) -> None:
-    """After a step of a shortcut: if it has arrived, and is good, its nodes are put into the path; if it is over for another
-    reason, or the avatar has gone past where it leaves, it is dropped."""
+def end_cut(avatar: int, has_reached: bool, is_lost: bool, plan_out: Plan) -> None:
+    """After a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or takes
+    longer than what it spares, or if the avatar has gone past where it leaves."""
     s, path = plan_out.searches, plan_out.path
     start, begun, to_end = s.cut_from[avatar], s.begun[avatar], s.phase[avatar] == TRY_END
     end = s.length[avatar] if to_end else s.cut_to[avatar]
     steps = s.count[avatar] - begun
-    is_late = start < s.place[avatar]
-    if is_good and not is_late:
+    is_lost = is_lost or start < s.place[avatar]
+    if has_reached and not is_lost:
         # what comes after it moves up; a new end may be farther than the old one
         shift, length = start + 1 + steps - end, s.length[avatar]
         for k in range(length - end):
@@ -75,7 +100,7 @@ def end_cut(avatar: int, is_good: bool, is_over: bool, plan_out: Plan) -> None:
             path[avatar, start + 1 + k] = begun + k
         s.length[avatar] += shift
         s.phase[avatar] = CUT
-    elif is_over or is_late:
+    elif is_lost:
         s.count[avatar], s.phase[avatar] = begun, CUT
     if s.phase[avatar] == CUT:
         s.at[avatar], s.cut_from[avatar], s.cut_to[avatar] = NONE, 0, 0
@@ -85,23 +110,16 @@ def end_cut(avatar: int, is_good: bool, is_over: bool, plan_out: Plan) -> None:
 def spares_time(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, plan: Plan, ghost_out: Ghost
 ) -> bool:
-    """Whether a shortcut that has arrived takes less time than what it is to take the place of. One to where the target is by now
-    does where the path ends elsewhere."""
-    g, s, path, old, new = ghost_out, plan.searches, plan.path, 0.0, 0.0
-    start, to_end = s.cut_from[avatar], s.phase[avatar] == TRY_END
-    end = s.length[avatar] - 1 if to_end else s.cut_to[avatar]
-    if to_end:
-        time_between(skel, avatars, settings, avatar, path[avatar, end], AIM, plan, g)
-        if largest(g.scratch.objective.error, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) >= ARRIVED:
-            return True
-    for i in range(start, end):
-        old += time_between(skel, avatars, settings, avatar, path[avatar, i], path[avatar, i + 1], plan, g)
-    last = path[avatar, start]
+    """Whether a shortcut, and a straight way from where it has come to on to where it goes, takes less time than what it is to
+    take the place of. From the end of the path there is no other way."""
+    s, total, last = plan.searches, 0.0, plan.path[avatar, plan.searches.cut_from[avatar]]
+    if s.cut_from[avatar] == s.length[avatar] - 1:
+        return True
     for k in range(s.begun[avatar], s.count[avatar]):
-        new += time_between(skel, avatars, settings, avatar, last, k, plan, g)
+        total += time_between(skel, avatars, settings, avatar, last, k, plan, ghost_out)
         last = k
-    new += time_between(skel, avatars, settings, avatar, last, AIM, plan, g)
-    return new < old
+    total += time_between(skel, avatars, settings, avatar, last, AIM, plan, ghost_out)
+    return total < s.spared[avatar]
 
 
 @kernel

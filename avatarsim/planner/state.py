@@ -66,7 +66,7 @@ SEARCH = np.dtype(
         ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("lasts", "f8"),
         ("place", "i8"), ("late", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
-        ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
+        ("cut_to", "i8"), ("spared", "f8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
     align=True,
 )
@@ -114,6 +114,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """Place in the path from which a shortcut is tried."""
     cut_to: Index
     """Place in the path to which it is tried."""
+    spared: Array
+    """[s] that the path takes between these two."""
     rest: Array
     """[s] until a waiting avatar searches again."""
     pause: Array
