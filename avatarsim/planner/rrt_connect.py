@@ -98,14 +98,15 @@ def buy(
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
     aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
-    if not value_at(skel, avatars, avatar, end, target, plan_out, ghost_out) <= CLOSER * value:
+    there = value_at(skel, avatars, avatar, end, target, plan_out, ghost_out)
+    if not there < value:
         return STALE
     if not has_path:
         return SEARCHING
     before = s.lasts[avatar]
     s.lasts[avatar], price = cost_of(skel, avatars, settings, avatar, target, shown, value, plan_out, ghost_out)
     is_short = before > 0.0 and before - s.lasts[avatar] < dt
-    return FOUND if is_short and price <= s.paid[avatar] else SEARCHING
+    return FOUND if there <= CLOSER * value and is_short and price <= s.paid[avatar] else SEARCHING
 
 
 @kernel
