@@ -5,10 +5,9 @@ factor, as far as the frame's budget lets them, so that what is shown is a part 
 is not free.
 """
 
-from math import inf
-
 from avatarsim.ik.broad_phase import sweep_boxes
-from avatarsim.ik.kinematics import longest_part, parts_of, take_step, tangent_error
+from avatarsim.ik.kinematics import take_step, tangent_error
+from avatarsim.ik.motion_budget import budgets_of, time_of
 from avatarsim.ik.objective import locate
 from avatarsim.ik.solve import activate
 from avatarsim.ik.sqp_step import copy_poses, scale_step
@@ -20,7 +19,7 @@ from avatarsim.planner.state import Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
-from avatarsim.world.geometry import Array, Geometry, Poses
+from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 FOLLOW_PATH = int(Mode.FOLLOW_PATH)
@@ -110,25 +109,6 @@ def go_straight(
         scale_step(avatars, avatar, 1.0 / frames, s.step)
         copy_posture(skel, avatars, avatar, posture, s.target)
         take_step(skel, avatars, avatar, s.step, s.target)
-
-
-@kernel
-def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Time [s] that the catch-up speeds take for a way (nd)."""
-    return longest_part(skel, avatars, avatar, way, settings.catch_up_move, settings.catch_up_turn)
-
-
-@kernel
-def budgets_of(skel: Skeleton, avatars: Avatars, avatar: int, way: Array, budget: Budget) -> float:
-    """How many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
-    most = 0.0
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, way)
-        if moved > 0.0:
-            most = max(most, moved / budget.move[link] if budget.move[link] > 0.0 else inf)
-        if turned > 0.0:
-            most = max(most, turned / budget.turn[link] if budget.turn[link] > 0.0 else inf)
-    return most
 
 
 @kernel

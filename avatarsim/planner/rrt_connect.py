@@ -5,13 +5,11 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import carry_avatar, longest_part, tangent_error
-from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.kinematics import longest_part, tangent_error
 from avatarsim.ik.sqp_step import work_done
-from avatarsim.ik.state import FORWARDS, PRODUCTS, Avatars
+from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
 from avatarsim.kernel import kernel
-from avatarsim.planner.follow_path import time_of
 from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,
@@ -25,11 +23,12 @@ from avatarsim.planner.ghost import (
     step_ghost,
     value_to_aim,
 )
-from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
+from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_candidate
+from avatarsim.planner.rent_or_buy import aim_at_tracker, buy
 from avatarsim.planner.sample import draw_sample
 from avatarsim.planner.shortcut import SHORT, begin_cut, begin_end, end_cut, spares_time
 from avatarsim.planner.sight import is_in_sight
-from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
+from avatarsim.planner.state import GOAL_NODE, NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
@@ -38,14 +37,10 @@ from avatarsim.world.skeleton import Posture, Skeleton
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
 CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
-GOAL_NODE = 1
-"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
-
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
 SEARCHING, FOUND, FAILED, NO_GOAL = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-STALE = int(Outcome.STALE)
 
 
 @kernel
@@ -62,7 +57,8 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 @kernel
 def search(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture,
-    target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
+    target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan,
+    ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
@@ -86,72 +82,6 @@ def search(
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
     return found
-
-
-@kernel
-def buy(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture, target: Posture,
-    shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
-) -> int:
-    """What there is before a slice: STALE if the goal, or where the path ends by now, is none for the target as it is; FOUND if
-    the path is paid, and the last slice has shortened it by less than the frame took. One that is not is kept."""
-    s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
-    end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
-    aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
-    there = value_at(skel, avatars, avatar, end, target, plan_out, ghost_out)
-    if not there < value:
-        return STALE
-    if not has_path:
-        return SEARCHING
-    before = s.lasts[avatar]
-    s.lasts[avatar], price = cost_of(skel, avatars, settings, avatar, target, shown, value, plan_out, ghost_out)
-    is_short = before > 0.0 and before - s.lasts[avatar] < dt
-    return FOUND if there <= CLOSER * value and is_short and price <= s.paid[avatar] else SEARCHING
-
-
-@kernel
-def aim_at_tracker(skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
-    """Link origins of the tracker."""
-    ghost_out.state.tracking.is_located[avatar] = 0
-    locate(skel, avatars, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
-
-
-@kernel
-def value_at(
-    skel: Skeleton, avatars: Avatars, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost
-) -> float:
-    """Objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
-    g = ghost_out
-    get_node(skel, avatars, avatar, k, plan, g.posture)
-    carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
-    g.scratch.counts[FORWARDS] += 1
-    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
-    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
-    return there
-
-
-@kernel
-def cost_of(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float,
-    plan: Plan, ghost_out: Ghost,
-) -> tuple[float, float]:
-    """The time [s] that a path takes, and its price [m^2 s]: the objective beyond the shown posture's, summed over that time. It is
-    worth it once that is no more than waiting has cost: the shown postures', summed over the time for which the avatar has been
-    stalled.
-
-    Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
-    is begun has cost twice the waiting at most. The ghost's objective holds the link origins of the tracker."""
-    g, total, price, before = ghost_out, 0.0, 0.0, value
-    copy_posture(skel, avatars, avatar, shown, g.aim)
-    for i in range(plan.searches.length[avatar]):
-        there = value_at(skel, avatars, avatar, plan.path[avatar, i], target, plan, g)
-        tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
-        lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
-        copy_posture(skel, avatars, avatar, g.posture, g.aim)
-        total += lasts
-        price += lasts * max(0.0, 0.5 * (before + there) - value)
-        before = there
-    return total, price
 
 
 @kernel

@@ -6,11 +6,11 @@ where the target is by now, since targets move on while paths are searched and f
 """
 
 from avatarsim.ik.kinematics import tangent_error
+from avatarsim.ik.motion_budget import time_of
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.state import Avatars
 from avatarsim.ik.target import largest
 from avatarsim.kernel import kernel
-from avatarsim.planner.follow_path import time_of
 from avatarsim.planner.sample import drawn
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, get_node

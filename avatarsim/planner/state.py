@@ -25,6 +25,9 @@ Half of them: searches in rooms with a door end for want of nodes."""
 
 NONE = -1
 
+GOAL_NODE = 1
+"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
+
 
 class Outcome(IntEnum):
     """What a slice of a search came to."""

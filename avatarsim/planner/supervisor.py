@@ -4,13 +4,13 @@ Each avatar for itself. While it plans it goes on tracking, so a search costs it
 """
 
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.motion_budget import AT_REST
+from avatarsim.ik.motion_budget import AT_REST, time_of
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.kernel import kernel
-from avatarsim.planner.follow_path import AT, is_near, put_target, time_of
+from avatarsim.planner.follow_path import AT, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
