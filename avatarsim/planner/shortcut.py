@@ -119,7 +119,7 @@ def spares_time(
         total += time_between(skel, avatars, settings, avatar, last, k, plan, ghost_out)
         last = k
     total += time_between(skel, avatars, settings, avatar, last, AIM, plan, ghost_out)
-    return total < s.spared[avatar]
+    return bool(total < s.spared[avatar])
 
 
 @kernel
