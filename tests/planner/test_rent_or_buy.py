@@ -123,6 +123,22 @@ def test_a_path_that_is_too_dear_is_kept_and_shortened_until_it_is_paid() -> Non
     assert planner.slice(target) == Outcome.FOUND
 
 
+def test_a_path_begins_where_the_avatar_has_gone_on_tracking_meanwhile() -> None:
+    scene, _ = behind_the_wall(walker())
+    planner = planner_of(moved_to_the_wall(scene))
+    skel, s, shown = planner.world.skeleton, planner.plan.searches, planner.world.posture
+    target, first = displaced(shown, np.array([0.85, 0.0, 0.0])), displaced(shown, np.zeros(3))
+    for _ in range(40):
+        shown.root[0] += (0.0, -0.02, 0.0)
+        planner.slice(target)
+    assert s.phase[0] >= Phase.CUT and plan_is_sound(planner.plan)
+    places = []
+    for k in range(s.length[0]):
+        get_node(skel, planner.avatars, 0, planner.plan.path[0, k], planner.plan, first)
+        places.append(first.root[0].copy())
+    assert np.linalg.norm(places[0] - shown.root[0]) < 0.1 and np.linalg.norm(places[-1] - target.root[0]) < 0.1
+
+
 def test_a_path_whose_end_is_no_nearer_than_the_avatar_is_dropped_and_one_to_near_by_is_led_on() -> None:
     scene, _ = behind_the_wall(walker())
     planner = planner_of(moved_to_the_wall(scene))

@@ -83,9 +83,10 @@ def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) 
     assert [one.state_hash() for one in run.go(target, SECONDS)] == [one.state_hash() for one in other.go(target, SECONDS)]
 
 
-def test_a_snapshot_is_sound_in_every_frame_until_the_target_is_reached() -> None:
+@pytest.mark.parametrize("seed", range(3))
+def test_a_snapshot_is_sound_in_every_frame_until_the_target_is_reached(seed: int) -> None:
     scene, target = behind_the_wall(walker())
-    run, other = Run(scene), Run(scene)
+    run, other = Run(scene, seed), Run(scene)
     while run.far(target) > 1e-3:
         run.go(target, 1)
         other.engine.restore(run.engine.snapshot())
