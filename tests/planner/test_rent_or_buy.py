@@ -136,7 +136,7 @@ def test_a_path_begins_where_the_avatar_has_gone_on_tracking_meanwhile() -> None
     for k in range(s.length[0]):
         get_node(skel, planner.avatars, 0, planner.plan.path[0, k], planner.plan, first)
         places.append(first.root[0].copy())
-    assert np.linalg.norm(places[0] - shown.root[0]) < 0.1 and np.linalg.norm(places[-1] - target.root[0]) < 0.1
+    assert np.linalg.norm(places[0] - shown.root[0]) < 0.15 and np.linalg.norm(places[-1] - target.root[0]) < 0.1
 
 
 def test_a_path_whose_end_is_no_nearer_than_the_avatar_is_dropped_and_one_to_near_by_is_led_on() -> None:
