@@ -1,8 +1,8 @@
-"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between (Geraerts,
-Overmars 2007).
+"""Random shortcuts: certified steps straight between two places of a path take the place of what lies between, if they take less
+time (Geraerts and Overmars 2007).
 
-A path is improved before it is followed, and what is ahead of the avatar also while it is: there every other shortcut goes to
-where the target is by now, since targets move on while paths are searched and followed.
+A path is shortened from when it is found, and what is ahead of the avatar also while it is followed. Every other shortcut goes to
+where the target is by now, since targets move on while paths are searched, paid and followed.
 """
 
 from avatarsim.ik.kinematics import tangent_error
