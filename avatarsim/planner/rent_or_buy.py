@@ -24,12 +24,11 @@ SEARCHING, FOUND, STALE = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcom
 
 @kernel
 def buy(
-    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture, target: Posture,
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """What there is before a slice. STALE if the goal, or where the path ends by now, is no nearer to the target as it is than
-    the avatar; FOUND if the path ends at a goal, is paid, and was shortened by less than a frame in the last one. Else it is
-    kept, and shortened on."""
+    the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept, and shortened on."""
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
     aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
@@ -40,8 +39,7 @@ def buy(
         return SEARCHING
     before = s.lasts[avatar]
     s.lasts[avatar], price = cost_of(skel, avatars, settings, avatar, target, shown, value, plan_out, ghost_out)
-    is_short = before > 0.0 and before - s.lasts[avatar] < dt
-    return FOUND if is_short and there <= CLOSER * value and price <= s.paid[avatar] else SEARCHING
+    return FOUND if before > 0.0 and there <= CLOSER * value and price <= s.paid[avatar] else SEARCHING
 
 
 @kernel

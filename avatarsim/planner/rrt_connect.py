@@ -56,7 +56,7 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, tracker: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture,
     target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan,
     ghost_out: Ghost,
 ) -> int:
@@ -66,7 +66,7 @@ def search(
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
     found, is_going_on = SEARCHING, True
     if s.phase[avatar] != GOAL and not is_followed:
-        found = buy(skel, avatars, settings, avatar, dt, tracker, target, shown, value, plan_out, g)
+        found = buy(skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
     if s.phase[avatar] == GOAL:
         aim_at_tracker(skel, avatars, avatar, tracker, g)
     elif s.at[avatar] >= 0:

@@ -54,7 +54,7 @@ def supervise(
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
         if t.mode[avatar] == FOLLOW_PATH:
             follow_on(skel, avatars, settings, avatar, value, posture, plan_out, state_out, scratch_out)
-    search_all(geo, skel, avatars, settings, tracker, dt, posture, poses, plan_out, ghost_out, state_out, scratch_out)
+    search_all(geo, skel, avatars, settings, tracker, posture, poses, plan_out, ghost_out, state_out, scratch_out)
     for avatar in range(avatars.first_link.shape[0] - 1):
         counts[WAITING] += 1 if t.mode[avatar] == WAIT else 0
         counts[PLANNING] += 1 if t.mode[avatar] == PLAN else 0
@@ -143,7 +143,7 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture,
     poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
@@ -164,7 +164,7 @@ def search_all(
         tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
         value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
         found = search(
-            geo, skel, avatars, settings, avatar, dt, tracker, state_out.before, posture, poses, value, is_followed, slice_,
+            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_,
             plan_out, ghost_out,
         )
         spent = work_done(ghost_out.scratch)

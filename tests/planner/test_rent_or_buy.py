@@ -20,7 +20,7 @@ from avatarsim.scene.tracker import rest
 from avatarsim.settings import PostureSettings
 from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import World, build
-from tests.planner.scenes import DT, Run, behind_the_wall, block, moved, walker
+from tests.planner.scenes import Run, behind_the_wall, block, moved, walker
 from tests.worlds.little_worlds import at
 
 SETTINGS = PostureSettings()
@@ -49,7 +49,7 @@ class Planner(NamedTuple):
         w, value = self.world, self.value(self.world.posture, target)
         return Outcome(
             search(
-                w.geometry, w.skeleton, self.avatars, SETTINGS, 0, DT, target, target, w.posture, w.poses, value, False, work,
+                w.geometry, w.skeleton, self.avatars, SETTINGS, 0, target, target, w.posture, w.poses, value, False, work,
                 self.plan, self.ghost,
             )
         )
@@ -99,12 +99,12 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
 
     def bought(share: float, before: float) -> Outcome:
         s.paid[0], s.lasts[0] = share * cost, before
-        return Outcome(buy(skel, avatars, SETTINGS, 0, DT, target, target, shown, values[0], plan, ghost))
+        return Outcome(buy(skel, avatars, SETTINGS, 0, target, target, shown, values[0], plan, ghost))
 
     for share, found in ((0.0, Outcome.SEARCHING), (0.999, Outcome.SEARCHING), (1.001, Outcome.FOUND), (9.0, Outcome.FOUND)):
         assert bought(share, sum(times)) == found and s.lasts[0] == pytest.approx(sum(times))
-    # not while a frame spares more than a frame, nor before one has tried
-    assert bought(9.0, sum(times) + 1.01 * DT) == bought(9.0, 0.0) == Outcome.SEARCHING
+    # not before a frame of shortcuts
+    assert bought(9.0, 0.0) == Outcome.SEARCHING
 
 
 def test_a_path_that_is_too_dear_is_kept_and_shortened_until_it_is_paid() -> None:
