@@ -28,7 +28,8 @@ def buy(
     shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
     """What there is before a slice. STALE if the goal, or where the path ends by now, is no nearer to the target as it is than
-    the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept, and shortened on."""
+    the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept,
+    and shortened on."""
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
     aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
