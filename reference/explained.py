@@ -1,10 +1,9 @@
 """Why is a figure of another engine larger than 100 mm or 90 degrees: is it the engine, our adapter, or what the scene asks?
 
 Data: rules by scene, run and metric, of which the first that fits holds. Each sentence says what was looked at: recordings link
-by
-link, or the same scene at another setting or with parts taken away. A figure without a rule is printed as not yet explained.
-Scenes
-`unseen_*` change with every commit: their rules are by run and metric, and name what was varied.
+by link, or the same scene at another setting or with parts taken away. A figure without a rule is printed as not yet explained.
+Scenes `unseen_*` change with every commit: their rules are by run and metric, and name what was varied. No sentence has a figure
+of theirs, which on the page of another run would be of other motions.
 """
 
 from collections.abc import Sequence
@@ -34,6 +33,8 @@ class Explanation:
 
     cause: Cause
     sentence: str
+    brief: str = ""
+    """The cause in a few words, for where a figure stands in another sentence."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,8 @@ def _engine(sentence: str) -> Explanation:
     return Explanation(Cause.ENGINE, sentence)
 
 
-def _adapter(sentence: str) -> Explanation:
-    return Explanation(Cause.ADAPTER, sentence)
+def _adapter(sentence: str, brief: str = "") -> Explanation:
+    return Explanation(Cause.ADAPTER, sentence, brief)
 
 
 def _setting(sentence: str) -> Explanation:
@@ -161,23 +162,20 @@ _CONTACTS = (
 
 _LAG_MUJOCO = _engine(
     "a weld of the default time constant of 20 ms follows a steady motion 38 ms behind (2 T d), limbs move at several m/s, and "
-    "the offset is 42 ms of its target's speed. Without bodies and self-contact it is nearly as large, unseen_door 89 of 104 "
-    "mm; aimed ahead by that lag, as tuned, 45."
+    "the offset is 42 ms of its target's speed. Without bodies and self-contact it is nearly as large; aimed ahead by that "
+    "lag, as tuned, less than half."
 )
 _LAG_PYBULLET = _engine(
     "a default ball motor corrects a fiftieth of its error per step and has no target velocity, so that limbs trail a steady "
-    "turn by 50 steps, 0.2 s. Without bodies and self-contact it stays (mocap_run 122 of 121 mm, unseen_floor 166 of 176, "
-    "unseen_gallery 160 of 204, unseen_door 152 of 186); with the tracker's velocity and ball_gain 0.5 (pybullet/follows) it is "
-    "8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup, 6.6 in unseen_floor, 30 in "
-    "unseen_gallery. What trails is caught besides: in unseen_wall 166 mm alone, 363 with the wall, at which even the root is "
-    "0.33 m off."
+    "turn by 50 steps, 0.2 s. Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity "
+    "and ball_gain 0.5 (pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in "
+    "mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
 )
 _STOPS_PYBULLET = _engine(
     "spherical joints have no limits; a motor torque stands in for them (limit_force), and after a contact it holds a limb at "
     "the other end of its range while its user is free again. It is few frames: in mocap_run 3 of 9 free ones, in "
-    "mocap_getup_facedown 2 of 212; in unseen_floor half of the free frames are within 6 mm. Without that torque it is worse: "
-    "mocap_run 299 mm instead of 110, mocap_getup_facedown 688 instead of 194, unseen_door 199 instead of 121, unseen_floor 206 "
-    "instead of 134."
+    "mocap_getup_facedown 2 of 212. Without that torque it is worse: mocap_run 299 mm instead of 110, mocap_getup_facedown "
+    "688 instead of 194."
 )
 _SERVOS = _setting(
     "a servo has the torque that our setting gives it, 100 N m, and aims ahead by its lag in steady motion only: mocap_run is "
@@ -192,30 +190,30 @@ _FOLLOWING = (
     _offset("mocap_* unseen_*", "mujoco/default", _LAG_MUJOCO),
     _offset("unseen_door unseen_gallery", "mujoco/tuned mujoco/hinges", Explanation(
         Cause.SCENE, "its user walks through the wall beside the door; a body that goes through nothing stays on its side of the "
-                     "wall until the user is back, ours too: in one run both are 1.28 m off."
+                     "wall until the user is back, ours too."
     )),
     _offset("mocap_* unseen_*", "mujoco/servos", _SERVOS),
     _offset("mocap_* unseen_* chain_order", "pybullet/default", _LAG_PYBULLET),
     _offset("mocap_* unseen_*", "pybullet/tuned", _STOPS_PYBULLET),
     _offset("unseen_*", "pybullet/follows", _engine(
         "joints have no limits, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
-        "there: in unseen_door 166 mm, in unseen_wall 734, where the root is 0.5 m off too; where nothing catches it, it is the "
-        "nearest of all (2.5 mm in unseen_corridor, 6.6 in unseen_floor)."
+        "there, at times with the root; where nothing catches it, it is the nearest of all to its user."
     )),
     _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _engine(
         "the root's constraint may use 100 kN and the motors 100 kN m, and so they pull the body into what it meets: deepest "
-        "contact at the end of a frame 130 mm in unseen_corridor, with root_force 2000 N 20; unseen_gallery 88 and 20, "
-        "unseen_wall 99 and 21, mocap_crawl 91 and 3.7, mocap_getup_facedown 101 and 4.8."
+        "contact at the end of a frame mocap_crawl 91 mm, with root_force 2000 N 3.7; mocap_getup_facedown 101 and 4.8; in "
+        "rooms of drawn motions a fifth."
     )),
     _depth("mocap_* unseen_*", "mujoco/default", _engine(
-        "welds of 20 ms pull the body after its user, and a default contact is a spring of 20 ms that gives way to them: in one "
-        "run 138 mm in unseen_door and 102 in unseen_gallery, where tuned, whose contacts act within a step, has 0 and 9."
+        "welds of 20 ms pull the body after its user, and a default contact is a spring of 20 ms that gives way to them; "
+        "tuned, whose contacts act within a step, hardly does."
     )),
 )
 
 _HINGES = (
     "Three hinges with ranges in its place limit it, with offsets alike: row mujoco/hinges of the same scene."
 )
+_UNLIMITED = "adapter: twist unlimited"
 _LIMITS = (
     _excess("limit_torture*", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the user asks for postures beyond every limit all the time; defaults follow the user there, as their ball "
@@ -235,20 +233,20 @@ _LIMITS = (
     _excess("*", "mujoco/default", _adapter(
         "our adapter makes MuJoCo ball joints, whose range limits the total turn, so that default joints have neither swing cone "
         "nor twist limit; contacts turn limbs about their axes. With swing limits as tendons and targets clamped it is alike "
-        f"(mocap_spin 149 instead of 146 degrees, all of it twist). {_HINGES}"
+        f"(mocap_spin 149 instead of 146 degrees, all of it twist). {_HINGES}", _UNLIMITED
     )),
     _excess("*", "mujoco/servos", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn. "
-        f"{_HINGES}"
+        f"{_HINGES}", _UNLIMITED
     )),
     _excess("unseen_*", "mujoco/hinges", _adapter(
-        "our adapter makes three hinges of each ball joint, and these are within 5 degrees of their ranges (unseen_corridor): "
+        "our adapter makes three hinges of each ball joint, and these are within some degrees of their ranges: "
         "what is beyond is the difference of their angles from swing and twist, which the scene limits and the judge measures."
     )),
     _excess("*", "mujoco/tuned mujoco/sleeping", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn; swing, "
         "which tendons limit, is 2.4 degrees beyond at most (mocap_crawl 100 degrees of twist, 0.5 of swing; mocap_spin 120 and "
-        f"0.2). {_HINGES}"
+        f"0.2). {_HINGES}", _UNLIMITED
     )),
     _excess("*", "pybullet/*", _engine(
         "spherical joints have no limits, and a root constraint of 100 kN against motors of 100 kN m twists what is caught: "

@@ -76,12 +76,12 @@ def _texts(
     laid_out = layout(results, judged)
     yield SUMMARY, summary(results, judged, extras.two, extras.close, damage)
     yield JUNIT, junit(judged)
-    courses, pictures = {}, {}
+    courses, pictures, instants = {}, {}, {}
     for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):
-        courses[made.scene], pictures[made.scene] = made.charts, made.picture
+        courses[made.scene], pictures[made.scene], instants[made.scene] = made.charts, made.picture, made.instants
         damage += [f"{made.scene}: {said}" for said in made.damage]
         yield path_of(made.scene), made.text
-    yield PAGE, page(results, judged, extras, courses, laid_out, pictures, damage)
+    yield PAGE, page(results, judged, extras, courses, laid_out, pictures, damage, instants)
 
 
 def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:

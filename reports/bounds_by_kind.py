@@ -32,6 +32,16 @@ class Kind:
         return len({row.scenario for row in self.rows})
 
     @property
+    def above(self) -> int:
+        """In how many of them the figure is above the bound, within a ceiling or not."""
+        return len({row.scenario for row in self.rows if _share(row) > 1.0})
+
+    @property
+    def held_said(self) -> str:
+        """"all", or in how many scenes the bound holds."""
+        return "all" if not self.above else f"{self.scenes - self.above:,}"
+
+    @property
     def bound(self) -> str:
         """"1 µm", or from the tightest to the widest."""
         found, unit = [row.bound for row in self.rows if row.bound is not None], self.rows[0].unit
@@ -82,7 +92,8 @@ def promised(found: Sequence[Kind]) -> str:
     """What is promised everywhere, in numbers; "" where nothing of it was measured."""
     said = []
     for one in (kind for kind in found if kind.metric in PROMISED):
-        text = f"{words(one.metric)} {one.bound} at most, in {count(one.scenes, 'scene')}"
+        kept = count(one.scenes, "scene") if not one.above else f"{one.held_said} of {count(one.scenes, 'scene')}"
+        text = f"{words(one.metric)} {one.bound} at most, in {kept}"
         if one.largest.value:
             text += f", largest {quantity(one.largest.value, one.largest.unit)}, nearest to its bound {one.nearest_said}"
         said.append(text if one.largest.value else f"{text}, 0 in all")

@@ -11,7 +11,9 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from reports.asleep import asleep, sleepers
 from reports.columns import worst
 from reports.conclusions import (
     FRAME_60_HZ,
@@ -26,6 +28,7 @@ from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, over_time, overlap_axis, s
 from reports.palette import Stroke
 from reports.picture import pictures
 from reports.wording import MISSING, listed, quantity
+from scenarios.like_for_like import with_avatar
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
 # so that no spike is lost.
@@ -43,7 +46,7 @@ class Panel:
 
     @property
     def svg(self) -> str:
-        """The picture; whoever asks waits until it is drawn."""
+        """The picture, once it is drawn."""
         return self.drawn if isinstance(self.drawn, str) else self.drawn.result()
 
 
@@ -56,7 +59,11 @@ def peaks(values: Array, most: int = MOST_POINTS) -> tuple[Array, Array, Array]:
     length, longer = divmod(values.size, groups)
     sizes = np.full(groups, length)
     sizes[:longer] += 1
-    starts = np.cumsum(sizes) - sizes
+    return of_groups(values, np.cumsum(sizes) - sizes)
+
+
+def of_groups(values: Array, starts: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """The same of the groups that begin at these places."""
     sound = np.isfinite(values)
     largest = np.maximum.reduceat(np.where(sound, values, -math.inf), starts)
     return starts.astype(np.float64), largest, np.add.reduceat(~sound, starts, dtype=np.float64).clip(max=1.0)
@@ -131,7 +138,7 @@ def time_percentiles(results: Results) -> dict[str, dict[str, Percentiles]]:
 
 def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence[str]) -> list[Panel]:
     """Percentiles of frame times per engine, one panel per scene in which frames were timed."""
-    found = time_percentiles(results)
+    found, avatars, sleeping = time_percentiles(results), with_avatar(results.rows), sleepers(results)
     times = [value for runs in found.values() for three in runs.values() for value in three]
     times += [float(v) for runs in results.series.values() for s in runs.values() for v in s.frame_time]
     scale, axis, low, _ = time_axis(times)
@@ -146,10 +153,17 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             spec = copy.deepcopy(spread) | {"datasets": _datasets(spread) | {"spans": rows}, "height": 20 * len(rows)}
             said = "; ".join(f"{run}: {', '.join(map(_text, three))}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
-            said = time_sentence(runs) + _raw(results, scene, runs)
+            said = time_sentence(runs, _aside(scene in avatars, sleeping.get(scene, {}))) + _raw(results, scene, runs)
             orders.append((spec, text, f"s{len(orders)}"))
             concluded.append((scene, said))
     return _drawn(orders, concluded)
+
+
+def _aside(avatar: bool, sleeping: Mapping[str, float]) -> str:
+    """Why the 95th percentiles of a scene stand side by side; "" where they are compared."""
+    if avatar:
+        return "ours is kinematic, theirs has dynamics"
+    return "in some what rests sleeps in that frame" if asleep(sleeping, "p95") else ""
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:

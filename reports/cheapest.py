@@ -9,6 +9,7 @@ from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.metric_words import words
 from reports.sweep import OURS, Point, Sweep, measured_of
 from reports.wording import count, limit, listed, quantity, ratio
+from scenarios.sweep import ladder
 from scenarios.sweep.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts, follows
 from scenarios.sweep.accuracy import length as as_length
 
@@ -17,6 +18,8 @@ PROFILED = (1e-3, 1e-6)
 NOISE = 0.03
 """Share by which medians of the same frames differ from one process to the next: nearer times of an engine are not told apart,
 and the simplest of such settings is named. Smaller, and the name changes from run to run."""
+CHEAPEST = "cheapest (measured of planned)"
+"""What the numbers beside the name of a setting are."""
 BASE = "/".join(OURS)
 """What every factor is a multiple of: the time of our engine as it comes, in the same scene."""
 
@@ -107,6 +110,26 @@ class Line:
     tried: int
     least: float
     planned: int = 0
+    unasked: tuple[str, ...] = ()
+    """Rungs of the ladder of steps that were planned here and not measured: without them nothing is the cheapest, or missed."""
+
+    @property
+    def of(self) -> str:
+        """"10 of 21": so many settings measured of so many planned."""
+        return f"{self.tried}" + (f" of {self.planned}" if self.planned > self.tried else "")
+
+    @property
+    def none(self) -> str:
+        """What is said where no setting reached an accuracy: that none does, or which steps were not measured."""
+        if not self.unasked:
+            return f"none of {self.measured}"
+        steps = count(len(self.unasked), "step")
+        return f"not said: {steps} of the ladder not measured, none of {self.of}"
+
+    def missed(self, level: int) -> tuple[str, ...]:
+        """Rungs not measured that could change what is said of a level: with a setting that reaches it, the coarser ones."""
+        attempt = self.cells[level].attempt
+        return _coarser(self.unasked, attempt)
 
     @property
     def measured(self) -> str:
@@ -119,6 +142,13 @@ class Line:
         if self.least == self.least:
             return f"at best {quantity(self.least, 'm')}"
         return f"none of them within {limit(FOLLOWS, 'm')} of a free user" if self.tried else "nothing was measured"
+
+
+def _coarser(unasked: Sequence[str], attempt: Attempt | None) -> tuple[str, ...]:
+    """Those rungs that are coarser than the step of an attempt, which may be cheaper than it; all without an attempt, or where
+    its step is not known."""
+    step = math.nan if attempt is None else attempt.any_point.step
+    return tuple(name for name in unasked if not (ladder.step_of(name) or 0.0) <= step)
 
 
 @dataclass(frozen=True)
@@ -161,6 +191,11 @@ class Case:
     rival: Cell | None
 
     @property
+    def asked(self) -> bool:
+        """Whether every step of every rival was measured that could be cheaper, or reach what none measured does."""
+        return not any(line.missed(self.level) for line in self.block.lines if line.engine != OURS[0])
+
+    @property
     def where(self) -> str:
         """Scene and accuracy."""
         return f"{self.block.scenario} at {limit(LEVELS[self.level], 'm')}"
@@ -176,6 +211,8 @@ class Case:
     def times(self) -> str:
         """Both times, the rival's first, with what sleeps in the median frame."""
         ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
+        # the cheapest of ours need not be ours as it comes
+        ours = f"{_run(self.ours)} {ours}" if self.ours is not None and _run(self.ours) != BASE else ours
         which = {Basis.TAIL: ", in frames that move", Basis.SLOWEST: ", in the slowest frame"}.get(self.block.basis, "")
         return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}{which}"
 
@@ -254,6 +291,8 @@ def table(sweep: Sweep) -> Table:
 def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis: Basis, avatar: bool) -> Line:
     base = next((a.any_point for a in here if a.any_point.run == BASE and a.measured), None)
     engines, cells = dict.fromkeys(a.any_point.engine for a in here), []
+    unasked = tuple(a.any_point.setting for a in tried
+                    if a.any_point.state == "not-measured" and ladder.step_of(a.any_point.setting) is not None)
     for level in LEVELS:
         found = cheapest(tried, level)
         strays = sum(attempt.strays and attempt.error <= level for attempt in tried)
@@ -262,10 +301,12 @@ def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis:
             continue
         named = [cheapest([a for a in here if a.any_point.engine == other], level) for other in engines]
         best = not avatar and not any(is_more(found.time, one.time) for one in named if one is not None)
-        times = math.nan if base is None or avatar else factor(found.any_point, base, basis)
+        short = base is None or avatar or _coarser(unasked, found)
+        times = math.nan if base is None or short else factor(found.any_point, base, basis)
         cells.append(Cell(found, times, best, strays))
     measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
-    return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried))
+    return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried),
+                unasked)
 
 
 def sentence(found: Table) -> str:
@@ -280,11 +321,12 @@ def sentence(found: Table) -> str:
                      f"{f': {listed(said)}' if lost else ''}.")
     neither = tuple(case.where for case in cases if case.ours is None and case.rival is None)
     parts += [f"Not reached by any setting measured here of any engine: {listed(neither)}."] if neither else []
-    alone = [case for case in cases if case.ours is not None and case.rival is None]
+    alone = [case for case in cases if case.ours is not None and case.rival is None and case.asked]
+    unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
                      f"does: of {_tried(alone)}.")
-    return " ".join([*parts, *_factors(cases), *_beside(found)])
+    return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 
 def _where(cases: Sequence[Case]) -> tuple[str, ...]:
@@ -314,7 +356,7 @@ def _tried(cases: Sequence[Case]) -> str:
 
 def _factors(cases: Sequence[Case]) -> list[str]:
     """By how much ours is cheaper where frames are alike."""
-    both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None]
+    both = [(case.rival.factor, case) for case in cases if case.ours is not None and case.rival is not None and case.asked]
     alike = [(times, case) for times, case in both if times == times]
     parts = []
     if alike:
@@ -324,6 +366,13 @@ def _factors(cases: Sequence[Case]) -> list[str]:
             f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
         )
     return parts
+
+
+def _unasked(cases: Sequence[Case]) -> list[str]:
+    """In how many cases steps of a rival are missing, so that neither a factor is made nor that it reaches nothing is said."""
+    scenes = tuple(dict.fromkeys(case.block.scenario for case in cases))
+    return [f"No factor, and none is said to miss it, in {count(len(cases), 'case')} in which steps of a rival were not measured "
+            f"that could be cheaper or more accurate ({listed(scenes)})."] if cases else []
 
 
 def _asleep(case: Case) -> str:
@@ -382,9 +431,9 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
     for line in (line for line in lines if line.engine in engines):
         attempt = line.cells[index].attempt
         if attempt is not None:
-            said.append(f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting})")
+            said.append(f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
         else:
-            said.append(f"{line.engine} by none of {line.measured} ({line.at_best})")
+            said.append(f"{line.engine}: {line.none} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
     named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
@@ -392,4 +441,5 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
     if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
         time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
         tail = f"; {time}, as what rests sleeps in the others"
-    return f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}: {', '.join(said)}{tail}{beside}."
+    errors = f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}"
+    return f"{errors}, {CHEAPEST}: {', '.join(said)}{tail}{beside}."

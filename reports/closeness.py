@@ -58,7 +58,7 @@ class Near:
 @dataclass(frozen=True)
 class Pair:
     """One scene beside another engine, over the `counted` of `frames` frames that count: offset [m], angle [deg], distance of all
-    of the body [m]; who is nearer in each; what is known of an offset and an angle in which the other engine is."""
+    of the body [m]; which is nearer in each; what is known of an offset and an angle in which the other engine is."""
 
     other: str
     scenario: str

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from reports.load import Row
+from reports.metric_words import words
 from scenarios.ranked import CLOSED_FORM, RANKED
 
 
@@ -35,10 +36,10 @@ def is_truth_error(metric: str) -> bool:
     return "_error" in metric
 
 
-def _column(key: str, title: str, unit: str, floor: float, meaning: str, *metrics: str) -> Column:
-    """A column of `metrics`, which count as equal when the registry says so."""
-    rule = RANKED[metrics[0]]
-    return Column(key, title, unit, floor, meaning, _named(*metrics), rule.same, rule.stays_inside, share=rule.share)
+def _column(key: str, title: str, unit: str, floor: float, meaning: str, metric: str) -> Column:
+    """A column of one metric, which counts as equal when the registry says so."""
+    rule = RANKED[metric]
+    return Column(key, title, unit, floor, meaning, _named(metric), rule.same, rule.stays_inside, share=rule.share)
 
 
 COLUMNS = (
@@ -58,8 +59,10 @@ COLUMNS = (
             "chatter_frames"),
     _column("jitter", "jitter in contact", "m", 1e-6, "to-and-fro motion below that speed while the target rests or slides: of "
             "the link that has most, the root mean square of what it takes back over frames in contact", "jitter_rms"),
-    _column("limits", "angle beyond limits", "deg", 1e-3, "largest angle beyond a joint limit or a reach cone",
-            "joint_limit_excess_max", "reach_cone_excess_max"),
+    _column("limits", words("joint_limit_excess_max"), "deg", 1e-3, "largest angle beyond a hinge's limits or a ball joint's "
+            "swing and twist", "joint_limit_excess_max"),
+    _column("cone", words("reach_cone_excess_max"), "deg", 1e-3, "largest angle by which a limb points outside its reach cone",
+            "reach_cone_excess_max"),
     _column("p50", "frame time, median", "us", 0.0, "median time of a rendered frame, sub-steps included, engine only, "
             "each frame's least over the repeats; beside it repeats x frames, and what it mixes of frames in motion and at rest",
             "frame_time_p50"),

@@ -10,7 +10,7 @@ from reports.columns import COLUMNS
 from reports.load import Array, Results, Series
 from reports.metric_words import words
 from reports.tables import Block, engine_of
-from reports.wording import MOST_FACTOR, count, families, limit, listed, quantity
+from reports.wording import MOST_FACTOR, count, limit, listed, quantity
 from scenarios.behind import MetricLosses
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
@@ -30,7 +30,8 @@ CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
     "What rests sleeps in our engine; in the tuned others it is computed, and the row mujoco/sleeping stands beside them in "
-    "scenes whose bodies are to rest. Of a time in which what rests sleeps no factor is made."
+    "scenes whose bodies are to rest. Of a time of a scene with an avatar, and of one in which what rests sleeps, no factor is "
+    "made, and none is best."
 )
 
 
@@ -40,7 +41,7 @@ def peak(overlap: Array) -> float:
 
 
 def overlap_sentence(runs: Mapping[str, Series]) -> str:
-    """What one panel of residual overlap shows: who stays below the bound, who does not, by how much."""
+    """What one panel of residual overlap shows: which engines stay below the bound, which do not, by how much."""
     peaks = {run: peak(series.overlap) for run, series in runs.items() if series.overlap.size}
     if not peaks:
         return "No engine has a series here, so nothing follows."
@@ -64,8 +65,8 @@ def overlap_text(runs: Mapping[str, Series]) -> str:
 
 
 def overlap_summary(results: Results, ours: str) -> str:
-    """What all overlap panels together say about our run, the best other one and the raw motion."""
-    scenes = {scene: runs for scene, runs in results.series.items() if any(s.overlap.size for s in runs.values())}
+    """What all overlap panels together say about our run, the best other one and the raw motion, of `shown_scenes`."""
+    scenes = shown_scenes(results, ours)
     if not scenes:
         return "This run recorded no series of overlap."
     tally: dict[str, dict[str, bool]] = {}
@@ -76,11 +77,23 @@ def overlap_summary(results: Results, ours: str) -> str:
                 held[family] = held.get(family, True) and peak(series.overlap) <= OVERLAP_BOUND
     order = sorted(tally, key=lambda run: (run != ours, -sum(tally[run].values()) / len(tally[run])))
     said = [f"{run} in {sum(tally[run].values())} of {len(tally[run])}" for run in order]
-    return f"Families of scenes in which every frame stays within 1 µm: {', '.join(said)}."
+    without = tuple(name for name, runs in results.series.items()
+                    if name not in scenes and any(s.overlap.size for s in runs.values()))
+    left = f" Neither counted nor in the plot, since {ours} refuses or shows nothing: {listed(without)}." if without else ""
+    return f"Families of scenes in which every frame stays within 1 µm: {', '.join(said)}.{left}"
 
 
-def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
-    """What one panel of frame times shows: which engine is fastest at p95, which miss 90 Hz, as far as p99 is known."""
+def shown_scenes(results: Results, ours: str) -> dict[str, Mapping[str, Series]]:
+    """Scenes with a series of overlap, by run: those in which ours has one, so that all engines have one denominator; all where
+    ours has none anywhere."""
+    scenes = {scene: runs for scene, runs in results.series.items() if any(s.overlap.size for s in runs.values())}
+    own = {scene: runs for scene, runs in scenes.items() if ours in runs and runs[ours].overlap.size}
+    return own or scenes
+
+
+def time_sentence(percentiles: Mapping[str, tuple[float, float, float]], aside: str = "") -> str:
+    """What one panel of frame times shows: which engine is fastest at p95, which miss 90 Hz, as far as p99 is known. `aside`: why
+    the times of this scene stand side by side and none is the best, "" where they are compared."""
     finite = {run: p for run, p in percentiles.items() if math.isfinite(p[1])}
     if not finite:
         return "No frame time was measured here, so nothing follows."
@@ -90,7 +103,10 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
     late = tuple(run for run in order if run not in often and finite[run][2] > FRAME_90_HZ)
     untold = tuple(run for run in order if math.isnan(finite[run][2]))
     text = f"The p95 of {first} is {quantity(finite[first][1], 'us')}"
-    if len(order) > 1:
+    if len(order) > 1 and aside:
+        each = ", ".join(f"{run} {quantity(finite[run][1], 'us')}" for run in order)
+        text = f"p95, side by side ({aside}): {each}"
+    elif len(order) > 1:
         text = f"{first} has the lowest p95, {quantity(finite[first][1], 'us')}"
         last = order[-1]
         text += f"; {last} takes {finite[last][1] / finite[first][1]:.3g} times as long"
@@ -103,25 +119,18 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]]) -> str:
 
 
 def time_summary(
-    panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str,
-    family_of: Mapping[str, str] = MappingProxyType({}), slowest_frames: Mapping[str, float] = MappingProxyType({}),
-    scenes: int = 0,
+    panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str, counted: str = "",
+    slowest_frames: Mapping[str, float] = MappingProxyType({}), scenes: int = 0,
 ) -> str:
-    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many
-    `scenes`); a family of scenes is counted where ours is fastest in all."""
+    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many `scenes`);
+    `counted`: in how many families its p95 is best, as the losses count them."""
     own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
     if not own:
         return f"No frame time of {ours} was measured."
     slowest = max(own, key=lambda scene: own[scene][ours][1])
-    fastest: dict[str, bool] = {}
-    for scene, runs in own.items():
-        theirs = [p[1] for run, p in runs.items() if engine_of(run) != engine_of(ours) and math.isfinite(p[1])]
-        if theirs:
-            family = family_of.get(scene, scene)
-            fastest[family] = fastest.get(family, True) and runs[ours][1] <= min(theirs)
     text = slowest_sentence(slowest_frames, ours, scenes)
     text += f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
-    return text + (f"; it is the fastest in {sum(fastest.values())} of {families(len(fastest))}." if fastest else ".")
+    return text + (f"; it is best or level in {counted}." if counted else ".")
 
 
 def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) -> str:

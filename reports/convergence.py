@@ -106,7 +106,7 @@ def _step(row: Mapping[str, str]) -> Step:
 
 
 def conclusion(converging: Converging) -> str:
-    """Who is consistent, who is right, ours first where it fails."""
+    """Which engines are consistent, which are right, ours first where it fails."""
     ours = [course for course in converging.courses if course.run == OURS]
     parts = []
     for what, word in (("consistent", "approaches its own finest run"), ("right", "ends without overlap and within limits")):

@@ -4,15 +4,16 @@ iterations and frame time of every engine, side by side."""
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
 from avatarsim.spatial import rotation
 from reports import packed
-from reports.charts import peaks
+from reports.charts import of_groups, peaks
+from reports.conclusions import peak
 from reports.kept import Array, Drawn, Shown
-from reports.load import Series
+from reports.load import Results, Series
+from reports.tables import RAW_TRACKER, engine_of
 from reports.wording import count, quantity
 
 OVERLAP_FLOOR = 1e-9
@@ -98,7 +99,7 @@ def told(value: float, unit: str) -> str:
 
 
 def sentence(key: str, lines: Sequence[Course]) -> str:
-    """Median and largest of each line, in words: the text of the chart for those who do not see it."""
+    """Median and largest of each line, in words: the text in place of the picture."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     said = []
     for line in lines:
@@ -127,47 +128,76 @@ def conclusion(key: str, lines: Sequence[Course]) -> str:
         start = {line.run: float(line.values[0]) for line in lines if np.isfinite(line.values[0])}
         gains = [run for run in start if run in top and top[run] > start[run] + max(1e-6, 0.01 * abs(start[run]))]
         return (f"Above the energy they began with, by a hundredth or more: {', '.join(gains)}; a driven hand may add it."
-                if gains else "Nobody rises above the energy it began with by more than a hundredth.")
+                if gains else "No engine rises above the energy it began with by more than a hundredth.")
     return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}."
 
 
-def over_all(courses: CourseCharts, ours: str) -> str:
-    """What the charts of overlap of all scenes together let a reader conclude about our run."""
-    reached = [chart for charts in courses.values() for chart in charts if chart["key"] == "overlap"]
-    # scenes that ours refuses have no line of it
-    has_ours = [chart for chart in reached if any(line["run"] == ours for line in cast(list[dict[str, object]], chart["lines"]))]
-    lowest = sum(str(chart["concludes"]).startswith((f"Lowest peak: {ours},", "All reach")) for chart in has_ours)
-    return f"In {lowest} of {len(has_ours)} scenes that {ours} runs, no line of overlap peaks lower than its own."
+def over_all(results: Results, ours: str) -> str:
+    """In how many scenes no other engine's overlap peaks lower than ours, and how large ours is in the others. The raw tracker
+    and other presets of our engine are no other engine; a scene that ours refuses is not counted."""
+    lower, scenes = dict[str, float](), 0
+    for scene, runs in results.series.items():
+        peaks_of = {run: peak(one.overlap) for run, one in runs.items() if one.overlap.size}
+        rivals = [value for run, value in peaks_of.items() if engine_of(run) not in (RAW_TRACKER, engine_of(ours))]
+        if ours in peaks_of and rivals:
+            scenes += 1
+            if math.isnan(peaks_of[ours]) or any(value < peaks_of[ours] for value in rivals):
+                lower[scene] = peaks_of[ours]
+    if not scenes:
+        return f"No scene has the overlap of {ours} beside that of another engine."
+    said = f"In {scenes - len(lower)} of {count(scenes, 'scene')} no other engine's overlap peaks lower than that of {ours}"
+    if not lower:
+        return f"{said}."
+    most = max(lower, key=lambda scene: math.inf if math.isnan(lower[scene]) else lower[scene])
+    return f"{said}; where one does ({len(lower)}), ours reaches at most {quantity(lower[most], 'm')} ({most})."
 
 
-def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int) -> list[dict[str, object]]:
-    """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames."""
+def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int, stride: int = 0) -> list[dict[str, object]]:
+    """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames. Beside
+    a replay that draws one of every `stride` states no group reaches across two of these: so both always say the same."""
     made = []
     for measure in MEASURES:
         lines = lines_of.get(measure.key, ())
         if not lines:
             continue
         log = measure.key in LOGARITHMIC
-        points = [(line, *_points(line.values, most)) for line in lines]
+        points = [(line, *_points(line, most, stride)) for line in lines]
+        if measure.key == "overlap":
+            points = [(line, frames, _three_digits(values)) for line, frames, values in points]
         finite = np.concatenate([values[np.isfinite(values)] for _, _, values in points])
         low, high = _range(finite, measure.key)
         made.append({
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
             "shows": measure.shows, "concludes": conclusion(measure.key, lines), "text": sentence(measure.key, lines),
-            "lines": [
-                {"run": line.run, "times": packed.reals(dt * (line.first + frames)),
-                 "values": packed.text(packed.codes(_scaled(values, log, low), (_scaled(np.array([low]), log, low)[0],
-                                                                               _scaled(np.array([high]), log, low)[0])))}
-                for line, frames, values in points
-            ],
+            "lines": [_line(line, dt * (line.first + frames), _scaled(values, log, low)) for line, frames, values in points],
         })
     return made
 
 
-def _points(values: Array, most: int) -> tuple[Array, Array]:
+def _line(line: Course, times: Array, values: Array) -> dict[str, object]:
+    """One line for the page's script: times [s] and values, or their decimal logarithms, on a scale of its own from `low` to
+    `high`: on one for all, an engine that explodes would leave the others no digits."""
+    finite = values[np.isfinite(values)]
+    ends = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    return {"run": line.run, "times": packed.reals(times), "low": ends[0], "high": ends[1],
+            "values": packed.text(packed.codes(values, ends))}
+
+
+def _points(line: Course, most: int, stride: int) -> tuple[Array, Array]:
     """(frame, largest value) of each group of frames; nan, which is drawn as a gap, where one of the group is no number."""
-    frames, largest, broken = peaks(values, most)
+    if stride and line.values.size:
+        # the finest groups of which whole ones make up a drawn state
+        size = next((size for size in range(1, stride) if stride % size == 0 and line.values.size <= most * size), stride)
+        at = line.first + np.arange(line.values.size)
+        frames, largest, broken = of_groups(line.values, np.flatnonzero((at % size == 0) | (at == line.first)))
+    else:
+        frames, largest, broken = peaks(line.values, most)
     return frames, np.where(broken > 0.0, np.nan, largest)
+
+
+def _three_digits(values: Array) -> Array:
+    """Rounded as words have them: what packing adds then does not change a digit."""
+    return np.array([float(f"{value:.3g}") for value in values], dtype=np.float64)
 
 
 def _scaled(values: Array, log: bool, low: float) -> Array:

@@ -113,16 +113,20 @@ def _real(value: Any) -> float | None:
 
 
 def cost_sentence(found: Ablation) -> str:
-    """From the least to the most that each effect takes of the frame over the scenes that call for it, the dearest first."""
-    shares = {e: [s for line in found.lines if line.effect == e and (s := line.share) is not None] for e in found.effects}
-    order = sorted(((max(values), e, values) for e, values in shares.items() if values), key=lambda one: one[0], reverse=True)
-    dear = [f"{_name(e)} {_span([100.0 * s for s in v], '.0f')} % ({count(len(v), 'scene')})"
-            for most, e, v in order if most > NOISE]
-    saving = [f"{_name(e)} (without it a frame takes {_span([1.0 - s for s in v], '.1f')} times as long)"
-              for most, e, v in order if most <= NOISE and min(v) < -NOISE]
-    said = f"Of the frame an effect takes, from scene to scene: {'; '.join(dear)}." if dear else \
+    """From the least to the most that each effect takes of the frame over the scenes in which it takes more than noise, the
+    dearest first; then, by scene, where a frame takes longer without it by more than noise."""
+    shares = {e: {line.scenario: s for line in found.lines if line.effect == e and (s := line.share) is not None}
+              for e in found.effects}
+    dear = {e: kept for e, by in shares.items() if (kept := [s for s in by.values() if s > NOISE])}
+    order = sorted(dear, key=lambda e: -max(dear[e]))
+    takes = [f"{_name(e)} {_span([100.0 * s for s in dear[e]], '.0f')} % ({len(dear[e])} of {count(len(shares[e]), 'scene')})"
+             for e in order]
+    saving = sorted(((1.0 - s, _name(e), scene) for e, by in shares.items() for scene, s in by.items() if s < -NOISE),
+                    reverse=True)
+    said = f"Of the frame an effect takes, where that is more than noise: {'; '.join(takes)}." if takes else \
         "No effect takes a measurable share of the frame."
-    return f"{said} Paying for {'itself' if len(saving) == 1 else 'themselves'}: {', '.join(saving)}." if saving else said
+    longer = "; ".join(f"{name} in {scene}, {times:.3g} × as long" for times, name, scene in saving)
+    return f"{said} Paying for themselves, since a frame takes longer without them: {longer}." if saving else said
 
 
 def _span(values: Sequence[float], digits: str) -> str:
@@ -188,8 +192,10 @@ def consequence(line: Line | None) -> str:
     """Its share of the frame, and what leaving the effect out changes, in a few words."""
     if line is None:
         return ""
-    # round() has no minus zero
-    share = "" if line.share is None or math.isnan(line.share) else f"{round(100.0 * line.share)} %, "
+    share = ""
+    if line.share is not None and not math.isnan(line.share):
+        # round() has no minus zero
+        share = f"{1.0 - line.share:.3g} × as long without it, " if line.share < -NOISE else f"{round(100.0 * line.share)} %, "
     if line.broken:
         return f"{share}breaks {len(line.broken)}"
     if line.moved is None:

@@ -10,7 +10,7 @@ from scenarios.explaining import LARGE, LARGE_ANGLE, Large, large
 
 
 def moment(results: Results, one: Large) -> str:
-    """"#t=0.3417", the time [s] at which the overlap of a run is deepest; "" for other metrics and where no series was kept."""
+    """"#t=0.341667", the time [s] at which the overlap of a run is deepest; "" for other metrics and where no series was kept."""
     return moment_of(results, one.row.scenario, one.row.run, one.row.metric) if one.row.metric in OVERLAPS else ""
 
 

@@ -31,7 +31,7 @@ SEEN = 1e-6
 @dataclass(frozen=True, eq=False)
 class Trace:
     """One method's frames in the scene of Figure 7: time [us] (F,), whether the raw hand is inside something (F,), and the share
-    [%] of all its frames that each stage takes, empty where nobody measured it; `first` frames before them were not timed."""
+    [%] of all its frames that each stage takes, empty where it was not measured; `first` frames before them were not timed."""
 
     run: str
     us: Array

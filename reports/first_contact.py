@@ -69,7 +69,7 @@ def _split(scene: str, run: str, series: Series, begins: NDArray[np.int64]) -> S
 
 
 def sentence(found: Sequence[Split], ours: str) -> str:
-    """What to conclude about ours, and who is hit most."""
+    """What to conclude about ours, and which engine is hit most."""
     own = [split for split in found if split.run == ours]
     if not own:
         return f"No contact of the raw tracker begins in any frame in which {ours} was timed."

@@ -1,5 +1,9 @@
 """Glossary: the words of this page that are its own, each in a sentence."""
 
+from reports import beaten
+from reports.sweep import Sweep
+
+TUNED = "tuned"
 TERMS = (
     ("user, target", "The posture that the tracker reports, links and all: where the person really is. In a file: tracker."),
     ("shown", "What an engine puts on the screen at the end of a frame: its answer to the target."),
@@ -14,10 +18,17 @@ TERMS = (
      "at most 3 mm, and 0 in frames without any; of the link that has most."),
     ("jump", "What a link or the root moves in one frame more than its user does. Of our root it ends at a cap, "
      "catch_up_move times the frame (83 mm at 60 Hz as set), which is reached where an avatar that was held back catches up."),
-    ("turn", "What a joint, or a body without joints as a whole (the rigid hand of thin_wall_hand), turns in one frame more than "
-     "its user does."),
+    ("turn", "What a joint turns in one frame more than its user does, in the frame of its parent; a root, or a body without "
+     "joints such as the rigid hand of thin_wall_hand, turns in the world. Of an avatar the largest turn of any joint, less the "
+     "largest of its user's."),
+    ("change of orientation", "What a whole link turns in one frame in the world, and so with the turns of all joints from the "
+     "root to it, more than its user's link does: named at the worst moments of a scene. A turn of the root alone changes the "
+     "orientation of every link."),
+    ("angle beyond joint limits, angle beyond a reach cone", "Two figures: how far a hinge is beyond its range, or a ball joint "
+     "beyond its swing or twist; and how far a limb points outside the reach cone of its ball joint."),
     ("waiting", "An avatar is held off its user by more than 5 cm and has come no nearer for stall_time, and no path around "
-     "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it."),
+     "what holds it is being sought or known. Status: waiting; planning while a path is sought, following along it. How long "
+     "an avatar waits counts the first two together."),
     ("leap", "A target that is elsewhere from one frame to the next, such as after a teleport. Its way is followed in that "
      "frame as far as it is free; what is in between is then planned around."),
     ("roughness of motion", "95th percentile of the third differences of link places, shown over target; 1 is as smooth as the "
@@ -31,8 +42,9 @@ TERMS = (
     ("bound, ceiling", "A bound is a figure that our engine promises in a scene; a ceiling stands in for one that does not hold "
      "yet. The gate, which can fail, is all bounds of one engine and preset."),
     ("family", "A scene with its variants: other frame rates, other clips, other sizes. Sentences count families."),
-    ("default", "An engine with its documented defaults; of ours, the method that is meant to be used."),
-    ("tuned", "MuJoCo or PyBullet with the best settings that are known here for the scene, see Settings."),
+    ("default", "An engine with its default parameters in our rig (one weld or motor per link); of ours, the method that is "
+     "meant to be used."),
+    (TUNED, "MuJoCo or PyBullet as tuned here for accuracy in scenes of a kind, see Settings."),
     ("paper", "Our engine with the method as it was printed in 2004, for comparison with it."),
     ("cannot say", "A part of a scene that an engine has no words for; figures of just that do not rank it."),
     ("engine only, as called", "Time inside the engine, and time of the whole call from Python; see Provenance and fairness."),
@@ -41,3 +53,12 @@ TERMS = (
      "simulated bodies act back on it."),
 )
 """(words, meaning), in the order in which the page uses them."""
+
+
+def terms(sweep: Sweep | None) -> tuple[tuple[str, str], ...]:
+    """The same, and of tuned settings where others of the run's own sweep beat them."""
+    found = beaten.beaten(sweep) if sweep else ()
+    if not found:
+        return TERMS
+    said = f"{beaten.sentence(found).removesuffix('.')}: the list stands under Accuracy against time."
+    return tuple((word, f"{meaning} {said}" if word == TUNED else meaning) for word, meaning in TERMS)

@@ -77,7 +77,7 @@ def steepest(points: tuple[Point, ...]) -> float:
 
 
 def conclusion(growth: Growth) -> str:
-    """What to conclude, losses first: where ours grows faster than in proportion, and where somebody is faster."""
+    """What to conclude, losses first: where ours grows faster than in proportion, and where another engine is faster."""
     kinds = tuple(dict.fromkeys((p.grows, p.mode) for p in growth.points))
     steep, slower, said = [], [], []
     for grows, mode in kinds:

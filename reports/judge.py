@@ -88,7 +88,7 @@ def sentence(found: Trust) -> str:
 def second(found: Trust) -> str:
     """What the second opinion says."""
     whole = found.whole
-    silent = f" It ended without an answer on {count(whole.unanswered, 'pair')}." if whole.unanswered else ""
+    silent = f" python-fcl ended without an answer on {count(whole.unanswered, 'pair')}." if whole.unanswered else ""
     if not whole.disagreements:
         return f"The second opinion, python-fcl, agrees to 1 µm on every pair that it answers.{silent}"
     share = 100.0 * whole.disagreements / whole.pairs

@@ -26,16 +26,21 @@ WHOLE = "a whole .npz file from this runner"
 WRITTEN = "the whole file that a run wrote"
 PARTS = {"name", "role", "pieces", "mass"}
 """What a scene's file says of every body."""
-COUNTED = ("contacts", "iterations", "pairs")
-"""Counts per frame that a page shows where an engine gives them."""
+COUNTED = ("contacts", "iterations", "pairs", "waiting", "planning")
+"""Counts per frame that a page shows or tells of, where an engine gives them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A scene's file: see `scenarios.drawn`."""
+    """A scene's file: see `scenarios.drawn`; `parents` is empty where an earlier run did not write them."""
 
     bodies: Sequence[Mapping[str, Any]]
     gravity: Array
+    parents: Sequence[int | None] = ()
+
+    def names_of_links(self, count: int) -> list[str]:
+        """Names of the links, so many, which stand behind all bodies."""
+        return [str(body["name"]) for body in self.bodies[len(self.bodies) - count :]] if count else []
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,13 +68,16 @@ def drawn(run_dir: Path, scene: str) -> Drawn | None:
     found: Any = read_json(path, str(path), WRITTEN)
     try:
         version, bodies, gravity = found["schema_version"], list(found["bodies"]), np.array(found["gravity"], dtype=np.float64)
+        parents = list(found.get("parents", ()))
     except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", WRITTEN) from error
     if version != SCENE_SCHEMA:
         raise InvalidFile(f"schema_version of {path}", version, f"{SCENE_SCHEMA}; run again")
     if gravity.shape != (3,) or not all(isinstance(body, dict) and PARTS <= body.keys() for body in bodies):
         raise InvalidFile(str(path), "gravity or bodies of another layout", WRITTEN)
-    return Drawn(bodies, gravity)
+    if not all(parent is None or (type(parent) is int and 0 <= parent < link) for link, parent in enumerate(parents)):
+        raise InvalidFile(f"parents in {path}", parents, "of each link the place of an earlier one, or null")
+    return Drawn(bodies, gravity, parents)
 
 
 def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list[Shown]:

@@ -37,7 +37,7 @@ def panels(found: LawMap) -> list[Panel]:
 
 
 def _said(cells: list[Cell]) -> str:
-    """Who is closest and who is farthest, over all steps."""
+    """Which engine is closest and which is farthest, over all steps."""
     worst: dict[str, float] = {}
     for cell in cells:
         before = worst.get(cell.run, 0.0)

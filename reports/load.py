@@ -169,7 +169,7 @@ def load(run_dir: Path) -> Results:
 
 
 def _no_number(word: str) -> float:
-    """Strict JSON has no NaN and no Infinity; our own writer writes them as texts, so this file is somebody else's or damaged."""
+    """Strict JSON has no NaN and no Infinity; our own writer writes them as texts, so this file is from elsewhere or damaged."""
     raise ValueError(f"{word} outside of quotes")
 
 

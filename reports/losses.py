@@ -5,14 +5,15 @@ in seven variants of one scene counts once, and the worst of the seven is named.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from reports import piles
 from reports.load import Results, Row
 from reports.metric_words import words
-from reports.moment import moment
-from reports.wording import count, factor, limit, listed
-from scenarios.behind import BEST, Behind, Compared, MetricLosses, by_family
+from reports.moment import Instants, moment
+from reports.wording import count, factor, families, limit, listed
+from scenarios.behind import BEST, Behind, Compared, MetricLosses, aside, by_family
+from scenarios.like_for_like import TIME
 from scenarios.measure.protocol import brief
 from scenarios.metrics import METRICS
 from scenarios.ranked import KINDS, RANKED, UNRANKED
@@ -21,8 +22,12 @@ FIRST = 4
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
 TIMES = ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max")
 """Metrics that stand there whatever their place in that order: what a frame costs is asked first of an engine."""
+WITHOUT = " without an avatar"
+"""Which families are those of frame times."""
 MOST_NAMED = 3
 """Metrics that the sentence names."""
+MOST_BEHIND = 6
+"""Families that a sentence on one metric names."""
 
 
 def beside(one: Behind) -> str:
@@ -43,19 +48,47 @@ def sentence(found: Sequence[MetricLosses], ours: str) -> str:
     return f"Some other engine is better than {ours} in {len(lost)} of {ranked}, most often: {most}.{level}"
 
 
-def section(results: Results, found: Compared, ours: str) -> dict[str, object]:
-    """What the template of the losses is made of."""
+def best_in(found: Compared, family_of: Mapping[str, str], metric: str) -> str:
+    """In how many families ours is best or level in a metric and where not, the largest factor first: every sentence of the page
+    that counts families of one metric asks here. "" where none was ranked."""
+    one = next((one for one in by_family(found, family_of) if one.metric == metric), None)
+    if one is None:
+        return ""
+    which = WITHOUT if metric.startswith(TIME) else ""
+    said = f"{one.families - len(one.lost)} of {families(one.families)}{which}"
+    where = tuple(" ".join(filter(None, [lost.worst.row.scenario, f"({beside(lost.worst)})" if beside(lost.worst) else ""]))
+                  for lost in one.lost)
+    return f"{said}{f', behind in {listed(where, MOST_BEHIND)}' if where else ''}"
+
+
+def aside_said(found: Compared, family_of: Mapping[str, str]) -> str:
+    """What of the frame times is not ranked, counted in families; "" where all is."""
+    parts = []
+    for metric in TIMES:
+        one = aside(found, family_of, metric)
+        said = [f"with an avatar, side by side, another engine takes less time in {one.less} of {families(one.avatar)}"] \
+            if one.avatar else []
+        said += [f"in {families(one.asleep)} what rests sleeps in that frame"] if one.asleep else []
+        parts += [f"{words(metric)}: {', '.join(said)}"] if said else []
+    return f"Times that are not ranked: {'; '.join(parts)}." if parts else ""
+
+
+def section(
+    results: Results, found: Compared, ours: str, known: Mapping[str, Instants] | None = None,
+) -> dict[str, object]:
+    """What the template of the losses is made of; `known`: when figures of ours are largest in each scene."""
     made = _most_lost_first(by_family(found, results.families))
     lost = [one for one in made if one.lost]
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
         "lost_shown": shown, "lost_kinds": kinds_sentence(made),
-        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours),
+        "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours, known),
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
-        "same": same, "lost_over": over,
+        "same": same, "lost_over": over, "lost_aside": aside_said(found, results.families),
+        "lost_which": lambda one: WITHOUT if one.metric in TIMES else "",
     }
 
 
@@ -83,9 +116,10 @@ def silent_sentence(found: Compared) -> str:
     return f"Not ranked, because the engine has no words for it, are {count(number, 'figure')}: {said}."
 
 
-def at(results: Results, one: Behind, ours: str) -> str:
-    """"#t=0.3417", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series; else ""."""
-    return moment(results, one.row.scenario, ours, one.row.metric)
+def at(results: Results, one: Behind, ours: str, known: Mapping[str, Instants] | None = None) -> str:
+    """"#t=0.341667", the time [s] of our largest figure in a scene, for the metrics of which the run kept a series or that are
+    `known` from its recordings; else ""."""
+    return moment(results, one.row.scenario, ours, one.row.metric, known)
 
 
 def over(one: Behind) -> str:

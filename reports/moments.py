@@ -1,7 +1,8 @@
 """When does each engine look worst in a scene? The states that its buttons on the page lead to, and what is wrong in each."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -13,23 +14,35 @@ from scenarios.measure.smoothness import FAR, SHAKES, reversals, shaking
 LEAST = 1e-6
 """Overlap, or distance from the tracker [m], that is worth a button: the bound on what may be shown."""
 LEVER = 0.1
-"""Length [m] of a hand or foot: a turn is worth a button if its end moves as far as counts as shaking."""
+"""Length [m] of a hand or foot: a change of orientation is worth a button if its end moves as far as counts as shaking."""
+
+
+class Kind(Enum):
+    """What is wrong in a state."""
+
+    NO_NUMBER = "a pose is no number"
+    OVERLAP = "overlap of {figure}"
+    APART = "{name} {figure} from its user"
+    SHAKES = "{name} shakes by {figure}, frame after frame"
+    BACK = "{name} {figure} to and fro over two frames"
+    JUMP = "{name} jumps {figure} beyond its user in one frame"
+    ORIENTATION = "{name} changes its orientation by {figure} beyond its user in one frame"
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A state of a run, counted from 0, what is wrong with it in words, and whether it is an overlap."""
+    """A state of a run, counted from 0, and what is wrong with it, in words too."""
 
     state: int
     said: str
-    overlap: bool = False
+    kind: Kind
 
 
 @dataclass(frozen=True, eq=False)
 class Looks:
     """How the links of a run look in each of F+1 states, link by link (F+1, L): distance from the user [m], displacement taken
-    back over two frames [m], the same in states that shake, and way [m] and turn [rad] in one frame beyond the user's; `dt` [s]
-    of a frame."""
+    back over two frames [m], the same in states that shake, and way [m] and change of orientation [rad] in one frame beyond the
+    user's; `dt` [s] of a frame."""
 
     apart: Array
     back: Array
@@ -71,11 +84,11 @@ def _angles(orientations: Array) -> Array:
 def moments(one: Shown, depth: Array | None, names: Sequence[str] = ()) -> tuple[Moment, ...]:
     """The first state that is no number, or else what there is of: the deepest overlap, by the judge's `depth` (F+1,) [m] or by
     the pairs; the state farthest from the raw tracker; the one that shakes most; the largest displacement to and fro; the largest
-    jump and the largest turn of a link beyond its user's. `names` of the links: "avatar/link", the first of an avatar its
-    root."""
+    jump and the largest change of orientation of a link beyond its user's. `names` of the links: "avatar/link", the first of an
+    avatar its root."""
     broken = ~(np.isfinite(one.positions).all(axis=(1, 2)) & np.isfinite(one.orientations).all(axis=(1, 2)))
     if broken.any():
-        return (Moment(int(np.argmax(broken)), "a pose is no number"),)
+        return (Moment(int(np.argmax(broken)), Kind.NO_NUMBER.value, Kind.NO_NUMBER),)
     found = (_overlap(one, depth), *(_moments_of_links(looks(one), names) if one.raw_positions.shape[1] else ()))
     return tuple(moment for moment in found if moment is not None)
 
@@ -86,7 +99,8 @@ def _overlap(one: Shown, depth: Array | None) -> Moment | None:
         if 0 <= frame < len(depths):
             depths[frame] = max(depths[frame], deep)
     state = int(np.argmax(depths))
-    return Moment(state, f"overlap of {quantity(float(depths[state]), 'm')}", overlap=True) if depths[state] > LEAST else None
+    said = Kind.OVERLAP.value.format(figure=quantity(float(depths[state]), "m"))
+    return Moment(state, said, Kind.OVERLAP) if depths[state] > LEAST else None
 
 
 def called(link: int, names: Sequence[str]) -> str:
@@ -94,32 +108,66 @@ def called(link: int, names: Sequence[str]) -> str:
     if not 0 <= link < len(names):
         return "a link"
     avatar, _, name = names[link].partition("/")
-    first = next(k for k, other in enumerate(names) if other.partition("/")[0] == avatar)
-    return "root" if first == link else f"link {name or avatar}"
+    return "root" if link in roots(names) else f"link {name or avatar}"
+
+
+def roots(names: Sequence[str]) -> tuple[int, ...]:
+    """The places of the links that are the first of their avatar."""
+    first: dict[str, int] = {}
+    for link, name in enumerate(names):
+        first.setdefault(name.partition("/")[0], link)
+    return tuple(first.values())
 
 
 def _moments_of_links(seen: Looks, names: Sequence[str]) -> tuple[Moment | None, ...]:
-    """Farthest from the user, shakes most, goes to and fro most, jumps most, turns most."""
+    """Farthest from the user, shakes most, goes to and fro most, jumps most, changes its orientation most."""
     least = SHAKES * seen.dt
     told = (
-        (seen.apart, LEAST, "m", "{who} {figure} from its user"),
-        (seen.shakes, LEAST, "m", "{who} shakes by {figure}, frame after frame"),
-        (seen.back, least, "m", "{who} {figure} to and fro over two frames"),
-        (seen.beyond, least, "m", "{who} jumps {figure} beyond its user in one frame"),
-        (seen.turned, least / LEVER, "deg", "{who} turns {figure} beyond its user in one frame"),
+        (seen.apart, LEAST, "m", Kind.APART), (seen.shakes, LEAST, "m", Kind.SHAKES), (seen.back, least, "m", Kind.BACK),
+        (seen.beyond, least, "m", Kind.JUMP), (seen.turned, least / LEVER, "deg", Kind.ORIENTATION),
     )
     found = []
-    for figures, enough, unit, words in told:
+    for figures, enough, unit, kind in told:
         state, link = np.unravel_index(int(np.argmax(figures)), figures.shape) if figures.size else (0, 0)
         most = float(figures[state, link]) if figures.size else 0.0
         shown = quantity(float(np.degrees(most)) if unit == "deg" else most, unit)
-        found.append(Moment(int(state), words.format(who=called(int(link), names), figure=shown)) if most > enough else None)
+        said = kind.value.format(name=called(int(link), names), figure=shown)
+        found.append(Moment(int(state), said, kind) if most > enough else None)
     return tuple(found)
 
 
+def states_of_metrics(one: Shown, names: Sequence[str], parents: Sequence[int | None] = ()) -> Mapping[str, int]:
+    """The state in which each metric of how an avatar looks has its largest figure, of those that have one above 0. `names` of
+    the links as for `moments`; `parents`: of each link its parent's place among them, without which no joint is known."""
+    if not one.raw_positions.shape[1] or len(one.times) < 2:
+        return {}
+    seen = looks(one)
+    figures = {
+        "link_jump_max": seen.beyond, "root_jump_max": seen.beyond[:, list(roots(names))], "reversal_max": seen.back,
+        "chatter_frames": seen.shakes, "tracker_offset_max": seen.apart, "pose_jump_max": _joints(one, parents),
+    }
+    return {metric: int(np.argmax(each.max(axis=1))) for metric, each in figures.items() if each.size and each.max() > 0.0}
+
+
+def _joints(one: Shown, parents: Sequence[int | None]) -> Array:
+    """(F+1, 1) the largest turn [rad] of a joint shown, from the state before, less the largest of the user's; a root turns in
+    the world. Empty where the joints are not those of the links."""
+    count = one.raw_positions.shape[1]
+    if len(parents) != count:
+        return np.zeros((0, 1))
+    turns = []
+    for orientations in (one.orientations[:, -count:], one.raw_orientations):
+        joints = orientations.copy()
+        for link, parent in enumerate(parents):
+            if parent is not None:
+                joints[:, link] = rotation.multiply(rotation.conjugate(orientations[:, parent]), orientations[:, link])
+        turns.append(np.nan_to_num(_angles(joints)).max(axis=1))
+    return np.concatenate([[0.0], turns[0] - turns[1]])[:, None]
+
+
 def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
-    """(drawn state, words) where a link goes to and fro, jumps or turns by what a screen shows, or is far from its user: what "no
-    overlap" alone would hide. Of the states that one drawn state stands for the worst is told."""
+    """(drawn state, words) where a link goes to and fro, jumps or changes its orientation by what a screen shows, or is far from
+    its user: what "no overlap" alone would hide. Of the states that one drawn state stands for the worst is told."""
     if not one.raw_positions.shape[1]:
         return []
     seen = looks(one)
@@ -132,7 +180,7 @@ def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
     for state in range(len(worst[0][0])):
         said = [f"{quantity(float(figures[state]), 'm')} {words}" for figures, enough, words in worst if figures[state] > enough]
         if turned[state] > least / LEVER:
-            said.append(f"turned {quantity(float(np.degrees(turned[state])), 'deg')} beyond its user in a frame")
+            said.append(f"orientation {quantity(float(np.degrees(turned[state])), 'deg')} beyond its user's in a frame")
         if said:
             found.append((state, ", ".join(said)))
     return found

@@ -33,7 +33,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class CellLine:
-    """One cell of one mode: our verdict and everybody's figures, by contender."""
+    """One cell of one mode: our verdict and all figures, by contender."""
 
     name: str
     held: bool

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from reports import (
+    bad_news,
     bounds_by_kind,
     broad_phase,
     broad_phase_chart,
@@ -66,12 +67,13 @@ from reports.law_map import LawMap
 from reports.load import EngineNote, Results
 from reports.marked import cell_note
 from reports.metric_words import words
+from reports.moment import Instants, address
 from reports.narrow_phase import NarrowPhase, call_costs, conclusion, factor, start_up
 from reports.narrow_phase_chart import inks, panels
 from reports.navigation import linked
 from reports.page_paths import path_of
 from reports.palette import Stroke, dark_rules, strokes
-from reports.ranking import ranks, runs_of, tolerances
+from reports.ranking import COUNTED, ranks, runs_of, tolerances
 from reports.ranking import sentence as ranking_sentence
 from reports.scene_page import environment, strokes_data
 from reports.scripts import data, policy, source
@@ -86,7 +88,7 @@ from scenarios.behind import by_family
 from scenarios.native import COMPILED
 
 TEMPLATES = Path(__file__).parent / "templates"
-SHARED: Mapping[str, object] = {"quantity": quantity, "limit": limit, "count": count, "words_of": words}
+SHARED: Mapping[str, object] = {"moment_at": address, "quantity": quantity, "limit": limit, "count": count, "words_of": words}
 """What templates of all sections know."""
 SHORT_COMMIT = 12
 """Characters of a commit's hash that are printed: enough to be the only one that begins so."""
@@ -100,8 +102,9 @@ FAIRNESS = (
     "is used.",
     "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
     "frames load or compile is reported beside it, never inside.",
-    "Of the presets of MuJoCo and PyBullet, default is their documented defaults and tuned the best that we know for the scene; "
-    "settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
+    "Of the presets of MuJoCo and PyBullet, default is their default parameters in our rig (one weld per link) and tuned what we "
+    "found best for accuracy in scenes of its kind, with sleep off; single scenes have better settings, see Accuracy against "
+    "time; settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
     "too, filterparent and autoreset are disabled, pairs excluded as the scene has them, and each link welded to its own mocap "
     "body, with reasons under Settings.",
     "Only the gated engine and preset can pass or fail. Every other row is information.",
@@ -173,44 +176,47 @@ def layout(results: Results, verdict: Verdict) -> Layout:
 
 
 def page(results: Results, verdict: Verdict, extras: Extras | None = None, courses: CourseCharts | None = None,
-         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: list[str] | None = None) -> str:
+         laid_out: Layout | None = None, pictures: Mapping[str, Picture] | None = None, damage: list[str] | None = None,
+         instants: Mapping[str, Instants] | None = None) -> str:
     """The whole page as text, with a section for each of the `extras` that the run has; `courses`: the charts over time of each
     scene; `laid_out`: its layout, where it was drawn before; `pictures`: of each scene; `damage`: what could not be used, to
-    which comes what is noticed here."""
+    which comes what is noticed here; `instants`: when figures of our engine are largest in each scene."""
     extras, courses = extras or Extras(), {scene: charts for scene, charts in (courses or {}).items() if charts}
-    damage = [] if damage is None else damage
+    damage, instants = [] if damage is None else damage, instants or {}
     shown, colours, order = (laid_out or layout(results, verdict))[:3]
     percentiles = time_percentiles(results)
-    scripts = [source("gallery.js"), *([source("courses.js")] if courses else [])]
+    scripts = [source("gallery.js"), *([source("quantity.js"), source("courses.js")] if courses else [])]
     found = gallery.cards(results, shown, verdict, pictures or {})
     ranking, splits = ranks(shown), first_contact.splits(results)
     template = environment().get_template("index.html.j2")
     return labelled(linked(template.render(
         verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
-        **losses.section(results, verdict.ranked, verdict.gated), **explained.section(results),
+        bad_news=bad_news.news(results, verdict.ranked, verdict.gated, instants),
+        **losses.section(results, verdict.ranked, verdict.gated, instants), **explained.section(results),
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
         cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
-        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.TERMS,
+        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.terms(extras.sweep),
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
         absent=_absent(shown), caveat=CAVEAT, kinematic=KINEMATIC,
         ratio_sentence=ratio_sentence(), hover_notes=(*hover_notes(results), *filter(None, [gap_sentence(results)])),
-        overlap_chart=summary_charts.overlaps(results, colours), overlap_summary=overlap_summary(results, verdict.gated),
+        overlap_chart=summary_charts.overlaps(results, colours, verdict.gated),
+        overlap_summary=overlap_summary(results, verdict.gated),
         gallery=found, gallery_said=gallery.sentence(found), gallery_families=gallery.families(found),
         gallery_js=source("gallery.js"), lost_on_card=gallery.ON_CARD,
         ranking=ranking, ranking_runs=runs_of(shown), ranking_tolerances=tolerances(),
-        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), results.families),
-        policy=policy(scripts), courses_js=source("courses.js"),
-        course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(courses, verdict.gated),
+        ranking_sentence=ranking_sentence(ranking, verdict.gated, runs_of(shown), verdict.ranked, results.families),
+        policy=policy(scripts), quantity_js=source("quantity.js"), courses_js=source("courses.js"),
+        course_scenes=[scene for scene in order if scene in courses], courses_said=over_all(results, verdict.gated),
         courses_data=data({"scenes": courses} | strokes_data(colours)) if courses else "",
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **unseen.section(results, verdict.gated),
         time_chart=summary_charts.times(percentiles, colours),
-        time_summary=time_summary(percentiles, verdict.gated, results.families, {
+        time_summary=time_summary(percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]), {
             row.scenario: row.value for row in results.rows
             if row.run == verdict.gated and row.metric == "frame_time_max" and row.value is not None
         }, len({row.scenario for row in results.rows if row.run == verdict.gated})),
@@ -236,7 +242,7 @@ def _sections(results: Results, extras: Extras) -> tuple[Section[Any], ...]:
         Section("growth", "growth.html.j2", (growth.ROWS,), extras.growth, growth.section),
         Section("effects", "effects.html.j2", (effects.FILE,), extras.ablation, effects.section),
         Section("converging", "convergence.html.j2", (convergence.ROWS,), extras.converging, convergence.section),
-        Section("sweep", "sweep.html.j2", sweep.FILES, extras.sweep, sweep_chart.section),
+        Section("sweep", "sweep.html.j2", sweep.FILES, extras.sweep, lambda kept: sweep_chart.section(kept, results)),
         Section("law_map", "law_map.html.j2", (law_map.ROWS,), extras.law_map, law_map_chart.section),
         Section("stability", "stability.html.j2", (stability.ROWS,), extras.steady, stability.section),
         Section("judge", "judge.html.j2", (judge.FILE,), extras.judge, judge.section),

@@ -16,8 +16,8 @@ NAMED = {
     "tracker": ("#8b8f97", "#868c96"),
 }
 SPARE = (("#b0498d", "#f08fce"), ("#9a7400", "#e6c04a"), ("#3c8fb3", "#7fd0ef"), ("#7a5cc4", "#b7a0ff"))
-# First preset of an engine solid, the next dashed, and so on round.
-DASHES = ((1, 0), (5, 3), (2, 2), (8, 3, 2, 3))
+DASHES = ((1, 0), (5, 3), (2, 2), (8, 3, 2, 3), (12, 4), (1, 4))
+"""First preset of an engine solid, the next dashed, and so on; what comes after these is made by `dash`, so none is twice."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,11 @@ class Stroke:
     dash: tuple[int, ...]
 
 
+def dash(index: int) -> tuple[int, ...]:
+    """The dash of the `index`-th preset of an engine, its own: after DASHES a long stroke and one dot more each time."""
+    return DASHES[index] if index < len(DASHES) else (8, 3) + (2, 3) * (index - len(DASHES) + 2)
+
+
 def strokes(runs: Iterable[str]) -> dict[str, Stroke]:
     """A stroke per run, in the order given. The colour says the engine, the dash the preset (default is always solid)."""
     seen: dict[str, list[str]] = {}
@@ -38,7 +43,7 @@ def strokes(runs: Iterable[str]) -> dict[str, Stroke]:
     others = [engine for engine in seen if engine not in NAMED]
     colours = NAMED | {engine: SPARE[index % len(SPARE)] for index, engine in enumerate(sorted(others))}
     found = {
-        run: Stroke(*colours[engine], DASHES[index % len(DASHES)])
+        run: Stroke(*colours[engine], dash(index))
         for engine, own in seen.items() for index, run in enumerate(own)
     }
     return {run: found[run] for run in ordered}

@@ -27,7 +27,7 @@ NO_SIGN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def picture(spec: Mapping[str, object], label: str, name: str) -> str:
-    """The SVG of `spec`, described by `label` for those who do not see it; `name` keeps ids apart within one page."""
+    """The SVG of `spec`, described by `label` in words, in place of the picture; `name` keeps ids apart within one page."""
     svg: str = vl_convert.vegalite_to_svg({key: _writable(part) for key, part in spec.items()}, VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
     svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))

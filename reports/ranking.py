@@ -1,19 +1,22 @@
-"""The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and who is best."""
+"""The ranking matrix: scenes by engines, in each cell overlap, error to the ground truth and frame time, and which is best."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from reports.columns import COLUMNS, Column
+from reports.losses import best_in
 from reports.tables import Block, Cell
 from reports.wording import families as families_of
 from reports.wording import limit, listed, ratio
-from scenarios.behind import BEST
+from scenarios.behind import BEST, Compared
 
 SHOWN = ("overlap", "truth", "p95")
 """Keys of the table's columns that the matrix ranks."""
 NAMES = {"overlap": "overlap", "truth": "error", "p95": "p95"}
 """What each is called at the side of the matrix."""
+COUNTED = {"overlap": "residual_overlap_max", "p95": "frame_time_p95"}
+"""Those that are one metric in all scenes."""
 
 
 @dataclass(frozen=True)
@@ -69,18 +72,26 @@ def tolerances() -> str:
     return f"{BEST} Equal within: {'; '.join(said)}."
 
 
-def sentence(found: Sequence[Rank], ours: str, runs: Sequence[str], family_of: Mapping[str, str] = MappingProxyType({})) -> str:
-    """What to conclude: in how many families of scenes ours is best in every scene, for each measure, and where it is not."""
+def sentence(found: Sequence[Rank], ours: str, runs: Sequence[str], counted: Compared,
+             family_of: Mapping[str, str] = MappingProxyType({})) -> str:
+    """What to conclude: in how many families of scenes ours is best in every scene, for each measure, and where it is not, the
+    largest factor first; overlap and time as the losses count them (`counted`)."""
     if ours not in runs or len(runs) < 2:
         return "There is nothing to be ranked against in this run."
     place, said = runs.index(ours), []
     for key in SHOWN:
-        rows = [(rank.scene, cell) for rank in found for row in rank.rows
-                if row.column.key == key and (cell := row.cells[place]) and cell.ratio is not None]
-        if rows:
-            families = {family_of.get(scene, scene) for scene, _ in rows}
-            behind = {family_of.get(scene, scene) for scene, cell in rows if not cell.best}
-            lost = tuple(f"{scene} ({ratio(cell.ratio)})" for scene, cell in rows if not cell.best)
-            where = f", not in {listed(lost, 4)}" if lost else ""
-            said.append(f"{NAMES[key]} in {len(families - behind)} of {families_of(len(families))}{where}")
+        metric = COUNTED.get(key)
+        text = best_in(counted, family_of, metric) if metric else _errors(found, place, family_of)
+        said += [f"{NAMES[key]} in {text}"] if text else []
     return f"{ours} is best or level: {'; '.join(said)}." if said else "Nothing here can be ranked."
+
+
+def _errors(found: Sequence[Rank], place: int, family_of: Mapping[str, str]) -> str:
+    """The same of the errors to the closed form, of which each scene has its own; "" without any."""
+    rows = [(rank.scene, cell) for rank in found for row in rank.rows
+            if row.column.key == "truth" and (cell := row.cells[place]) and cell.ratio is not None]
+    behind = sorted(((scene, cell.ratio or 0.0) for scene, cell in rows if not cell.best), key=lambda one: -one[1])
+    names = {family_of.get(scene, scene) for scene, _ in rows}
+    lost = {family_of.get(scene, scene) for scene, _ in behind}
+    where = f", behind in {listed(tuple(f'{scene} ({ratio(times)})' for scene, times in behind))}" if behind else ""
+    return f"{len(names - lost)} of {families_of(len(names))}{where}" if rows else ""

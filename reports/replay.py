@@ -8,7 +8,7 @@ import numpy as np
 from avatarsim.spatial import rotation
 from reports import mesh, packed
 from reports.kept import Array, Drawn, Shown
-from reports.moments import Moment, moments, remarks
+from reports.moments import Kind, Moment, moments, remarks
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -19,10 +19,8 @@ MOST_BYTES = 1_600_000
 BYTES_PER_POSE = 14
 """Three places and four parts of a quaternion, 16 bits each."""
 AIR = 0.25
-"""Share by which the box that holds what is drawn is wider than what our engine and the tracker do; who is thrown farther is
+"""Share by which the box that holds what is drawn is wider than what our engine and the tracker do; what is thrown farther is
 drawn at its edge."""
-
-
 FAR = 0.85
 """The view follows what is driven where that needs less than this share of the room that the whole motion needs."""
 
@@ -52,9 +50,9 @@ def replay(
     margin = AIR * (high - low) + 0.5
     box = low - margin, high + margin
     followed = list(range(len(scene.bodies) - links, len(scene.bodies))) if links else moving
-    names = [str(body["name"]) for body in scene.bodies[len(scene.bodies) - links :]] if links else []
+    names = scene.names_of_links(links)
     worst = {one.run: moments(one, (depths or {}).get(one.run), names) for one in engines}
-    # the user too is to be seen, who may be far from what is shown
+    # the user too is to be seen, whose place may be far from what is shown
     seen = np.concatenate([main.positions[:, followed], main.raw_positions], axis=1)
     near = _near(seen, [reach[which[k]] for k in followed] * (2 if links else 1))
     radius = float(0.5 * np.linalg.norm(high - low))
@@ -134,18 +132,25 @@ def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
     return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
 
 
-def opening(engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int) -> dict[str, int]:
-    """The drawn states to open on: "ours", where our engine looks worst (its overlap, or else its largest jump or turn, or else
-    its largest displacement to and fro, or what else there is), and "others", the deepest overlap of the others. Without an entry
-    where there is no such moment."""
-    found = {}
+FIRST = (Kind.NO_NUMBER, Kind.OVERLAP, Kind.JUMP, Kind.ORIENTATION, Kind.BACK)
+"""Kinds of moments on which a page opens, those first that come first; then any other."""
+
+
+def opening(
+    engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int,
+) -> dict[str, dict[str, object]]:
+    """The drawn states to open on, each with its run: "ours", where our engine looks worst (its overlap, or else its largest jump
+    or change of orientation, or else its largest displacement to and fro, or what else there is), and "others", the deepest
+    overlap of the others. Without an entry where there is no such moment."""
+    found: dict[str, dict[str, object]] = {}
     own = worst.get(ours, ())
     if own:
-        first = min(own, key=lambda one: (not one.overlap, "in one frame" not in one.said, "to and fro" not in one.said))
-        found["ours"] = first.state // step
-    pairs = [(depth, frame) for one in engines if one.run != ours for frame, _, _, depth in one.pairs]
+        first = min(own, key=lambda one: FIRST.index(one.kind) if one.kind in FIRST else len(FIRST))
+        found["ours"] = {"state": first.state // step, "run": ours}
+    pairs = [(depth, -frame, one.run) for one in engines if one.run != ours for frame, _, _, depth in one.pairs]
     if pairs:
-        found["others"] = max(pairs, key=lambda pair: (pair[0], -pair[1]))[1] // step
+        _, frame, run = max(pairs)
+        found["others"] = {"state": -frame // step, "run": run}
     return found
 
 

@@ -22,16 +22,17 @@ from reports.kept import Drawn, Shown, drawn, fitting, shown
 from reports.load import Results, Series
 from reports.marked import cell_note
 from reports.metric_words import words
+from reports.moment import Instants, instants
 from reports.palette import ALARM, GRID, MUTED, TEXT, Stroke, dark_rules
-from reports.replay import counts_of, replay
+from reports.replay import MOST_FRAMES, counts_of, replay
 from reports.tables import RAW_TRACKER, Block, engine_of
 from reports.thumbnail import telling, thumbnail
 from reports.verdict import Verdict, believed
 from reports.wording import count, limit, quantity, ratio
 from reports.your_project import grasped
 
-POINTS = 400
-"""Points of a line of a scene's own charts: one per state up to seven seconds."""
+POINTS = MOST_FRAMES
+"""Points of a line of a scene's own charts, as many as states are drawn beside them."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,8 @@ def strokes_data(strokes: Mapping[str, Stroke]) -> dict[str, object]:
 class Kept:
     """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
     settings in force; `damage` is a sentence for each file that could not be used, and is left out; `grasped` says where what
-    hands close on ends, `cut` how much of the scene ran where it was cut short."""
+    hands close on ends, `cut` how much of the scene ran where it was cut short, `instants` when figures of our engine are
+    largest."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
@@ -74,6 +76,7 @@ class Kept:
     damage: tuple[str, ...] = ()
     grasped: str = ""
     cut: str = ""
+    instants: Instants = Instants()
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -91,10 +94,12 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
         # what cannot be written into the page is noticed here
         scripts.data(replayed)
         lines, picture = courses(series, recorded, scene), _picture(name, scene, recorded, ours, series, replayed)
+        own = next((one for one in recorded if one.run == ours), None)
+        times = instants(own, scene) if own else Instants()
     except UNDRAWABLE as error:
         said = f"what was recorded cannot be drawn ({type(error).__name__}: {error})"
         return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said), cut=cut)
-    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)), cut)
+    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)), cut, times)
 
 
 def _readable(run_dir: Path, name: str, runs: Sequence[str], seed: int) -> tuple[Drawn | None, list[Shown], tuple[str, ...]]:
@@ -138,8 +143,9 @@ def page(
     sources = [scripts.source("courses.js")] if found.lines else []
     if library and found.replay:
         sources = [library, scripts.source("gif.js"), scripts.source("replay.js"), *sources]
-    drawn_charts = charts(found.lines, found.dt, POINTS)
+    sources += [scripts.source("quantity.js")] if sources else []
     replayed = found.replay or {}
+    drawn_charts = charts(found.lines, found.dt, POINTS, int(str(replayed.get("stride", 0))))
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
         block=block, damage=found.damage, grasped=found.grasped, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT,
@@ -149,7 +155,8 @@ def page(
         policy=scripts.policy(sources), library=library, words=three_js.WORDS,
         replay=replayed, replay_data=scripts.data(found.replay) if library and found.replay else "",
         states=counts_of(found.replay) if found.replay else 0,
-        replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"), courses_js=scripts.source("courses.js"),
+        replay_js=scripts.source("replay.js"), gif_js=scripts.source("gif.js"),
+        quantity_js=scripts.source("quantity.js"), courses_js=scripts.source("courses.js"),
         asleep_said=asleep_sentence(block), cut_said=found.cut, as_run=found.settings, charts=drawn_charts,
         courses_data=scripts.data({"scenes": {block.scene: drawn_charts}} | strokes_data(strokes)),
         css=scripts.source("page.css") + scripts.source("scene.css") + dark_rules(),

@@ -8,6 +8,7 @@ from reports.charts import Panel
 from reports.courses import charts
 from reports.gallery import Picture
 from reports.load import Results
+from reports.moment import Instants
 from reports.palette import strokes
 from reports.scene_page import Neighbours, kept, page
 from reports.tables import blocks
@@ -18,14 +19,15 @@ POINTS = 160
 
 
 class Made(NamedTuple):
-    """A scene, the text of its page, and what index.html shows of it: its charts over time, its picture, and which of its files
-    could not be used."""
+    """A scene, the text of its page, and what index.html shows of it: its charts over time, its picture, which of its files
+    could not be used, and when figures of our engine are largest."""
 
     scene: str
     text: str
     charts: list[dict[str, object]]
     picture: Picture
     damage: tuple[str, ...]
+    instants: Instants
 
 
 def scene_pages(
@@ -42,4 +44,5 @@ def scene_pages(
         own = {run: stroke for run, stroke in colours.items() if any(line.run == run for line in block.lines)}
         found = kept(run_dir, block.scene, results, verdict.gated)
         text = page(block, found, verdict, own, around, (panels or {}).get(block.scene, ()))
-        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture, found.damage)
+        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture, found.damage,
+                   found.instants)

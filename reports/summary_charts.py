@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 
 from reports.charts import Percentiles
-from reports.conclusions import FRAME_90_HZ, OVERLAP_BOUND, peak
+from reports.conclusions import FRAME_90_HZ, OVERLAP_BOUND, peak, shown_scenes
 from reports.load import Results
 from reports.marks import OVERLAP_FLOOR, OVERLAP_TOP, overlap_axis, strips, time_axis
 from reports.palette import Stroke
@@ -16,10 +16,11 @@ P95 = 1
 """Place of the 95th percentile among (p50, p95, p99)."""
 
 
-def overlaps(results: Results, strokes: Mapping[str, Stroke]) -> str:
-    """The deepest overlap of every scene; "" for a run without series. What is no number lies at the upper end."""
+def overlaps(results: Results, strokes: Mapping[str, Stroke], ours: str) -> str:
+    """The deepest overlap of every scene that ours shows; "" for a run without series. What is no number lies at the upper
+    end."""
     values: dict[str, list[float]] = {}
-    for runs in results.series.values():
+    for runs in shown_scenes(results, ours).values():
         for run, series in runs.items():
             if series.overlap.size:
                 values.setdefault(run, []).append(peak(series.overlap))

@@ -8,15 +8,17 @@ from reports import beaten, ladders
 from reports.cheapest import BASE, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.cheapest import sentence as cheapest_sentence
 from reports.conclusions import FRAME_60_HZ
+from reports.load import Results
 from reports.log_log import LogLog, decades
 from reports.metric_words import words
 from reports.page_paths import path_of
 from reports.palette import MUTED, Stroke, strokes
 from reports.performance_profile import Steps, profiles
 from reports.performance_profile import sentence as profile_sentence
-from reports.sweep import OURS, Point, Rivalry, Sweep, conclusion
+from reports.sweep import OURS, SEEN_GAP, Point, Rivalry, Sweep, conclusion
 from reports.wording import count, limit, listed, quantity
-from scenarios.sweep.accuracy import LEVELS
+from scenarios.sweep.accuracy import LEVELS, counts
+from scenarios.sweep.accuracy import length as as_length
 
 LEAST = 0.3
 """Where an error of exactly nothing is drawn, as a share of the smallest one that counts, in units that count whole things."""
@@ -129,7 +131,7 @@ def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float
     for point in sorted(usable, key=_rank, reverse=True):
         preset = point.is_preset
         ours = (point.engine, point.setting) == OURS
-        radius, filled = 4.5 if ours else 3.3 if preset else 2.3, bool(point.front) or preset
+        radius, filled = 4.5 if ours else 3.3 if preset else 2.3, bool(point.front) or preset or not is_beaten(point, usable)
         chart.dot(point.p50, max(point.floored, floor), ink[point.family].light, tooltip(point), radius, filled)
     for point in rivalry.spoilt:
         if point.state != "not-measured":
@@ -137,6 +139,13 @@ def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float
     for point in sorted(usable, key=_rank):
         chart.label(point.p50, max(point.floored, floor), short_name(point), ink[point.family].light)
     return chart.svg(f"{rivalry.scenario}. {rivalry.metric} against median frame time. {_front_words(rivalry)}")
+
+
+def is_beaten(point: Point, others: Sequence[Point]) -> bool:
+    """Whether a setting of its own engine is as fast and as accurate and hovers no farther off: a gap is no error, but neither
+    is what stays off by one better than what touches."""
+    return any(other is not point and other.engine == point.engine and other.p50 <= point.p50 and other.floored <= point.floored
+               and not other.gap > max(point.gap, SEEN_GAP) for other in others)
 
 
 def _end(front: Sequence[Point], floor: float, right: float) -> list[tuple[float, float]]:
@@ -239,9 +248,9 @@ def one_line(block: Block) -> str:
     index, said = LEVELS.index(1e-3), []
     for line in block.lines:
         attempt = line.cells[index].attempt
-        said.append(f"{line.engine} by none of {line.measured}" if attempt is None else
-                    f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting})")
-    return f"at 1 mm: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
+        said.append(f"{line.engine}: {line.none}" if attempt is None else
+                    f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
+    return f"at 1 mm, of so many: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
 def figure(value: object) -> str:
@@ -259,8 +268,24 @@ def left_out(sweep: Sweep) -> list[tuple[str, str]]:
     return [(scene, ", ".join(runs)) for scene, runs in found.items()]
 
 
-def section(sweep: Sweep) -> dict[str, object]:
-    """What the section is made of."""
+def at_other_rates(results: Results | None, point: Point, metrics: Sequence[str]) -> str:
+    """Where a setting, or the preset beneath it, errs more in a variant of its scene, such as at another frame rate: the largest
+    of its errors that count there; of other settings only their own scene is measured. "" where no variant is worse."""
+    if results is None:
+        return ""
+    family = results.family(point.scenario)
+    found = [(as_length(row.metric, row.value), row) for row in results.rows
+             if results.family(row.scenario) == family and row.run == point.family and row.metric in metrics
+             and row.value is not None and counts(row.metric, row.unit)]
+    own = max((value for value, row in found if row.scenario == point.scenario), default=math.nan)
+    worst = max((one for one in found if one[1].scenario != point.scenario), key=lambda one: one[0], default=None)
+    if worst is None or not worst[0] > max(own, LEVELS[-1]):
+        return ""
+    return f"{'' if point.is_preset else f'{point.base}: '}{quantity(worst[0], 'm')} in {worst[1].scenario}"
+
+
+def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
+    """What the section is made of; `results`: the run's own figures, for those of a scene's variants."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
     said = [cheapest_sentence(found), conclusion(sweep)]
@@ -272,5 +297,6 @@ def section(sweep: Sweep) -> dict[str, object]:
         "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
+        "rates_of": lambda block, point: at_other_rates(results, point, block.metrics),
         "model_of": sweep.model, "path_of": path_of,
     }

@@ -112,10 +112,10 @@ def ratios(table: Table2) -> str:
         if not found:
             said.append(f"No setting of another engine leaves at most {limit(most, 'm')} in any of these scenes.")
             continue
-        least, who = min(found)
+        least, run = min(found)
         kept = "kept" if least >= promised else "missed"
         said.append(
-            f"Least lead over a setting that leaves at most {limit(most, 'm')}: {figures(least)} times ({who}; promised "
+            f"Least lead over a setting that leaves at most {limit(most, 'm')}: {figures(least)} times ({run}; promised "
             f"{promised:g}, {kept})."
         )
     return " ".join(said)

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from reports.asleep import asleep, sleepers
 from reports.columns import COLUMNS, Column, is_truth_error, ratio_to_best, truth_metric, worst
 from reports.load import Results, Row
+from scenarios.like_for_like import with_avatar
 from scenarios.sayable import Unsaid
 
 # The engine whose rows are the raw tracker motion: no contact handling at all. It shows how large the problem is and can win
@@ -63,6 +64,8 @@ class Block:
     """Engines and presets that sleep in the median frame: of medians no factor is made then."""
     asleep_through: tuple[str, ...] = ()
     """Those of them that sleep in the frame of the 95th percentile too."""
+    avatar: bool = False
+    """Whether the scene has an avatar: its times stand side by side."""
 
 
 def gated_run(rows: Iterable[Row]) -> str:
@@ -97,15 +100,16 @@ def _block(
         runs[row.run].append(row)
     found = {run: [_worst_in(own, column, truth) for column in COLUMNS] for run, own in runs.items()}
     rivals = {run: rows for run, rows in found.items() if run == ours or engine_of(run) not in (RAW_TRACKER, engine_of(ours))}
-    # a time in which one sleeps says how much rests: nothing is best in it, and no factor is made of it
-    best = [None if asleep(sleeping, column.key) else _best(column, rivals, index, unsaid)
+    # of a time in which one sleeps, or of an avatar that is kinematic in one and dynamic in others, no factor is made
+    avatar = bool(with_avatar(rows))
+    best = [None if asleep(sleeping, column.key) or (avatar and column.unit == "us") else _best(column, rivals, index, unsaid)
             for index, column in enumerate(COLUMNS)]
     lines = [
         _line(run, runs[run], found[run], best, ours, unsaid) for run in sorted(runs, key=lambda run: _order(run, ours))
     ]
     overlap = [row.ceiling for row in rows if row.metric == "residual_overlap_max" and row.ceiling is not None]
     return Block(scene, title, tuple(lines), truth, max(overlap, default=None), asleep(sleeping, "p50"),
-                 asleep(sleeping, "p95"))
+                 asleep(sleeping, "p95"), avatar)
 
 
 def engine_of(run: str) -> str:

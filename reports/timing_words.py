@@ -69,7 +69,8 @@ def machine(provenance: Mapping[str, object]) -> str:
                     f"ours, once a frame in MuJoCo where nothing is led, else once a step, 16 to 64 in tuned presets")
     means = {when: found.get(f"load_{when}") for when in ("before", "after")}
     loads = [f"{mean[0]:g} {when}" for when, mean in means.items() if isinstance(mean, list) and mean]
-    said += [f"the load average of a minute was {' and '.join(loads)}"] if loads else []
+    said += [f"the load average of a minute was {' and '.join(loads)} (it counts this run's own processes too: those that "
+             "measured accuracy before, and those that are timed and wait)"] if loads else []
     return f"While frames were timed, {'; '.join(said)}." if said else ""
 
 

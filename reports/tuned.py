@@ -1,4 +1,4 @@
-"""Tuned beside documented defaults: in which figures are the best settings that we know of an engine worse than its own?"""
+"""Tuned beside default parameters, both in our rig: in which figures are the settings that we chose worse than default?"""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -57,7 +57,7 @@ def _tuning(engine: str, shown: Sequence[Block]) -> Tuning:
                 if column.key == "p50" and before.value and after.value:
                     times.append(after.value / before.value)
                 continue
-            # of whom left the room nothing else is told: neither that they overlap less for it, nor that they overlap at all
+            # of a run that left the room nothing else is told: neither that it overlaps less for it, nor that it overlaps at all
             aside = column.stays_inside and any(left_room([each.row for each in line.cells]) for line in (default, tuned))
             if aside or not (before.row or before.word) or not (after.row or after.word):
                 continue

@@ -8,8 +8,10 @@ import numpy as np
 
 from reports.columns import worst
 from reports.load import Results, Row
+from reports.metric_words import words
 from reports.tables import RAW_TRACKER, engine_of
 from reports.wording import MISSING, count, listed, quantity
+from scenarios.explaining import briefly
 from scenarios.unseen.rooms import PREFIX
 
 ORIGIN = "unseen"
@@ -43,7 +45,7 @@ MEASURES = (
     Measure("tracker_offset_rms", "offset from the user, rms", "m", 1e-3),
     Measure(FARTHEST, "farthest from the user", "m", 1e-3),
     Measure("silent_offset_frames", "far from a free user, no status", "frames", 0.5),
-    Measure(LIMITS, "beyond joint limits", "deg", math.inf),
+    Measure(LIMITS, words(LIMITS), "deg", math.inf),
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
@@ -51,8 +53,9 @@ SHAKES = MEASURES[1]
 WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
          TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}"}
 """Metrics whose largest figure stands at the top of the page, and how it is said there."""
-BEST = "/tuned"
-"""How runs of other engines with their best settings end: they stand beside ours, everything else in a fold."""
+BEST = ("/tuned", "/hinges")
+"""How runs of other engines with tuned settings, and with hinges for ball joints, end: they stand beside ours, all else in a
+fold."""
 SAID = {"waiting": "waiting", "planning": "seeking a path", "following": "along a path",
         "status_frames": "reported as not ended well"}
 """Counts by which ours says that it is not where its target is, and what they are called."""
@@ -62,13 +65,14 @@ PROMISED = ("residual_overlap_max", "wrong_side_frames", "not_finite_frames", "j
 
 @dataclass(frozen=True)
 class Line:
-    """One engine in one room: its figures in the order of MEASURES, None where there is none, how many frames were timed, whether
-    it left the allowed side, and why there is no figure at all ("" where there is one)."""
+    """One engine in one room: its figures in the order of MEASURES, None where there is none, how many frames were timed, from
+    which on, whether it left the allowed side, and why there is no figure at all ("" where there is one)."""
 
     room: str
     run: str
     figures: tuple[float | None, ...]
     timed: int
+    first: int
     outside: bool
     nothing: str
 
@@ -156,8 +160,9 @@ def _line(results: Results, scene: str, run: str, rows: Sequence[Row]) -> Line:
     whole = next((row for row in rows if row.metric == "run"), None)
     nothing = f"{whole.status}: {whole.note}".removesuffix(": ") if whole else ""
     outside = any(row.metric == "wrong_side_frames" and row.value is not None and not row.value <= 0.0 for row in rows)
-    timed = int(np.isfinite(series.frame_time).sum()) if series else 0
-    return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed, outside, nothing)
+    timed = np.flatnonzero(np.isfinite(series.frame_time)) if series else np.zeros(0, dtype=np.int64)
+    first = int(timed[0]) if timed.size else 0
+    return Line(scene.removeprefix(PREFIX), run, tuple(figures), timed.size, first, outside, nothing)
 
 
 def _breaks(row: Row) -> bool:
@@ -186,7 +191,7 @@ def losses(found: Unseen) -> tuple[str, ...]:
                 behind.append((mine - best[0], room, against))
         if behind:
             _, room, against = max(behind)
-            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, most in {room} ({against})")
+            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, furthest behind in {room} ({against})")
     return tuple(said)
 
 
@@ -197,7 +202,7 @@ def conclusion(found: Unseen) -> str:
     parts += [f"{found.ours} is behind another engine in {'; '.join(lost)}."] if lost else []
     own = [line for line in found.lines if line.run == found.ours and not line.nothing]
     if own and not found.broken:
-        parts.append(f"It keeps what it promises (no overlap, limits, the right side) in {count(len(own), 'room')}.")
+        parts.append(f"It keeps what it promises (no overlap, limits, the right side) in {_rooms(found)}.")
     others = [(figure, line.run, line.room) for line in found.lines if engine_of(line.run) != engine_of(found.ours)
               and (figure := line.of(OVERLAP)) is not None and math.isfinite(figure)]
     if others:
@@ -238,50 +243,69 @@ def source(found: Unseen) -> str:
 
 def verdict_sentence(found: Unseen) -> str:
     """At the top of the page: what ours keeps on these motions, and its worst figures beside the best other engine there."""
-    told = f"In the {count(len(found.asked), 'room')} of motions that nothing was tuned for"
+    told = f"In {_rooms(found)} with motions that nothing was tuned for"
     if not any(line.of(CHATTER) is not None for line in found.lines if line.run == found.ours):
         return f"{told}, {found.ours} has no figure."
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
-    said = [sentence for metric, words in WORST.items() if (sentence := _worst(found, metric, words))]
+    said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
     said += [sentence for sentence in (_worst(found, CHATTER, "up to {} of the frames in contact shake"),) if sentence]
     return " ".join(filter(None, [f"{told}, {kept}; but {', '.join(said)}.", smoother(found)]))
 
 
-def _worst(found: Unseen, metric: str, words: str) -> str:
-    """Our largest figure of a metric with its room and the best other engine's figure there; "" where there is none."""
+def _rooms(found: Unseen) -> str:
+    """"5 rooms", and which of them are shown at another frame rate besides, which are not counted again."""
+    again = f" (and again: {listed(tuple(room for room in found.rooms if room in found.variants))})" if found.variants else ""
+    return f"{count(len(found.asked), 'room')}{again}"
+
+
+def _worst(found: Unseen, metric: str, form: str) -> str:
+    """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
+    the table; "" where there is none."""
     measure = next(one for one in MEASURES if one.metric == metric)
-    shown = [(figure, line.room) for line in found.lines if line.run == found.ours and (figure := line.of(metric)) is not None]
+    shown = [(figure, line.room) for line in found.lines
+             if line.run == found.ours and line.room in found.asked and (figure := line.of(metric)) is not None]
     if not shown:
         return ""
     # a figure that is no number is the worst
     figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf)
     best = found.best(room, measure)
     beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
-    return f"{words.format(quantity(figure, measure.unit))} ({room}{beside})"
+    return f"{form.format(quantity(figure, measure.unit))} ({room}{beside})"
 
 
 def smoother(found: Unseen) -> str:
-    """In how many rooms another engine, by its smoothest preset there, is smoother than ours, and how far that engine bends
-    joints beyond their limits meanwhile; of the engine that is so most often, "" where none is."""
+    """Which presets of other engines are smoother than ours, in how many rooms, each beside how far its own joints go beyond
+    their limits there and why: of each engine the one that is so most often, and the one whose joints go least far beyond."""
     rough = next(one for one in MEASURES if one.metric == ROUGH)
-    rooms: dict[str, dict[str, Line]] = {}
+    runs: dict[str, list[Line]] = {}
     for line in found.lines:
         own, figure = found.line(line.room, found.ours), line.of(ROUGH)
         mine = own.of(ROUGH) if own else None
         aside = line.room not in found.asked or line.outside or engine_of(line.run) == engine_of(found.ours)
-        if aside or figure is None or mine is None or not figure < mine - rough.same:
-            continue
-        best = rooms.setdefault(engine_of(line.run), {})
-        before = best.get(line.room)
-        if before is None or figure < (before.of(ROUGH) or 0.0):
-            best[line.room] = line
-    if not rooms:
-        return ""
-    engine, lines = max(rooms.items(), key=lambda pair: len(pair[1]))
-    bent = [angle for line in lines.values() if (angle := line.of(LIMITS)) is not None and math.isfinite(angle)]
-    price = f", with joints up to {quantity(max(bent), 'deg')} beyond their limits" if bent and max(bent) > 0.0 else ""
-    return f"{engine} is smoother in {len(lines)} of {count(len(found.asked), 'room')}{price}."
+        if not aside and figure is not None and mine is not None and figure < mine - rough.same:
+            runs.setdefault(line.run, []).append(line)
+    named = dict[str, None]()
+    for engine in dict.fromkeys(engine_of(run) for run in runs):
+        own_runs = [run for run in runs if engine_of(run) == engine]
+        named |= {max(own_runs, key=lambda run: len(runs[run])): None, min(own_runs, key=lambda run: _beyond(runs[run])): None}
+    order = sorted(named, key=lambda run: -len(runs[run]))
+    return f"Smoother than ours: {'; '.join(_smoother(found, run, runs[run]) for run in order)}." if order else ""
+
+
+def _beyond(lines: Sequence[Line]) -> float:
+    """The largest angle [deg] beyond a joint's limits in these rooms; 0 where none is stated."""
+    return max((angle for line in lines if (angle := line.of(LIMITS)) is not None and math.isfinite(angle)), default=0.0)
+
+
+def _smoother(found: Unseen, run: str, lines: Sequence[Line]) -> str:
+    """"mujoco/tuned in 5 of 5 rooms (joints up to 150° beyond their limits; adapter: twist unlimited)"."""
+    said = f"{run} in {len(lines)} of {count(len(found.asked), 'room')}"
+    if not _beyond(lines) > 0.0:
+        return said
+    most = max(lines, key=lambda line: line.of(LIMITS) or 0.0)
+    why = briefly(f"{PREFIX}{most.room}", run)
+    return f"{said} (joints up to {quantity(_beyond(lines), 'deg')} beyond their limits{f'; {why}' if why else ''})"
 
 
 def worst_first(found: Unseen) -> list[Line]:
@@ -301,8 +325,8 @@ def cell_rows(lines: Sequence[Line], ours: str) -> list[dict[str, object]]:
     for line in lines:
         rows.append({
             "room": line.room if line.room != before else "", "scene": f"{PREFIX}{line.room}", "run": line.run,
-            "texts": line.texts, "timed": line.timed or MISSING, "nothing": line.nothing, "ours": line.run == ours,
-            "outside": line.outside,
+            "texts": line.texts, "timed": f"{line.timed} from {line.first}" if line.timed else MISSING,
+            "nothing": line.nothing, "ours": line.run == ours, "outside": line.outside,
         })
         before = line.room
     return rows
@@ -314,9 +338,9 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     if found is None:
         return {"unseen": None, "unseen_verdict": ""}
     ordered = worst_first(found)
-    said = " ".join(filter(None, [conclusion(found), limits_sentence(results, ours)]))
     return {
-        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": said,
+        "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
+        "unseen_limits": limits_sentence(results, ours),
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (

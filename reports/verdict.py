@@ -4,20 +4,20 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from reports.asleep import told
 from reports.load import Results, Row
 from reports.losses import beside
 from reports.metric_words import words
 from reports.tables import RAW_TRACKER, gated_run
 from reports.wording import count, limit, quantity
 from scenarios.behind import Compared, Lost, by_family, compared
+from scenarios.like_for_like import with_avatar
 
 PROMISED = {
     "residual_overlap_max": "no overlap", "joint_limit_excess_max": "joint limits", "wrong_side_frames": "the right side",
     "not_finite_frames": "finite numbers",
 }
 """What holds whatever the scene and the motion, by metric."""
-AVATAR = "tracker_offset_rms"
-"""A metric that every scene with an avatar has, and no other."""
 LOOKS = (
     "link_jump_max", "root_jump_max", "pose_jump_max", "reversal_max", "reversal_p95", "chatter_frames", "jitter_rms",
     "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
@@ -127,7 +127,7 @@ def believed(row: Row, ours: str) -> str:
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
-    ranked = compared(results.rows, ours, results.unsaid, results.scales)
+    ranked = compared(results.rows, ours, results.unsaid, results.scales, told(results))
     by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
@@ -148,7 +148,7 @@ def verdict(results: Results) -> Verdict:
         ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
         tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
         _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
-        _states(results, ours, failed), code, results.exit_code is not None,
+        _states(results, ours, failed, by_word["ceiling"]), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
         (sum(row.bound is not None for row in _looks(results, ours)), len(_looks(results, ours))),
     )
@@ -159,13 +159,15 @@ def _looks(results: Results, ours: str) -> list[Row]:
     return [row for row in results.rows if row.run == ours and row.metric in LOOKS and row.value is not None]
 
 
-STATES = ("held", "failed", "crashed", "refused", "not measured")
-"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, held."""
+CEILING = "within a ceiling"
+STATES = ("held", CEILING, "failed", "crashed", "refused", "not measured")
+"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, within a ceiling, held. In a scene
+within a ceiling a bound does not hold, and the gate stands higher."""
 
 
-def _states(results: Results, ours: str, failed: Iterable[Row]) -> Mapping[str, int]:
+def _states(results: Results, ours: str, failed: Iterable[Row], ceiling: Iterable[Row]) -> Mapping[str, int]:
     """Number of scenes by state of `ours`: each scene of the run has exactly one, so they add up."""
-    lost = {row.scenario for row in failed}
+    lost, above = {row.scenario for row in failed}, {row.scenario for row in ceiling}
     counted = dict.fromkeys(STATES, 0)
     for scene in results.scenes():
         own = [row for row in results.of(scene) if row.run == ours]
@@ -177,7 +179,7 @@ def _states(results: Results, ours: str, failed: Iterable[Row]) -> Mapping[str, 
         elif scene in lost:
             state = "failed"
         else:
-            state = "refused" if said & {"refused", "cannot-say"} else "held"
+            state = "refused" if said & {"refused", "cannot-say"} else CEILING if scene in above else "held"
         counted[state] += 1
     return counted
 
@@ -233,9 +235,10 @@ def _compared(lost: Lost) -> Loss:
 
 def scenes_sentence(verdict_: Verdict) -> str:
     """How the scenes add up, and what the gate counts beside them."""
-    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items())
     bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
     above = f", {len(verdict_.ceiling)} above the bound and within a ceiling" if verdict_.ceiling else ""
+    # a run without ceilings need not be told of them
+    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items() if number or state != CEILING)
     return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'bound')}: "
             f"{len(verdict_.held)} hold{above}, {len(verdict_.failed)} failed. A scene that expects a "
             "refusal and got it counts as refused.")
@@ -279,7 +282,7 @@ def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:
     lost = losing_scenes(verdict_)
     trouble = {row.scenario for row in verdict_.failed + verdict_.ceiling}
     trouble |= {row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated}
-    avatars = {row.scenario for row in results.rows if row.metric == AVATAR}
+    avatars = with_avatar(results.rows)
 
     def kind(scene: str) -> int:
         if scene in trouble:

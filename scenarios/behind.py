@@ -8,12 +8,13 @@ count families: a family is a scene with its variants. Figures of a world of ano
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Protocol
 
 from scenarios.engines import BASELINE
+from scenarios.like_for_like import TIME, asleep, sleepers, with_avatar
 from scenarios.ranked import RANKED, Ranked
 from scenarios.sayable import Unsaid
 
@@ -21,7 +22,9 @@ BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
     "engine is ranked. Values that differ by no more than the resolution of their metric are level, times within 10 %. An "
     "engine that left the allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine "
-    "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it."
+    "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it. Times of scenes with an "
+    "avatar stand side by side, without factor, rank or best: ours is kinematic, theirs has dynamics. Nor is a time ranked "
+    "where what rests sleeps, in ours or another engine, in the frame that it is of."
 )
 """The rule in words, printed beside every table that names a best."""
 POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})
@@ -67,11 +70,14 @@ class Behind:
 class Compared:
     """What was ranked: `pairs` of (scene, metric) in which ours and another engine stand, and those of them in which we are
     behind, each in the seed in which we are furthest behind; `silent`: engine and preset -> pairs that do not judge it, because
-    it has no words for what they measure."""
+    it has no words for what they measure; `beside`: pairs of frame times of scenes with an avatar, which rank nothing, and
+    whether another engine takes less time there; `asleep`: those of frames in which what rests sleeps in some engine."""
 
     pairs: frozenset[tuple[str, str]]
     behind: tuple[Behind, ...]
     silent: Mapping[str, frozenset[tuple[str, str]]] = field(default_factory=dict)
+    beside: Mapping[tuple[str, str], bool] = field(default_factory=dict)
+    asleep: frozenset[tuple[str, str]] = frozenset()
 
 
 def at_size_1(value: float | None, unit: str, scale: float) -> float | None:
@@ -86,9 +92,15 @@ def at_size(value: float | None, unit: str, scale: float) -> float | None:
 
 def compared(
     rows: Iterable[Figure], ours: str, unsaid: Unsaid | None = None, scales: Mapping[str, float] = MappingProxyType({}),
+    told: Container[tuple[str, str]] | None = None,
 ) -> Compared:
     """Every ranked metric of every scene, ours against the other engines. `unsaid`: what engines have no words for; `scales`:
-    scene -> size of its world, where that is not 1."""
+    scene -> size of its world, where that is not 1; `told`: (scene, run) of those that a setting tells to sleep,
+    None where settings are not known."""
+    rows = tuple(rows)
+    avatars, sleeping = with_avatar(rows), sleepers(rows, told)
+    beside: dict[tuple[str, str], bool] = {}
+    resting: set[tuple[str, str]] = set()
     grouped: dict[tuple[str, int], list[Figure]] = defaultdict(list)
     for row in rows:
         grouped[row.scenario, row.seed].append(row)
@@ -109,11 +121,18 @@ def compared(
                 del theirs[run]
             if mine is None or not theirs or (mine.value is None and RANKED[metric].may_lack):
                 continue
-            pairs.add(key)
             found = _behind(mine, theirs, RANKED[metric], left, scales.get(scene, 1.0))
+            if metric.startswith(TIME) and scene in avatars:
+                beside[key] = beside.get(key, False) or found is not None
+                continue
+            if metric.startswith(TIME) and asleep(sleeping.get(scene, {}), metric.removeprefix(TIME)):
+                resting.add(key)
+                continue
+            pairs.add(key)
             if found is not None and (key not in furthest or furthest[key].severity < found.severity):
                 furthest[key] = found
-    return Compared(frozenset(pairs), tuple(furthest.values()), {run: frozenset(keys) for run, keys in silent.items()})
+    quiet = {run: frozenset(keys) for run, keys in silent.items()}
+    return Compared(frozenset(pairs), tuple(furthest.values()), quiet, beside, frozenset(resting))
 
 
 def rivals(rows: Iterable[Figure], ours: str) -> dict[str, float]:
@@ -193,3 +212,23 @@ def by_family(found: Compared, family_of: Mapping[str, str]) -> tuple[MetricLoss
         all_lost = [one for family in sizes[metric] for one in behind.get((metric, family), ())]
         made.append(MetricLosses(metric, len(sizes[metric]), tuple(lost), max(all_lost, key=_size, default=None)))
     return tuple(made)
+
+
+@dataclass(frozen=True)
+class Aside:
+    """One frame time that ranks nothing in some families: in so many with an avatar, in `less` of which another engine takes
+    less time, and in so many in which what rests sleeps in its frame."""
+
+    avatar: int
+    less: int
+    asleep: int
+
+
+def aside(found: Compared, family_of: Mapping[str, str], metric: str) -> Aside:
+    """What is set aside of one frame time, counted in families."""
+    def families(scenes: Iterable[str]) -> int:
+        return len({family_of.get(scene, scene) for scene in scenes})
+
+    here = {scene: less for (scene, name), less in found.beside.items() if name == metric}
+    return Aside(families(here), families(scene for scene, less in here.items() if less),
+                 families(scene for scene, name in found.asleep if name == metric))

@@ -5,6 +5,7 @@ from pathlib import Path
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
 from scenarios.files import write_json
+from scenarios.measure.joints import places
 
 FOLDER = "scenes"
 """Where these files lie in a run's folder, and later the pages of the scenes."""
@@ -15,13 +16,15 @@ DIGITS = 7
 
 
 def drawn(scene: Scene) -> dict[str, object]:
-    """Bodies and links in canonical order, each with role, convex pieces and, where it is simulated, its mass; and gravity."""
+    """Bodies and links in canonical order, each with role, convex pieces and, where it is simulated, its mass; of each link its
+    parent's place among the links, none of a root; and gravity."""
     carried = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
     masses = [body.mass for body in scene.bodies] + [None for _ in scene.links]
     return {
         "schema_version": SCHEMA_VERSION,
         "scene": scene.name,
         "gravity": list(scene.gravity),
+        "parents": [place.parent for place in places(scene)],
         "bodies": [
             {
                 "name": name, "role": role.name.lower(), "pieces": [_piece(piece) for piece in pieces],

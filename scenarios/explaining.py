@@ -50,6 +50,12 @@ def large(rows: Iterable[Figure], scales: Mapping[str, float] = MappingProxyType
     return tuple(sorted(found, key=lambda one: (one.why is not None, one.row.metric == EXCESS, -_size(one.value))))
 
 
+def briefly(scene: str, run: str) -> str:
+    """Why joints of a run go beyond their limits in a scene, in a few words; "" where no rule has them."""
+    found = explanation(scene, run, EXCESS)
+    return found.brief if found is not None else ""
+
+
 def _why(row: Figure, values: dict[tuple[str, int, str, str], float | None]) -> Explanation | None:
     """The rule of its own run, or of the preset that its run is a variant of where that has the same value."""
     found, base = explanation(row.scenario, row.run, row.metric), base_of(row.run)

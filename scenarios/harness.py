@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios import results
+from scenarios import results, unseen
 from scenarios.effects_said import lapse_said
 from scenarios.engines import BASELINE, PRESETS, TIDY, opened
 from scenarios.gate import Ceilings, bounds_of, exit_code, rows_of
@@ -156,12 +156,15 @@ class Run:
         at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
         swept = any(errors_of(job.scenario, self.scenarios[job.scenario]) for job in jobs)
         often = repeats_of(min(length, MOST_FRAMES)) if swept else 0
-        return glance(jobs, costs, length, seats, at_length, meter, self._meets(jobs[0]), often)
+        depths = self._depths(jobs[0])
+        meets = next((k for k, depth in enumerate(depths) if depth > SEEN), 0)
+        deep = depths if jobs[0].catalogue == unseen.NAME else ()
+        return glance(jobs, costs, length, seats, at_length, meter, meets, often, deep)
 
-    def _meets(self, job: Job) -> int:
-        """The frame in which the user of a scene is first in something, from the raw tracker's own overlaps; 0 without any."""
+    def _depths(self, job: Job) -> Sequence[float]:
+        """How deep [m] the user of a scene is in something in each state, by the raw tracker's own overlaps; empty without."""
         raw = self.outcomes.get(replace(job, engine=BASELINE, preset="default").stem)
-        return next((k for k, depth in enumerate(raw.overlap_m) if depth > SEEN), 0) if raw else 0
+        return raw.overlap_m if raw else ()
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]

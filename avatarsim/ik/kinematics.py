@@ -79,3 +79,13 @@ def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
     for j in range(d, skel.first_dof[link + 1]):
         turned_by += step[j] * step[j]
     return moved, turned_by**0.5
+
+
+@kernel
+def longest_part(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, move: float, turn: float) -> float:
+    """The largest part of a step (nd) of an avatar: of roots in units of `move` [m], of joints in units of `turn` [rad]."""
+    longest = 0.0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, step)
+        longest = max(longest, moved / move, turned / turn)
+    return longest

@@ -5,7 +5,9 @@ that turns faster than the own one as a jump. The catch-up speed falls with the 
 still no limb wanders; what converges at all has then long arrived.
 """
 
-from avatarsim.ik.kinematics import parts_of
+from math import inf
+
+from avatarsim.ik.kinematics import longest_part, parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
 from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
@@ -101,3 +103,22 @@ def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
     if factor < 1.0:
         for j in range(first, last):
             step_out[j] *= factor
+
+
+@kernel
+def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
+    """Time [s] that the catch-up speeds take for a way (nd)."""
+    return longest_part(skel, avatars, avatar, way, settings.catch_up_move, settings.catch_up_turn)
+
+
+@kernel
+def budgets_of(skel: Skeleton, avatars: Avatars, avatar: int, way: Array, budget: Budget) -> float:
+    """How many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
+    most = 0.0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        moved, turned = parts_of(skel, link, way)
+        if moved > 0.0:
+            most = max(most, moved / budget.move[link] if budget.move[link] > 0.0 else inf)
+        if turned > 0.0:
+            most = max(most, turned / budget.turn[link] if budget.turn[link] > 0.0 else inf)
+    return most

@@ -92,7 +92,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
-    aim_along_paths(skeleton, avatars, dt, posture, plan, state, working)
+    aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
     solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
     if dt > 0.0:
         supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)
@@ -152,8 +152,8 @@ class IkLoop:
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
-            "searches.count": count, "begun": count, "meeting": node, "length": count, "place": (0, NODES - 1), "cuts": (0, MOST),
-            "cut_from": (0, NODES - 1),
+            "searches.count": count, "begun": count, "meeting": node, "here": (0, NODES - 1), "length": count,
+            "place": (0, NODES - 1), "cuts": (0, MOST), "cut_from": (0, NODES - 1),
             "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
             "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
         }

@@ -5,8 +5,7 @@ goes straight from the start to the goal. Anytime: `search` goes on until a slic
 Plan.
 """
 
-from avatarsim.ik.kinematics import parts_of, tangent_error
-from avatarsim.ik.objective import locate, value_of
+from avatarsim.ik.kinematics import longest_part, tangent_error
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
@@ -15,6 +14,7 @@ from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,
     REACHED,
+    STRIDE,
     TRAPPED,
     aim_ghost,
     notice_world,
@@ -23,26 +23,24 @@ from avatarsim.planner.ghost import (
     step_ghost,
     value_to_aim,
 )
-from avatarsim.planner.goal_test import CANDIDATES, CLOSER, is_free, is_goal, place_candidate
+from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_candidate
+from avatarsim.planner.rent_or_buy import aim_at_tracker, buy
 from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import SHORT, SHORTCUTS, begin_at, begin_cut, choose_leaving, end_cut
-from avatarsim.planner.state import NODES, NONE, Ghost, Outcome, Phase, Plan
+from avatarsim.planner.shortcut import SHORT, begin_cut, begin_end, end_cut, spares_time
+from avatarsim.planner.sight import is_in_sight
+from avatarsim.planner.state import GOAL_NODE, NODES, NONE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Array, Geometry, Poses
+from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
 CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
-GOAL_NODE = 1
-"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
-
 MOST_SAMPLES = 60
 """Samples after which a search has been in vain; as a rule it has run out of nodes before."""
 
 SEARCHING, FOUND, FAILED, NO_GOAL = int(Outcome.SEARCHING), int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-NOTHING_LEFT, STALE, TOO_DEAR = int(Outcome.NOTHING_LEFT), int(Outcome.STALE), int(Outcome.TOO_DEAR)
 
 
 @kernel
@@ -51,125 +49,91 @@ def begin_search(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
     s = plan_out.searches
     s.phase[avatar], s.candidate[avatar], s.samples[avatar], s.count[avatar], s.length[avatar] = GOAL, 0, 0, 0, 0
     s.tree[avatar], s.cuts[avatar], s.at[avatar], s.begun[avatar], s.meeting[avatar] = 0, 0, NONE, 0, NONE
-    s.place[avatar], s.held[avatar], s.cut_from[avatar], s.cut_to[avatar] = 0, 0.0, 0, 0
+    s.place[avatar], s.late[avatar], s.cut_from[avatar], s.cut_to[avatar], s.here[avatar] = 0, 0.0, 0, 0, 0
+    s.lasts[avatar] = 0.0
     add_node(skel, avatars, avatar, posture, NONE, 0, plan_out)
 
 
 @kernel
 def search(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan, ghost_out: Ghost,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture,
+    target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan,
+    ghost_out: Ghost,
 ) -> int:
     """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
-    found = SEARCHING
-    if s.phase[avatar] != GOAL and not is_followed and is_stale(geo, skel, avatars, avatar, tracker, target, value, plan_out, g):
-        return STALE
+    found, is_going_on = SEARCHING, True
+    if s.phase[avatar] != GOAL and not is_followed:
+        found = buy(skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
     if s.phase[avatar] == GOAL:
-        aim_at_target(skel, avatars, avatar, tracker, target, g)
+        aim_at_tracker(skel, avatars, avatar, tracker, g)
     elif s.at[avatar] >= 0:
         resume(geo, skel, avatars, avatar, plan_out, g)
-    while found == SEARCHING and work_done(g.scratch) < most_work:
+    while found == SEARCHING and is_going_on and work_done(g.scratch) < most_work:
         phase = s.phase[avatar]
         if phase == GOAL:
             found = find_goal(geo, skel, avatars, settings, avatar, shown, target, value, plan_out, g)
         elif phase == SAMPLE:
-            found = begin_extension(geo, skel, avatars, avatar, plan_out, g)
+            found = begin_extension(geo, skel, avatars, avatar, shown, plan_out, g)
         elif phase == CUT:
-            found = shorten(geo, skel, avatars, settings, avatar, target, is_followed, plan_out, g)
+            is_going_on = shorten(geo, skel, avatars, settings, avatar, shown, target, is_followed, plan_out, g)
         else:
             extend(geo, skel, avatars, settings, avatar, most_work, plan_out, g)
-    if found == NOTHING_LEFT and not is_followed:
-        is_worth = is_worth_it(geo, skel, avatars, settings, avatar, tracker, target, shown, value, plan_out, g)
-        return FOUND if is_worth else TOO_DEAR
     return found
 
 
 @kernel
-def is_stale(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, value: float, plan: Plan,
-    ghost_out: Ghost,
-) -> bool:
-    """Whether the target has moved so far from the goal of a search that it is no goal any more."""
-    g = ghost_out
-    put_ghost_at(geo, skel, avatars, avatar, GOAL_NODE, plan, g)
-    aim_at_target(skel, avatars, avatar, tracker, target, g)
-    there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
-    return not there <= CLOSER * value
-
-
-@kernel
-def aim_at_target(
-    skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, target: Posture, ghost_out: Ghost
-) -> None:
-    """Link origins of the tracker, and the ghost's tangent error to the clipped target."""
-    g = ghost_out
-    g.state.tracking.is_located[avatar] = 0
-    locate(skel, avatars, avatar, tracker, g.state.tracking, g.scratch.objective)
-    tangent_error(skel, avatars, avatar, g.posture, target, g.scratch.objective.error)
-
-
-@kernel
-def is_worth_it(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
-    shown: Posture, value: float, plan: Plan, ghost_out: Ghost,
-) -> bool:
-    """Whether a path costs no more than waiting has cost already: the objective beyond the shown posture's, summed over the time
-    that the path takes, against the shown postures' summed over the time for which the avatar has been stalled.
-
-    Rent or buy (Karlin, Manasse, Rudolph and Sleator 1988): nothing says how long a trap lasts, and one that opens as the path
-    is begun has cost twice the waiting at most."""
-    g, dearer, before = ghost_out, 0.0, value
-    copy_posture(skel, avatars, avatar, shown, g.aim)
-    for i in range(plan.searches.length[avatar]):
-        put_ghost_at(geo, skel, avatars, avatar, plan.path[avatar, i], plan, g)
-        tangent_error(skel, avatars, avatar, g.posture, g.aim, g.scratch.objective.error)
-        lasts = time_of(skel, avatars, settings, avatar, g.scratch.objective.error)
-        copy_posture(skel, avatars, avatar, g.posture, g.aim)
-        aim_at_target(skel, avatars, avatar, tracker, target, g)
-        there, _ = value_of(skel, avatars, avatar, g.state, g.poses, g.scratch.objective)
-        dearer += lasts * max(0.0, 0.5 * (before + there) - value)
-        before = there
-    return bool(dearer <= plan.searches.paid[avatar])
-
-
-@kernel
-def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Time [s] that the catch-up speeds take for a way (nd)."""
-    longest = 0.0
-    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, way)
-        longest = max(longest, moved / settings.catch_up_move, turned / settings.catch_up_turn)
-    return longest
-
-
-@kernel
 def shorten(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, is_followed: bool,
-    plan_out: Plan, ghost_out: Ghost,
-) -> int:
-    """Begin the next shortcut, if there is one to try."""
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
+    is_followed: bool, plan_out: Plan, ghost_out: Ghost,
+) -> bool:
+    """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the target as it is by now."""
     s = plan_out.searches
-    if is_followed and 2 * s.count[avatar] > NODES:
+    if 2 * s.count[avatar] > NODES:
         keep_path(avatar, plan_out)
+    if not is_followed:
+        keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
     first = s.place[avatar] + SHORT if is_followed else 0
     s.cuts[avatar] += 1
-    if not is_followed and s.cuts[avatar] > SHORTCUTS:
-        return NOTHING_LEFT
-    if is_followed and s.cuts[avatar] % 2 == 0:
+    if s.cuts[avatar] % 2 == 0 and first < s.length[avatar] and s.count[avatar] < NODES:
         copy_posture(skel, avatars, avatar, target, ghost_out.posture)
         put_ghost(geo, skel, avatars, avatar, ghost_out)
-        if first < s.length[avatar] and s.count[avatar] < NODES and is_free(geo, skel, avatars, settings, ghost_out):
+        if is_free(geo, skel, avatars, settings, ghost_out):
             put_node(skel, avatars, avatar, target, AIM, plan_out)
-            begin_at(avatar, choose_leaving(avatar, first, plan_out), TRY_END, plan_out)
+            begin_end(skel, avatars, settings, avatar, first, plan_out, ghost_out)
             resume(geo, skel, avatars, avatar, plan_out, ghost_out)
-            return SEARCHING
-    if not begin_cut(avatar, first, plan_out):
-        return NOTHING_LEFT
+            return True
+    if not begin_cut(skel, avatars, settings, avatar, first, plan_out, ghost_out):
+        return False
     resume(geo, skel, avatars, avatar, plan_out, ghost_out)
-    return SEARCHING
+    return True
+
+
+@kernel
+def keep_up(
+    skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
+) -> None:
+    """A node where the avatar is shown, once that is a stride away from the last: the way on which it has gone on meanwhile, each
+    step of it certified, is where its path begins."""
+    s, g, has_path = plan_out.searches, ghost_out, plan_out.searches.phase[avatar] == CUT
+    last = plan_out.path[avatar, 0] if has_path else s.here[avatar]
+    get_node(skel, avatars, avatar, last, plan_out, g.posture)
+    tangent_error(skel, avatars, avatar, g.posture, shown, g.scratch.objective.error)
+    stride = STRIDE * g.state.tracking.reach[avatar]
+    if longest_part(skel, avatars, avatar, g.scratch.objective.error, stride, STRIDE) <= 1.0:
+        return
+    k = add_node(skel, avatars, avatar, shown, last, 2 if has_path else 0, plan_out)
+    if k == NONE:
+        return
+    if not has_path:
+        s.here[avatar] = k
+        return
+    for i in range(s.length[avatar], 0, -1):
+        plan_out.path[avatar, i] = plan_out.path[avatar, i - 1]
+    plan_out.path[avatar, 0] = k
+    s.length[avatar] += 1
 
 
 @kernel
@@ -205,10 +169,11 @@ def find_goal(
 
 @kernel
 def begin_extension(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
+    geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
 ) -> int:
     """Draw a sample, and go from the nearest node of the tree whose turn it is."""
     s = plan_out.searches
+    keep_up(skel, avatars, avatar, shown, plan_out, ghost_out)
     if s.samples[avatar] >= MOST_SAMPLES or s.count[avatar] >= NODES:
         return FAILED
     draw_sample(skel, avatars, avatar, GOAL_NODE, plan_out, ghost_out)
@@ -230,10 +195,16 @@ def extend(
     outcome, s.value[avatar], s.pace[avatar] = step_ghost(
         geo, skel, avatars, settings, avatar, pace, most_work, s.value[avatar], ghost_out
     )
-    if outcome != TRAPPED and not keep_step(skel, avatars, avatar, pace, plan_out, ghost_out):
+    if outcome != TRAPPED and not keep_step(
+        geo, skel, avatars, settings, avatar, pace, plan_out, ghost_out
+    ):
         outcome = TRAPPED
     if phase == TRY_CUT or phase == TRY_END:
-        end_cut(avatar, outcome == REACHED, outcome == TRAPPED, plan_out)
+        is_shorter = outcome != TRAPPED and spares_time(skel, avatars, settings, avatar, plan_out, ghost_out)
+        end_cut(avatar, outcome == REACHED, not is_shorter, plan_out)
+        if s.phase[avatar] != CUT:
+            aim_ghost(skel, avatars, avatar, AIM, plan_out, ghost_out)
+            get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
         return
     if outcome == ADVANCED:
         return
@@ -246,19 +217,25 @@ def extend(
 
 
 @kernel
-def keep_step(skel: Skeleton, avatars: Avatars, avatar: int, pace: float, plan_out: Plan, ghost_out: Ghost) -> bool:
-    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step; False without
-    room.
+def keep_step(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, pace: float, plan_out: Plan,
+    ghost_out: Ghost,
+) -> bool:
+    """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step, or no straight
+    motion that is certified; False without room.
 
     Short steps in contact would else fill the trees with nodes that lie side by side."""
-    s = plan_out.searches
+    s, g = plan_out.searches, ghost_out
     s.edge[avatar] += pace
     if s.count[avatar] > s.begun[avatar] and s.edge[avatar] <= LONGEST:
-        put_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], plan_out)
-        return True
+        get_node(skel, avatars, avatar, plan_out.before[avatar, s.at[avatar]], plan_out, g.scratch.target)
+        # back to where the edge begins, which is the same
+        if is_in_sight(geo, skel, avatars, settings, 0, g.posture, g.poses, g.state, g.scratch):
+            put_node(skel, avatars, avatar, g.posture, s.at[avatar], plan_out)
+            return True
     phase = s.phase[avatar]
     tree = 2 if phase == TRY_CUT or phase == TRY_END else s.tree[avatar]
-    k = add_node(skel, avatars, avatar, ghost_out.posture, s.at[avatar], tree, plan_out)
+    k = add_node(skel, avatars, avatar, g.posture, s.at[avatar], tree, plan_out)
     if k == NONE:
         return False
     s.at[avatar], s.edge[avatar] = k, pace
@@ -290,7 +267,7 @@ def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
         return
     one, other = s.at[avatar], s.meeting[avatar]
     if s.tree[avatar] == 0:
-        trace_path(avatar, one, other, plan_out)
+        trace_path(avatar, s.here[avatar], one, other, plan_out)
     else:
-        trace_path(avatar, other, one, plan_out)
-    s.phase[avatar] = CUT
+        trace_path(avatar, s.here[avatar], other, one, plan_out)
+    s.phase[avatar], s.meeting[avatar], s.here[avatar] = CUT, NONE, 0

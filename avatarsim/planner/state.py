@@ -26,6 +26,9 @@ Half of them: searches in rooms with a door end for want of nodes."""
 
 NONE = -1
 
+GOAL_NODE = 1
+"""Node 0 is the root of the tree from the shown posture, this one of that from the goal."""
+
 
 class Outcome(IntEnum):
     """What a slice of a search came to."""
@@ -33,17 +36,13 @@ class Outcome(IntEnum):
     SEARCHING = 0
     """Its work is spent; it goes on in the next frame."""
     FOUND = 1
-    """There is a path, and it is worth following."""
+    """There is a path, and waiting has cost as much as it does."""
     FAILED = 2
     """Samples or nodes are used up."""
     NO_GOAL = 3
     """No posture near the target's is free and near enough."""
-    NOTHING_LEFT = 4
-    """No shortcut is left to try."""
-    STALE = 5
-    """The avatar is no longer where the search began."""
-    TOO_DEAR = 6
-    """The path costs more than waiting has cost so far."""
+    STALE = 4
+    """Where the search or its path ends is no goal any more: the target, or the avatar, has moved on."""
 
 
 class Phase(IntEnum):
@@ -68,9 +67,10 @@ class Phase(IntEnum):
 SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
-        ("meeting", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("place", "i8"), ("held", "f8"),
+        ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("lasts", "f8"),
+        ("place", "i8"), ("late", "f8"),
         ("cuts", "i8"), ("cut_from", "i8"),
-        ("cut_to", "i8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
+        ("cut_to", "i8"), ("spared", "f8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
     align=True,
 )
@@ -96,6 +96,8 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """Nodes in use as the extension began."""
     meeting: Index
     """Node of the other tree that a connection goes to."""
+    here: Index
+    """Node of tree 0 near which the avatar is shown by now: while a path is searched it goes on tracking."""
     value: Array
     """[m^2] objective towards the end of the extension after its last step."""
     pace: Array
@@ -104,16 +106,20 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """[strides] how long the edge is that its steps are put into."""
     length: Index
     """Nodes of the path."""
+    lasts: Array
+    """[s] that the path took before the last slice; 0 until that is known."""
     place: Index
     """Place in the path of the node that is the target now."""
-    held: Array
-    """[s] for which the avatar has not come to the next node of the path."""
+    late: Array
+    """[s] by which the avatar is late at the node that it goes to: since it set out, less what the catch-up speeds take."""
     cuts: Index
     """Shortcuts tried."""
     cut_from: Index
     """Place in the path from which a shortcut is tried."""
     cut_to: Index
     """Place in the path to which it is tried."""
+    spared: Array
+    """[s] that the path takes between these two."""
     rest: Array
     """[s] until a waiting avatar searches again."""
     pause: Array
@@ -171,7 +177,7 @@ def plan_is_sound(plan: Plan) -> bool:
     last = np.maximum(used - 1, 0)
     if (plan.before >= numbers).any():
         return False
-    for at in (s["at"], s["meeting"]):
+    for at in (s["at"], s["meeting"], s["here"]):
         if (at > last).any():
             return False
     in_path = numbers < length[:, None]

@@ -4,13 +4,13 @@ Each avatar for itself. While it plans it goes on tracking, so a search costs it
 """
 
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.motion_budget import AT_REST
+from avatarsim.ik.motion_budget import AT_REST, time_of
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.jit.kernel import kernel
-from avatarsim.planner.follow_path import is_near
+from avatarsim.planner.follow_path import AT, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
@@ -21,7 +21,7 @@ from avatarsim.world.skeleton import Posture, Skeleton
 TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
 
 FOUND, FAILED, NO_GOAL = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-STALE, TOO_DEAR = int(Outcome.STALE), int(Outcome.TOO_DEAR)
+STALE = int(Outcome.STALE)
 
 LONGEST_REST = 4.0
 """[s] that an avatar rests at most between two searches in vain."""
@@ -104,10 +104,12 @@ def follow_on(
     catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
-    is_at_end = s.place[avatar] == s.length[avatar] - 1 and is_near(skel, avatars, avatar, 1.0, posture, state_out, scratch_out)
+    last = s.length[avatar] - 1
+    put_target(skel, avatars, avatar, last, plan_out, scratch_out)
+    is_at_end = s.place[avatar] == last and is_near(skel, avatars, avatar, AT, posture, state_out, scratch_out)
     if is_at_end:
         set_free(avatar, value, state_out)
-    elif s.held[avatar] >= settings.stall_time:
+    elif s.late[avatar] >= settings.stall_time:
         t.mode[avatar] = PLAN
         begin_search(skel, avatars, avatar, posture, plan_out)
 
@@ -141,8 +143,8 @@ def set_free(avatar: int, value: float, state_out: IkState) -> None:
 
 @kernel
 def search_all(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture, poses: Poses,
-    plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture,
+    poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
     frame's whole budget."""
@@ -162,17 +164,31 @@ def search_all(
         tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
         value, _ = value_of(skel, avatars, avatar, state_out, poses, scratch_out.objective)
         found = search(
-            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_, plan_out,
-            ghost_out,
+            geo, skel, avatars, settings, avatar, tracker, state_out.before, posture, poses, value, is_followed, slice_,
+            plan_out, ghost_out,
         )
         spent = work_done(ghost_out.scratch)
         left -= spent
         scratch_out.counts[PLAN_WORK] += spent
         waiting -= 1
         plan_out.turn[0] = (avatar + 1) % count
-        if found == STALE or found == TOO_DEAR:
+        if found == STALE:
             begin_search(skel, avatars, avatar, posture, plan_out)
+        if found == FOUND:
+            set_out(skel, avatars, settings, avatar, posture, plan_out, scratch_out)
         note_outcome(avatar, found, settings, plan_out, state_out)
+
+
+@kernel
+def set_out(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan,
+    scratch_out: IkScratch,
+) -> None:
+    """Go to where the path begins, from where the avatar is by now."""
+    s, way = plan_out.searches, scratch_out.objective.error
+    put_target(skel, avatars, avatar, 0, plan_out, scratch_out)
+    tangent_error(skel, avatars, avatar, posture, scratch_out.target, way)
+    s.place[avatar], s.late[avatar] = 0, -time_of(skel, avatars, settings, avatar, way)
 
 
 @kernel
@@ -181,7 +197,7 @@ def note_outcome(avatar: int, found: int, settings: PostureSettings, plan_out: P
     rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches
     if found == FOUND:
-        t.mode[avatar], s.place[avatar], s.held[avatar] = FOLLOW_PATH, 0, 0.0
+        t.mode[avatar] = FOLLOW_PATH
     elif found == NO_GOAL:
         t.mode[avatar], s.rest[avatar] = WAIT, settings.stall_time
     elif found == FAILED:

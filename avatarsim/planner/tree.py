@@ -110,15 +110,23 @@ def nearest_node(skel: Skeleton, avatars: Avatars, avatar: int, m: int, tree: in
 
 
 @kernel
-def trace_path(avatar: int, from_start: int, from_goal: int, plan_out: Plan) -> None:
-    """Write the nodes from the root of tree 0 to that of tree 1, which meet at these two, into the path."""
+def trace_path(avatar: int, here: int, from_start: int, from_goal: int, plan_out: Plan) -> None:
+    """Write the nodes from that at which the avatar is to the root of tree 1 into the path: through tree 0 to the one of its
+    nodes that meets one of tree 1."""
     before, path, length = plan_out.before, plan_out.path, 0
+    # a node has a greater number than the one it was reached from: both go up until they meet
+    k, down, steps = here, from_start, 0
+    while k != down:
+        if k > down:
+            path[avatar, length] = k
+            length += 1
+            k = before[avatar, k]
+        else:
+            down = before[avatar, down]
+            steps += 1
+    length += steps + 1
     k = from_start
-    while k >= 0:
-        length += 1
-        k = before[avatar, k]
-    k = from_start
-    for i in range(length):
+    for i in range(steps + 1):
         path[avatar, length - 1 - i] = k
         k = before[avatar, k]
     k = from_goal
@@ -153,4 +161,4 @@ def keep_path(avatar: int, plan_out: Plan) -> None:
         path[avatar, i] = number[avatar, path[avatar, i]]
     for k in range(s.count[avatar]):
         number[avatar, k] = NONE
-    s.count[avatar] = count
+    s.count[avatar], s.begun[avatar] = count, count

@@ -21,14 +21,6 @@
   };
   const numbers = (packed) => new Uint16Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
   const reals = (packed) => new Float32Array(Uint8Array.from(atob(packed), (sign) => sign.charCodeAt(0)).buffer);
-  const three = (value) => value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(1) : Number(value.toPrecision(3)).toLocaleString("en", { maximumSignificantDigits: 3 });
-  const PREFIXES = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]], us: [[1e6, "s"], [1e3, "ms"], [1, "µs"], [1e-3, "ns"]] };
-  function quantity(value, unit) {
-    if (!Number.isFinite(value)) return "no number";
-    if (value === 0 || !PREFIXES[unit]) return `${three(value)} ${unit}`.trim();
-    const [factor, name] = PREFIXES[unit].find(([size]) => Math.abs(value) >= 0.9995 * size) || PREFIXES[unit].at(-1);
-    return `${three(value / factor)} ${name}`;
-  }
   let cursors = [], end = 1, now = 0;
 
   function chart(about) {
@@ -36,8 +28,10 @@
     box.append(html("h4", "", about.title + (about.unit === "J" ? " [J]" : "")));
     const low = about.log ? Math.log10(about.low) : about.low, high = about.log ? Math.log10(about.high) : about.high;
     const across = (time) => LEFT + (WIDTH - LEFT - RIGHT) * Math.min(1, Math.max(0, time / end));
-    const up = (code) => TOP + (HEIGHT - TOP - BOTTOM) * (1 - (code - 1) / 65534);
-    const real = (code) => { const share = low + ((code - 1) / 65534) * (high - low); return about.log ? 10 ** share : share; };
+    const up = (line, code) => TOP + (HEIGHT - TOP - BOTTOM) * (1 - Math.min(1, Math.max(0, (share(line, code) - low) / (high - low))));
+    // a line has its own scale, so that none loses digits to another that explodes; what is beyond the axis is drawn at its end
+    const share = (line, code) => line.low + ((code - 1) / 65534) * (line.high - line.low);
+    const real = (line, code) => about.log ? 10 ** share(line, code) : share(line, code);
     const picture = make("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "img", "aria-label": `${about.title} over time. ${about.text}` });
     const ticks = about.log ? Array.from({ length: Math.round(high - low) + 1 }, (_, k) => low + k) : [low, (low + high) / 2, high];
     const every = about.log ? Math.ceil(ticks.length / 5) : 1;
@@ -47,10 +41,10 @@
       const value = about.log ? 10 ** tick : tick;
       const floor = about.key === "overlap" && k === 0 ? "≤ " : "";
       picture.append(make("line", { x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y, stroke: data.grid }));
-      picture.append(make("text", { x: LEFT - 6, y: y + 3.5, "text-anchor": "end", "font-size": 10, fill: data.muted }, floor + quantity(value, about.unit === "J" ? "" : about.unit)));
+      picture.append(make("text", { x: LEFT - 6, y: y + 3.5, "text-anchor": "end", "font-size": 10, fill: data.muted }, floor + quantity(value, about.unit === "J" ? "" : about.unit, true)));
     });
     for (const share of [0, 0.25, 0.5, 0.75, 1]) {
-      picture.append(make("text", { x: across(share * end), y: HEIGHT - 6, "text-anchor": share === 1 ? "end" : "middle", "font-size": 10, fill: data.muted }, `${three(share * end)} s`));
+      picture.append(make("text", { x: across(share * end), y: HEIGHT - 6, "text-anchor": share === 1 ? "end" : "middle", "font-size": 10, fill: data.muted }, `${quantity(share * end, "", true)} s`));
     }
     if (about.key === "overlap") {
       const y = TOP + (HEIGHT - TOP - BOTTOM) * (1 - (-6 - low) / (high - low));
@@ -62,7 +56,7 @@
       let path = "", begun = false;
       line.codes.forEach((code, k) => {
         if (!code) { begun = false; return; }
-        path += `${begun ? "L" : "M"}${across(line.moments[k]).toFixed(1)} ${up(code).toFixed(1)}`;
+        path += `${begun ? "L" : "M"}${across(line.moments[k]).toFixed(1)} ${up(line, code).toFixed(1)}`;
         begun = true;
       });
       const stroke = data.strokes[line.run] || { light: data.muted, dash: "" };
@@ -71,7 +65,7 @@
     const cursor = make("line", { x1: LEFT, x2: LEFT, y1: TOP, y2: HEIGHT - BOTTOM, stroke: data.ink, "stroke-width": 1 });
     picture.append(cursor);
     const told = html("p", "told");
-    cursors.push((time) => {
+    cursors.push((time, length) => {
       cursor.setAttribute("x1", across(time));
       cursor.setAttribute("x2", across(time));
       told.textContent = lines.map((line) => {
@@ -80,9 +74,13 @@
         const last = line.moments.at(-1), apart = line.codes.length > 1 ? last - line.moments.at(-2) : 0;
         // times end, and may begin, where timing did; what is measured of every state has a value at any time
         if (about.key === "time" && (k < 0 || time > last + apart)) return `${line.run} not timed`;
-        const code = line.codes[Math.max(0, Math.min(line.codes.length - 1, k))];
-        const value = code ? real(code) : NaN;
-        return `${line.run} ${about.key === "overlap" && code === 1 ? "0" : quantity(value, about.unit)}`;
+        const first = Math.max(0, Math.min(line.codes.length - 1, k));
+        // of all points that the state shown stands for, the largest
+        const beyond = line.moments.findIndex((moment) => moment > time + length - 1e-4);
+        const codes = line.codes.slice(first, Math.max(first + 1, beyond < 0 ? line.codes.length : beyond));
+        if (codes.includes(0)) return `${line.run} no number`;
+        const value = real(line, Math.max(...codes));
+        return `${line.run} ${about.key === "overlap" && value <= about.low * 1.0005 ? "0" : about.unit ? quantity(value, about.unit) : Math.round(value).toLocaleString("en")}`;
       }).join(" · ");
     });
     const seek = (event) => {
@@ -101,9 +99,10 @@
     return box;
   }
 
-  function move(time, lead) {
+  // to a time [s], and to all of the `length` [s] from there on that a drawn state stands for
+  function move(time, lead, length = 0) {
     now = time;
-    cursors.forEach((cursor) => cursor(time));
+    cursors.forEach((cursor) => cursor(time, length));
     root.dataset.time = time.toFixed(3);
     if (lead) document.dispatchEvent(new CustomEvent("seek-time", { detail: time }));
   }
@@ -124,6 +123,6 @@
     event.preventDefault();
     move(Math.max(0, Math.min(end, now + step * end / (event.shiftKey ? 16 : 160))), true);
   });
-  document.addEventListener("shown-time", (event) => move(event.detail, false));
+  document.addEventListener("shown-time", (event) => move(event.detail.time, false, event.detail.length));
   choose(picker ? picker.value : Object.keys(data.scenes)[0]);
 })();

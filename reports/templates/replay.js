@@ -82,8 +82,8 @@
     const rings = [0, 1, 2].map(() => new THREE.Mesh(ringShape, ink.ring));
     rings.forEach((ring) => { ring.renderOrder = 3; world.add(ring); });
     const cell = stage.querySelectorAll(".view")[number];
-    return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, said: cell.querySelector(".said"),
-      remarks: new Map(run.remarks) };
+    return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, picture: cell.querySelector(".picture"),
+      said: cell.querySelector(".said"), remarks: new Map(run.remarks) };
   });
   const last = Math.max(...views.map((view) => view.moves.frames)) - 1;
 
@@ -106,7 +106,10 @@
     for (const k of pairs.flatMap((pair) => pair.slice(0, 2))) {
       if (view.meshes[k].userData.role !== "fixed") view.meshes[k].material = ink.bad;
     }
-    const deepest = pairs[0];
+  }
+  function caption(view, frame) {
+    const ended = frame >= view.moves.frames;
+    const deepest = ended ? undefined : (view.run.pairs[frame] || [])[0];
     const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
     const broken = !ended && view.run.broken.includes(frame);
     view.cell.classList.toggle("overlaps", Boolean(deepest) || broken);
@@ -114,7 +117,7 @@
     view.cell.classList.toggle("moves", Boolean(remark) && !deepest);
     view.said.textContent = ended ? "ended here" : broken ? "a pose here is no number"
       : !deepest ? (remark ? `no overlap; ${remark}` : "no overlap")
-      : `${deepest[2] < 0.1 ? deepest[2] * 1000 + " µm" : deepest[2] + " mm"}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
+      : `${quantity(deepest[2] / 1000, "m")}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
   }
 
   // one eye for all views
@@ -125,7 +128,7 @@
   const eye = { ...start(), focus: home.focus.clone() };
   // the middle of what is followed, in our engine's view, so that all views look at the same place
   const leader = views[data.leader];
-  // with the user, who may be elsewhere
+  // with the user's, which may be elsewhere
   function places() {
     const found = [];
     data.moving.forEach((k, slot) => {
@@ -157,6 +160,8 @@
     const flat = Math.cos(eye.height) * eye.distance;
     camera.position.set(Math.cos(eye.azimuth) * flat, Math.sin(eye.azimuth) * flat, Math.sin(eye.height) * eye.distance).add(eye.focus);
     camera.lookAt(eye.focus);
+    // in a large scene what the eye is near to must not lie before the near plane
+    camera.near = Math.min(0.02 * data.radius, 0.1 * eye.distance);
   }
 
   let renderer;
@@ -172,6 +177,8 @@
   const lead = home.focus.clone();
   let frame = 0, playing = false, speed = 1, clock = 0, poster = true;
   function draw(whole = false) {
+    // words first: they may change how high a view is, and so where the next one is
+    views.forEach((view) => caption(view, frame));
     const all = stage.getBoundingClientRect();
     const wide = Math.round(all.width), high = Math.round(all.height);
     const size = renderer.getSize(new THREE.Vector2());
@@ -183,7 +190,7 @@
     look();
     for (const view of views) {
       if (view.cell.hidden) continue;
-      const cell = view.cell.getBoundingClientRect();
+      const cell = view.picture.getBoundingClientRect();
       if (!whole && (cell.bottom < 0 || cell.top > window.innerHeight)) continue;
       data.moving.forEach((k, slot) => put(view.meshes[k], view.moves, frame, slot));
       view.ghosts.forEach((mesh, slot) => put(mesh, ghost, frame, slot));
@@ -210,7 +217,7 @@
     const seconds = (frame * data.dt).toFixed(2);
     bar.setAttribute("aria-valuetext", `${seconds} seconds`);
     time.textContent = `${seconds} s`;
-    document.dispatchEvent(new CustomEvent("shown-time", { detail: frame * data.dt }));
+    document.dispatchEvent(new CustomEvent("shown-time", { detail: { time: frame * data.dt, length: data.dt } }));
     redraw();
   }
   function play(on) {
@@ -269,53 +276,72 @@
 
   // a link to a moment, the worst moment of each engine, and a moving picture to keep
   const told = say("told");
-  const link = () => `t=${Number((frame * data.dt).toPrecision(6))}`;
+  const link = (state) => `t=${Number((state * data.dt).toPrecision(6))}`;
+  // a drawn state stands for those until the next; the share makes up for digits that an address leaves out
+  const ROUNDED = 0.05;
   function seek() {
     const wanted = /^#(?:.*&)?t=([^&]+)/.exec(location.hash), seconds = wanted ? Number(wanted[1]) : NaN;
     if (!Number.isFinite(seconds)) return false;
     if (playing) play(false);
     poster = false;
-    show(seconds / data.dt);
+    show(Math.floor(seconds / data.dt + ROUNDED));
     fit();
     return true;
   }
   window.addEventListener("hashchange", seek);
   say("link").addEventListener("click", () => {
-    location.hash = link();
+    location.hash = link(frame);
     told.textContent = "The address bar links to this moment.";
     if (!navigator.clipboard) return;
     navigator.clipboard.writeText(location.href).then(() => { told.textContent = "A link to this moment is copied."; }, () => {});
   });
   root.querySelectorAll("[data-worst]").forEach((one) => one.addEventListener("click", () => {
-    if (playing) play(false);
-    poster = false;
-    show(Number(one.dataset.worst));
-    fit();
+    // no navigation, which would end the scrolling below
+    history.replaceState(null, "", `#${link(Number(one.dataset.worst))}`);
+    seek();
+    const cell = views[Number(one.dataset.of)].cell;
+    (cell.hidden ? stage : cell).scrollIntoView({ block: "nearest" });
   }));
 
   // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
   const film = say("film"), filmed = film.textContent;
   const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12;
   let filming = false;
+  // words of a caption in lines that fit; a word that is wider than a line has one of its own
+  function wrapped(pen, text, wide) {
+    const lines = [""];
+    for (const word of text.split(" ")) {
+      const longer = lines.at(-1) ? `${lines.at(-1)} ${word}` : word;
+      if (lines.at(-1) && pen.measureText(longer).width > wide) lines.push(word); else lines[lines.length - 1] = longer;
+    }
+    return lines;
+  }
   function shot(pen, ratio) {
     draw(true);
     const all = stage.getBoundingClientRect(), style = getComputedStyle(document.body);
     pen.fillStyle = style.backgroundColor;
     pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
     pen.drawImage(canvas, 0, 0, pen.canvas.width, pen.canvas.height);
-    pen.font = `${Math.max(10, Math.round(12.5 * ratio))}px sans-serif`;
+    const size = Math.max(10, Math.round(12.5 * ratio)), high = 1.3 * size;
+    pen.font = `${size}px sans-serif`;
+    pen.textBaseline = "top";
+    const place = (part) => {
+      const box = part.getBoundingClientRect();
+      return [box.left - all.left, box.top - all.top, box.width, box.height].map((length) => length * ratio);
+    };
     for (const view of views) {
       if (view.cell.hidden) continue;
-      const cell = view.cell.getBoundingClientRect();
-      const [x, y, wide, high] = [cell.left - all.left, cell.top - all.top, cell.width, cell.height].map((part) => part * ratio);
-      const bad = view.cell.classList.contains("overlaps");
+      const [x, y, wide, tall] = place(view.cell), [, top, , deep] = place(view.said);
       pen.strokeStyle = getComputedStyle(view.cell).borderTopColor;
-      pen.strokeRect(x + 0.5, y + 0.5, wide - 1, high - 1);
+      pen.strokeRect(x + 0.5, y + 0.5, wide - 1, tall - 1);
+      if (view.cell.classList.contains("overlaps")) pen.strokeRect(x + 1.5, y + 1.5, wide - 3, tall - 3);
       pen.fillStyle = style.color;
-      pen.fillText(view.run.run, x + 7, y + 17);
+      pen.fillText(view.run.run, x + 7, y + 6);
       pen.fillStyle = getComputedStyle(view.said).color;
-      pen.fillText(view.said.textContent, x + 7, y + high - 7, wide - 14);
-      if (bad) pen.strokeRect(x + 1.5, y + 1.5, wide - 3, high - 3);
+      const lines = wrapped(pen, view.said.textContent, wide - 14);
+      // from where the page has them, or as much higher as more lines need
+      const begins = Math.min(top, top + deep - high * lines.length);
+      lines.forEach((line, k) => pen.fillText(line, x + 7, begins + k * high, wide - 14));
     }
     return pen.getImageData(0, 0, pen.canvas.width, pen.canvas.height).data;
   }
@@ -383,7 +409,7 @@
   root.dataset.state = "paused";
   // open on the moment that the address names, else where ours looks worst, else on the deepest overlap of the others
   if (!seek()) {
-    show(data.opens.ours ?? data.opens.others ?? 0);
+    show((data.opens.ours ?? data.opens.others ?? { state: 0 }).state);
     fit();
   }
 })();

@@ -106,6 +106,8 @@ MUJOCO = (
     *_steps("mujoco", "tuned", (3840,), LOOSE),
     *_steps("mujoco", "tuned", (7680,), UNTRACKED),
     Setting("mujoco", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
+    Setting("mujoco", "tuned sleep=true margin=0", "tuned", {"sleep": True, "margin": 0.0}, kinds=(Kind.MIXED,),
+            calls=("sleeping",)),
 )
 """Step, iterations, cone, stiffness of contacts and welds, margins, integrator, motors in place of welds, sleep."""
 
@@ -119,7 +121,7 @@ PYBULLET = (
     Setting("pybullet", "tuned", "tuned"),
     *_steps("pybullet", "default", (60, 960)),
     *_steps("pybullet", "tuned", (60, 120, 240, 1920)),
-    *_steps("pybullet", "tuned", (480,), UNTRACKED),
+    *_steps("pybullet", "tuned", (480,), LOOSE),
     *_steps("pybullet", "tuned", (960,), TRACKED),
     _pybullet("solver_iterations=10", solver_iterations=10),
     _pybullet("solver_iterations=200", solver_iterations=200),

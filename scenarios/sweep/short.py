@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from scenarios.sayable import unsaid
 from scenarios.seats import Seats
 from scenarios.side_by_side import side_by_side
 from scenarios.studies import Request, Study
-from scenarios.sweep import clock, measure
+from scenarios.sweep import clock, ladder, measure
 from scenarios.sweep.accuracy import Reached, largest, missing
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import Setting, applicable, settings_of
@@ -46,7 +47,7 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "tuned loose_margin=0.001", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned margin=0.001",
         "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60",
         "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680", "tuned margin=0",
-        "tuned margin=0.0002", "tuned margin=0.0004",
+        "tuned margin=0.0002", "tuned margin=0.0004", "tuned sleep=true margin=0",
     ),
     "pybullet": (
         "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "default feed_forward", "tuned dt=1/60", "tuned dt=1/120",
@@ -55,9 +56,9 @@ SHORT: Mapping[str, tuple[str, ...]] = {
         "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
     ),
 }
-"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then what
-is cheap, since the question is which cheap setting is accurate enough, then what is accurate at any price. What leaves out an
-effect, and with it a promise, is not among them."""
+"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then,
+before anything else, the ladder of steps of all rivals, coarse rungs first, since the question is which cheap setting is accurate
+enough; then what else is cheap. What leaves out an effect, and with it a promise, is not among them."""
 
 BUDGET = 35.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
@@ -102,7 +103,7 @@ def cells_of(request: Request) -> list[Cell]:
         job = outcome.job
         if job.base:
             own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
-    ranked: list[tuple[int, Cell]] = []
+    ranked: list[tuple[tuple[int, float], Cell]] = []
     for name, scenario in sorted(request.scenarios.items(), key=lambda entry: not entry[1].everyday):
         if not errors_of(name, scenario):
             continue
@@ -115,8 +116,28 @@ def cells_of(request: Request) -> list[Cell]:
             for setting in settings_of(engine, presets, rows):
                 cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
                 if setting.name in rank and setting.base in presets and applicable(setting, scene) and _tells(cell, request):
-                    ranked.append((rank[setting.name], cell))
+                    ranked.append((_turn(cell, rank[setting.name], request), cell))
     return [cell for _, cell in sorted(ranked, key=lambda entry: entry[0])]
+
+
+class Turn(IntEnum):
+    """Turns in which cells are asked."""
+
+    PRESETS = 0
+    COARSE_STEPS = 1
+    FINE_STEPS = 2
+    REST = 3
+
+
+def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
+    """When a cell is asked: presets and the user's rows, coarse rungs of the ladder from the coarsest on, fine ones by what they
+    cost, so that as many fit as can, then all else by its `rank` in the engine's list."""
+    setting = cell.setting
+    if ladder.is_rung(setting):
+        if ladder.is_coarse(setting):
+            return Turn.COARSE_STEPS, -step(cell, request)
+        return Turn.FINE_STEPS, cost(cell, request)
+    return (Turn.PRESETS if setting.is_preset or rank == 0 else Turn.REST), rank
 
 
 def _tells(cell: Cell, request: Request) -> bool:
@@ -155,8 +176,8 @@ def step(cell: Cell, request: Request) -> float:
 
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
-    """The same cells, those first that may reach an accuracy that ours reaches and an engine misses in what was measured so far:
-    margins, which cost no time of a frame, then finer steps, the coarsest first."""
+    """The same cells, presets and coarse rungs of the ladder first; then those that may reach an accuracy that ours reaches and
+    an engine misses in what was measured so far: finer steps, the coarsest first, then margins, which are of one engine only."""
     worst = [
         Reached(cell.scenario, cell.setting.engine, largest(entry, errors_of(cell.scenario, request.scenarios[cell.scenario])),
                 step(cell, request))
@@ -166,10 +187,14 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
 
     def key(cell: Cell) -> tuple[int, float]:
         place, options = (cell.scenario, cell.setting.engine), cell.setting.options
-        if place in wanted and not set(options).isdisjoint(MARGINS):
+        if cell.setting.is_preset or ladder.is_coarse(cell.setting):
             return 0, 0.0
         at = step(cell, request) if "dt" in options else math.nan
-        return (1, -at) if at < wanted.get(place, 0.0) else (2, 0.0)
+        if at < wanted.get(place, 0.0):
+            return 1, -at
+        if ladder.is_rung(cell.setting):
+            return 2, 0.0
+        return (3, 0.0) if place in wanted and not set(options).isdisjoint(MARGINS) else (4, 0.0)
 
     return sorted(cells, key=key)
 

@@ -1,4 +1,4 @@
-"""The report in a browser: opened from disk it complains of nothing, asks nobody for anything, draws everything and plays.
+"""The report in a browser: opened from disk it complains of nothing, requests nothing, draws everything and plays.
 
 Not part of `make test`, which needs no browser: `make look` runs it on a small run made by hand and on the last run, and leaves
 screenshots in reports/out/look/ for eyes.
@@ -15,6 +15,8 @@ import pytest
 from PIL import Image, ImageSequence
 
 from reports import write_report
+from reports.wording import quantity as words_of
+from scenarios import array_file
 from scenarios.metrics import METRICS
 from tests.look.browser import Browser, browser
 from tests.reports.conftest import whole_run
@@ -43,13 +45,44 @@ new Promise((done) => {
 })
 """
 """How many different colours the replay's canvas has."""
+DRAWN = """
+new Promise((done) => {
+  const stage = document.querySelector(".stage"), canvas = stage.querySelector("canvas"), all = stage.getBoundingClientRect();
+  window.dispatchEvent(new Event("resize"));
+  requestAnimationFrame(() => {
+    const copy = document.createElement("canvas"), scale = canvas.width / all.width;
+    copy.width = canvas.width; copy.height = canvas.height;
+    const pen = copy.getContext("2d");
+    pen.drawImage(canvas, 0, 0);
+    const share = (part) => {
+      const box = part.getBoundingClientRect();
+      const place = [box.left - all.left + 1, box.top - all.top + 1, box.width - 2, box.height - 2];
+      const drawn = pen.getImageData(...place.map((length) => length * scale)).data;
+      return drawn.some((value, k) => k % 4 === 3 && value) ? 1 : 0;
+    };
+    done([".picture", ".said"].map((name) => share(document.querySelector(name))));
+  });
+})
+"""
+"""Whether anything is drawn in the picture of the first view, and in its caption."""
+WRITTEN = """
+(() => {
+  const pen = CanvasRenderingContext2D.prototype, write = pen.fillText;
+  window.written = [];
+  pen.fillText = function (text, x, y, most) {
+    window.written.push([text, this.measureText(text).width, most === undefined ? this.canvas.width - x : most]);
+    write.apply(this, arguments);
+  };
+})()
+"""
+"""Keeps the words that are written into pictures, the width of each, and the room that it has [px]."""
 BLANK = """
 [...document.querySelectorAll("figure svg")].filter((svg) => {
   const box = svg.getBoundingClientRect();
   return !(box.width > 50 && box.height > 30 && svg.querySelector("path, circle, rect, line")) || !svg.getAttribute("aria-label");
 }).length
 """
-"""How many charts are not drawn, or say nothing to those who do not see them."""
+"""How many charts are not drawn, or have no words in place of the picture."""
 POINTED = """
 (() => {
   const chart = document.querySelector("#courses-charts svg"), box = chart.getBoundingClientRect();
@@ -57,18 +90,51 @@ POINTED = """
   return Number(document.getElementById("courses-charts").dataset.time);
 })()
 """
-"""The time [s] to which the cursor goes when somebody points at a chart."""
-HIDDEN = 'document.querySelectorAll("figure").forEach((one) => { one.style.contentVisibility = "visible"; })'
-"""Charts off the screen are not laid out until somebody scrolls there."""
+"""The time [s] to which the cursor goes when a pointer is over a chart."""
+LANDED = 40
+"""Distance [px] from the top of the screen at which a section is where its link leads."""
+SETTLED = """
+new Promise((done) => {
+  let before = NaN, same = 0;
+  const look = () => {
+    same = window.scrollY === before ? same + 1 : 0;
+    before = window.scrollY;
+    if (same > 5) done(); else requestAnimationFrame(look);
+  };
+  look();
+})
+"""
+"""Resolves once the page no longer scrolls."""
+
+
+LONG = 1300
+"""States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
+
+
+def _aside(path: Path) -> None:
+    """Let all end after 200 states, before it has fallen out of sight, and put the hand aside by 37 mm and by 474 mm in states
+    that are not drawn themselves."""
+    arrays = array_file.read(path)
+    for name in ("positions", "raw_positions"):
+        arrays[name][200:] = arrays[name][199]
+    arrays["positions"][500, 2, 0] += 0.037
+    arrays["positions"][1001, 2, 1] += 0.4735
+    with path.open("wb") as file:
+        array_file.write(file, arrays)
 
 
 def by_hand(folder: Path) -> Path:
     """A small run with recordings of one scene."""
     folder.mkdir()
-    (folder / "results.json").write_text(json.dumps(whole_run()))
+    data, runs = whole_run(), ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default")
+    sinking, free = [0.0] * LONG, [0.0] * LONG
+    sinking[9], sinking[10] = 0.01, 0.02
+    series = {run: {"overlap_m": free if run == runs[0] else sinking, "frame_time_us": []} for run in runs}
+    (folder / "results.json").write_text(json.dumps(data | {"series": {"arm_wall": series}}))
     scene(folder, "arm_wall")
-    for run in ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default"):
-        recording(folder, "arm_wall", run, states=200, sinks=run != "avatarsim/default")
+    for run in runs:
+        recording(folder, "arm_wall", run, states=LONG, sinks=run != runs[0])
+        _aside(folder / "recordings" / f"arm_wall.{run.replace('/', '.')}.0.npz")
     write_report(folder)
     return folder
 
@@ -120,7 +186,6 @@ def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) 
     one, name = opened
     page = run / "index.html"
     one.open(page)
-    one.value(HIDDEN)
     assert one.value("document.querySelectorAll('figure svg').length") > 4
     assert one.value(BLANK) == 0
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
@@ -147,9 +212,19 @@ def test_links_at_the_top_reach_every_section(run: Path, opened: tuple[Browser, 
     sections = one.value("[...document.querySelectorAll('section')].map((one) => one.id)")
     assert sections and all(sections)
     assert one.value("[...document.querySelectorAll('nav a')].map((one) => one.getAttribute('href').slice(1))") == sections
-    for section in (sections[-1], "scenes"):
-        one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
+    for number, section in enumerate(sections):
+        # from the top of the page, and every third one from elsewhere, when nothing of the page has been drawn yet
+        if number % 3 or section == sections[-1]:
+            one.value("window.scrollTo({top: 0, behavior: 'instant'})")
+            one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
+        if number % 3 == 0:
+            one.open(scenes(run)[0])
+            one.open(run / "index.html", f"#{section}")
         assert one.value("location.hash") == f"#{section}"
+        one.value(SETTLED)
+        top, left = one.value(f"[document.getElementById('{section}').getBoundingClientRect().top, "
+                              "document.documentElement.scrollHeight - window.innerHeight - window.scrollY]")
+        assert abs(top) <= LANDED or (top > 0 and left < 2), f"{section}: {top} px below the top, {left} px to the end"
 
 
 def test_every_scene_has_a_card_and_the_filter_leaves_what_fits(run: Path, opened: tuple[Browser, str]) -> None:
@@ -194,6 +269,20 @@ def test_tables_are_cards_where_there_is_no_room(run: Path, opened: tuple[Browse
     assert (display, shown != "none") == (("block", True) if name.startswith("narrow") else ("table-row", False))
 
 
+def test_labels_of_cards_are_inside_the_screen(run: Path, opened: tuple[Browser, str]) -> None:
+    """A label lies in the room that its cell keeps free at the left, and begins by so much before its content."""
+    one, name = opened
+    one.open(run / "index.html")
+    one.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    outside = one.value("""[...document.querySelectorAll('.scroll [data-label]')].filter((cell) => {
+        const box = cell.getBoundingClientRect(), label = getComputedStyle(cell, '::before');
+        if (!box.width || label.content === 'none') return false;
+        const left = box.left + parseFloat(getComputedStyle(cell).paddingLeft) + parseFloat(label.marginLeft || '0');
+        return left < -0.5 || left + parseFloat(label.width) > window.innerWidth + 0.5;
+    }).length""")
+    assert outside == 0, name
+
+
 def test_no_metric_is_called_by_its_identifier(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     one.open(run / "index.html")
@@ -232,13 +321,96 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
         one.until("document.getElementById('replay').dataset.frame !== undefined")
         runs = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.worst)")
         opens = one.value("JSON.parse(document.getElementById('replay-data').textContent).opens")
-        wanted = [*(opens[name] for name in ("ours", "others") if name in opens),
+        step = float(one.value("JSON.parse(document.getElementById('replay-data').textContent).dt"))
+        wanted = [*(opens[name]["state"] for name in ("ours", "others") if name in opens),
                   *(moment["state"] for moments in runs for moment in moments)]
         assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == wanted
+        # of the lists ours alone is open, and the button of the others says of which
+        lists = one.value("[...document.querySelectorAll('.worst details')].map((one) => [one.innerText, one.open])")
+        assert [told.split()[0].startswith("avatarsim") for told, is_open in lists if is_open] == [True]
+        if "others" in opens:
+            assert opens["others"]["run"] in one.value("document.querySelector('.worst > div').innerText")
+        one.value("document.querySelectorAll('.worst details').forEach((one) => { one.open = true; })")
         for number, state in enumerate(wanted):
-            one.value(f"document.querySelectorAll('[data-worst]')[{number}].click()")
+            button = f"document.querySelectorAll('[data-worst]')[{number}]"
+            one.value(f"{button}.scrollIntoView({{block: 'start', behavior: 'instant'}})")
+            # a page that still scrolls for the button before is no place to press the next
+            one.value(SETTLED)
+            one.value(f"{button}.click()")
             one.until(f"document.getElementById('replay').dataset.frame === '{state}'")
+            assert float(one.value("location.hash").removeprefix("#t=")) == pytest.approx(state * step, rel=1e-5)
+            one.value(SETTLED)
+            # the view of the engine that the button is about is on the screen
+            box = f"document.querySelectorAll('.view')[{button}.dataset.of].getBoundingClientRect()"
+            assert one.value(f"{box}.top >= -1 && {box}.bottom <= window.innerHeight + 1")
         assert one.errors == []
+
+
+def test_nothing_glides_where_less_motion_is_asked_for(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(scenes(run)[0])
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    one.tell("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+    try:
+        one.value("window.scrollTo(0, document.documentElement.scrollHeight)")
+        box = "document.querySelector('.view').getBoundingClientRect()"
+        assert one.value(f"{box}.bottom < 0")
+        seen = one.value(f"(() => {{ document.querySelector('[data-worst]').click(); return {box}.bottom; }})()")
+        assert 0 < seen <= SIZES["wide"][1] + 1
+    finally:
+        one.screen(*SIZES[name.partition("-")[0]], dark=name.endswith("dark"))
+
+
+def test_charts_and_captions_say_the_same_at_every_worst_moment(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    for page in scenes(run):
+        one.open(page)
+        one.until("document.getElementById('replay').dataset.frame !== undefined")
+        data = "JSON.parse(document.getElementById('replay-data').textContent)"
+        runs = one.value(f"{data}.runs.map((run) => [run.run, run.worst])")
+        for number, (name, moments) in enumerate(runs):
+            for k, moment in enumerate(moments):
+                figure = re.search(r"[0-9.,]+ (?:nm|µm|mm|m)\b", moment["said"])
+                title = "Overlap" if moment["said"].startswith("overlap") else "Distance from the user"
+                if not figure or not re.search("overlap of|from its user", moment["said"]):
+                    continue
+                one.value(f"document.querySelectorAll('[data-of=\"{number}\"]:not(.worst > div *)')[{k}].click()")
+                one.until(f"document.getElementById('replay').dataset.frame === '{moment['state']}'")
+                told = str(one.value(f"[...document.querySelectorAll('.course')].find((one) => "
+                                     f"one.querySelector('h4').textContent === '{title}').querySelector('.told').textContent"))
+                assert f"{name} {figure[0]}" in told.split(" · "), f"{page.stem}: {moment['said']}"
+                if title == "Overlap":
+                    caption = str(one.value(f"document.querySelectorAll('.view')[{number}].querySelector('.said').textContent"))
+                    assert caption.startswith(f"{figure[0]}: "), caption
+        assert one.errors == []
+
+
+def test_figures_of_the_scripts_are_those_of_the_pages_words(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(scenes(run)[0])
+    for unit in ("m", "us", "J"):
+        for value in (0.0, 3e-10, 3e-9, 1.68e-6, 1.68e-4, 9.996e-4, 0.02, 0.47351, 0.9996, 1.0, 12.3456, 900.0):
+            assert one.value(f"quantity({value!r}, '{unit}')") == words_of(value, unit), (value, unit)
+
+
+def test_captions_leave_the_picture_free_where_there_is_no_room(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(scenes(run)[0])
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    over = one.value("""[...document.querySelectorAll('.view')].map((view) => {
+        const parts = ['.called', '.picture', '.said'];
+        const [called, picture, said] = parts.map((one) => view.querySelector(one).getBoundingClientRect());
+        return [picture.top - called.bottom, said.top - picture.bottom, picture.height / picture.width];
+    })""")
+    assert all(share == pytest.approx(0.75, abs=0.02) for _, _, share in over)
+    sticky = one.value("getComputedStyle(document.querySelector('.controls')).position")
+    if name.startswith("narrow"):
+        assert all(above >= -0.5 and below >= -0.5 for above, below, _ in over) and sticky == "static"
+        assert one.value("[...document.querySelectorAll('.said')].every((said) => said.scrollHeight <= said.clientHeight)")
+        # what is drawn is where the pictures are, and nowhere else
+        assert one.value(DRAWN) == [1, 0]
+    else:
+        assert sticky == "sticky"
 
 
 def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
@@ -247,9 +419,14 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     one.downloads(tmp_path)
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
+    one.value(WRITTEN)
     one.value("document.querySelector('[data-part=film]').click()")
     one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
     one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
+    # its words have the width that they need, and no digits that nothing was measured to
+    words = one.value("window.written")
+    assert words and all(width <= most + 0.5 for _, width, most in words)
+    assert not [text for text, *_ in words if re.search(r"\d\.\d{3}", text)]
     saved = tmp_path / f"{page.stem}.gif"
     for _ in range(100):
         if saved.exists():

@@ -34,7 +34,7 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
         avatars, state, working = apart.avatars, apart.state, apart.working
         begin_frame(geo, skel, avatars, chosen.posture, tracker, dt, NOT_KNOWN, poses, state, working)
         drop_paths(geo, skel, avatars, tracker, posture, poses, plan, ghost, state, working)
-        aim_along_paths(skel, avatars, dt, posture, plan, state, working)
+        aim_along_paths(geo, skel, avatars, chosen.posture, dt, posture, poses, plan, state, working)
         solve(geo, skel, avatars, chosen.posture, posture, poses, state, working)
         supervise(geo, skel, avatars, chosen.posture, tracker, dt, posture, poses, plan, ghost, state, working)
         plain = leaves((w.posture, w.poses, apart.state, plan))

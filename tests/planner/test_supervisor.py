@@ -5,10 +5,12 @@ import pytest
 
 from avatarsim.planner.supervisor import LEAST_SLICE
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
 from reference.judge import Judge
 from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
+from tests.worlds.little_worlds import hand
 
 SETTINGS = PostureSettings()
 SECONDS = 60
@@ -79,6 +81,44 @@ def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) 
     assert run.record.statuses.get(status)
     other.engine.restore(run.engine.snapshot())
     assert [one.state_hash() for one in run.go(target, SECONDS)] == [one.state_hash() for one in other.go(target, SECONDS)]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_snapshot_is_sound_in_every_frame_until_the_target_is_reached(seed: int) -> None:
+    scene, target = behind_the_wall(walker())
+    run, other = Run(scene, seed), Run(scene)
+    while run.far(target) > 1e-3:
+        run.go(target, 1)
+        other.engine.restore(run.engine.snapshot())
+    assert run.said["planning"] > 0 and run.said["following"] > 0
+
+
+def test_an_avatar_whose_path_is_blocked_waits_before_it_and_goes_on_once_that_is_gone() -> None:
+    one = walker()
+    plug = hand((Piece(Box((0.2, 1.4, 2.6))),), "plug")
+    alone, _ = behind_the_wall(one)
+    start = rest((one, plug))
+    start.positions[3] = (2.6, 1.5, 0.9)
+    scene = Scene("blocked", alone.bodies, (one, plug), start=start)
+    judge = Judge(scene)
+
+    def goal(is_shut: bool) -> TrackerSample:
+        positions = start.positions.copy()
+        positions[:3, 0] += 1.4
+        if is_shut:
+            positions[3, 0] = 0.86
+        return TrackerSample(0.0, positions, start.rotations, start.angles)
+
+    run, shut = Run(scene), goal(True)
+    while not run.record.statuses.get("following"):
+        run.go(goal(False), 1)
+    for _ in range(SECONDS):
+        run.go(shut, 1)
+        shown = run.record.shown
+        assert judge.overlaps(shown.positions, shown.orientations).deepest == 0.0
+    assert shown.positions[len(alone.bodies), 0] < 0.9 and run.record.statuses == {"planning": 1, "waiting": 1}
+    run.go(goal(False), 5 * SECONDS)
+    assert run.far(goal(False)) < 1e-3
 
 
 @pytest.mark.parametrize("work", [300, 1200])

@@ -44,6 +44,18 @@ def test_a_dead_end_is_left_within_the_motion_budget(seed: int) -> None:
     assert np.linalg.norm(np.diff(places[1:], axis=0), axis=1).max() <= SETTINGS.catch_up_move * DT * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_a_dead_end_is_left_along_one_path_without_delay(seed: int) -> None:
+    """Within the 114 frames that it took at most before paths had a price."""
+    run = Run(scene_of(pocket(), limbed(), (-0.1, 0.0, 0.0)), seed)
+    target, follows, paths = moved(run.scene, BEHIND), False, 0
+    for _ in range(114):
+        run.go(target, 1)
+        before, follows = follows, bool(run.record.statuses.get("following"))
+        paths += follows and not before
+    assert run.far(target) < 1e-6 and paths == 1
+
+
 def test_where_there_is_no_way_out_the_avatar_waits_or_seeks_and_says_so() -> None:
     run = Run(scene_of(closed_pocket(), limbed(), (-0.12, 0.0, 0.0)))
     places = watched(run, moved(run.scene, BEHIND), 180)

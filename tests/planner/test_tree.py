@@ -111,13 +111,17 @@ def to_root(before: list[int], k: int) -> list[int]:
 
 
 @given(st.lists(st.integers(0, 10**6), max_size=40), st.data())
-def test_a_path_leads_from_one_root_to_the_other_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
+def test_a_path_leads_from_where_the_avatar_is_to_the_goal_and_alone_is_kept(parents: list[int], data: st.DataObject) -> None:
     at, before = grown(parents)
     nodes = st.integers(0, len(before) - 1)
     one = data.draw(nodes.filter(lambda k: to_root(before, k)[-1] == 0))
+    here = data.draw(nodes.filter(lambda k: to_root(before, k)[-1] == 0))
     other = data.draw(nodes.filter(lambda k: to_root(before, k)[-1] == 1))
-    trace_path(0, one, other, at.plan)
-    s, wanted = at.plan.searches, to_root(before, one)[::-1] + to_root(before, other)
+    trace_path(0, here, one, other, at.plan)
+    up, down = to_root(before, here), to_root(before, one)
+    both = max(set(up) & set(down))
+    through = up[: up.index(both)] + [both] + down[: down.index(both)][::-1]
+    s, wanted = at.plan.searches, through + to_root(before, other)
     assert at.plan.path[0, : s.length[0]].tolist() == wanted
     s.place[0] = place = data.draw(st.integers(0, len(wanted) - 1))
     keep_path(0, at.plan)
@@ -126,10 +130,10 @@ def test_a_path_leads_from_one_root_to_the_other_and_alone_is_kept(parents: list
     assert at.plan.node[0, kept, 0].tolist() == [float(k) for k in wanted[place:]]
 
 
-@pytest.mark.parametrize(("name", "value"), [("at", 7), ("begun", 9), ("place", 5), ("cut_to", 5), ("meeting", 7)])
+@pytest.mark.parametrize(("name", "value"), [("at", 7), ("begun", 9), ("place", 5), ("cut_to", 5), ("meeting", 7), ("here", 7)])
 def test_a_plan_from_bytes_that_names_what_is_not_there_is_not_sound(name: str, value: int) -> None:
     at, _ = grown([0, 1, 2])
-    trace_path(0, 2, 3, at.plan)
+    trace_path(0, 0, 2, 3, at.plan)
     assert plan_is_sound(at.plan)
     getattr(at.plan.searches, name)[0] = value
     assert not plan_is_sound(at.plan)

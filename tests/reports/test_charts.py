@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reports.charts import overlap_panels, peaks, time_panels, time_percentiles
-from reports.conclusions import time_sentence
+from reports.conclusions import overlap_summary, shown_scenes, time_sentence
 from reports.load import load
 from reports.palette import strokes
+from reports.summary_charts import overlaps
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -111,3 +112,15 @@ def test_series_without_one_finite_number_are_drawn_as_gaps(run_dir: Write, resu
     panel = overlap_panels(found, strokes(RUNS), ("arm_wall",))[0]
     assert panel.conclusion == "avatarsim/default has frames without a finite number."
     assert "peak NaN, 100 % of frames above" in panel.svg
+
+
+def test_what_ours_does_not_show_is_in_no_denominator_and_in_no_plot(run_dir: Write, results: Json) -> None:
+    series = results["series"]
+    assert isinstance(series, dict)
+    theirs = {"mujoco/tuned": {"overlap_m": [0.0, 0.4], "frame_time_us": []}}
+    found = load(run_dir(results | {"series": series | {"start_inside": theirs}}))
+    assert list(shown_scenes(found, "avatarsim/default")) == ["arm_wall", "hand_over_table"]
+    said = overlap_summary(found, "avatarsim/default")
+    assert "mujoco/tuned in 0 of 2" in said and said.endswith("since avatarsim/default refuses or shows nothing: start_inside.")
+    assert "400 mm" not in overlaps(found, strokes(RUNS), "avatarsim/default")
+    assert list(shown_scenes(found, "other/engine")) == ["arm_wall", "hand_over_table", "start_inside"]

@@ -76,7 +76,7 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     assert "farther than 10 mm from a user" in said and "1 setting" in said and listed == [("wall", "m/tuned 10.1 mm")]
     rival = found.blocks[0].lines[1]
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
-    assert "m by none of 1 setting measured here (none of them within 10 mm of a free" in at_level(found.blocks[0], 1e-3, ("m",))
+    assert "m: none of 1 setting measured here (none of them within 10 mm of a free" in at_level(found.blocks[0], 1e-3, ("m",))
     assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
 
 
@@ -152,11 +152,32 @@ def test_an_avatar_has_times_side_by_side_and_no_factor_no_bold_figure_and_no_sh
 
 def test_settings_that_were_planned_and_not_measured_are_counted() -> None:
     left = [replace(point(f"m/tuned dt=1/{rate}", math.nan, math.nan), state="not-measured") for rate in (1920, 3840)]
-    found = table(Sweep((point("avatarsim/default", 0.0, 10.0), point("m/tuned", 5e-3, 20.0), *left)))
+    tuned = replace(point("m/tuned", 5e-3, 20.0), step=1.0 / 960.0)
+    found = table(Sweep((point("avatarsim/default", 0.0, 10.0), tuned, *left)))
     assert found.blocks[0].lines[1].measured == "1 setting measured here (of 3 planned)"
     said = at_level(found.blocks[0], 1e-3, found.engines)
-    assert "m by none of 1 setting measured here (of 3 planned) (at best 5.00 mm)" in said
-    assert "that none of the settings of other engines does: of 1 cell measured here (of 3 planned)" in sentence(found)
+    assert "m: not said: 2 steps of the ladder not measured, none of 1 of 3 (at best 5.00 mm)" in said
+    assert "that none of the settings of other engines does" not in sentence(found)
+    assert "none is said to miss it, in 3 cases in which steps of a rival were not measured" in sentence(found)
+
+
+def test_no_factor_is_made_while_a_coarser_step_of_the_ladder_was_not_measured() -> None:
+    def of(*rungs: Point) -> float:
+        ours, tuned = point("avatarsim/default", 0.0, 10.0), replace(point("m/tuned", 5e-4, 40.0), step=1.0 / 960.0)
+        found = table(Sweep((ours, tuned, *rungs)))
+        assert ("the cheapest rival takes" in sentence(found)) is not any(r.state == "not-measured" and "/120" in r.setting
+                                                                        for r in rungs)
+        return next(line for line in found.blocks[0].lines if line.engine == "m").cells[MM].factor
+
+    coarse, fine = (replace(point(f"m/tuned dt=1/{rate}", 5e-3, 5.0), step=1.0 / rate) for rate in (120, 1920))
+    gone = [replace(one, error=math.nan, p50=math.nan, step=math.nan, state="not-measured") for one in (coarse, fine)]
+    assert math.isnan(of(gone[0])) and of(gone[1]) == of(coarse) == 4.0, "a finer step is no cheaper one"
+
+
+def test_a_caption_says_of_how_many_settings_the_cheapest_is() -> None:
+    left = replace(point("m/tuned margin=0", math.nan, math.nan), state="not-measured")
+    found = table(Sweep((point("avatarsim/default", 0.0, 10.0), point("m/tuned", 5e-4, 20.0), left)))
+    assert "m 20.0 µs (tuned, 1 of 2)" in at_level(found.blocks[0], 1e-3, found.engines)
 
 
 def test_the_offset_from_the_tracker_stands_beside() -> None:
@@ -179,8 +200,8 @@ def test_the_table_has_a_line_per_engine_with_factors_of_our_default() -> None:
     assert all(cell.attempt is None and math.isnan(cell.factor) for cell in pybullet.cells)
     assert (pybullet.tried, pybullet.least) == (1, 2e-2)
     said = at_level(block, 1e-3, found.engines)
-    assert said == ("Deepest overlap shown at most 1 mm: avatarsim 10.0 µs (default), mujoco 25.0 µs (tuned), pybullet by none "
-                    "of 1 setting measured here (of 2 planned) (at best 20.0 mm).")
+    assert said == ("Deepest overlap shown at most 1 mm, cheapest (measured of planned): avatarsim 10.0 µs (default, 1), mujoco "
+                    "25.0 µs (tuned, 2), pybullet: none of 1 setting measured here (of 2 planned) (at best 20.0 mm).")
 
 
 def test_what_is_lost_is_said_first() -> None:

@@ -6,6 +6,9 @@ import pytest
 
 from reports.columns import COLUMNS, ratio_to_best, truth_metric, worst
 from reports.load import Row
+from reports.metric_words import words
+from reports.unseen import LIMITS, MEASURES
+from scenarios.metrics import METRICS
 
 
 def row(value: float | None, metric: str = "m", bound: float | None = None) -> Row:
@@ -46,3 +49,11 @@ def test_no_metric_belongs_to_two_columns() -> None:
              "chatter_frames", "joint_limit_excess_max", "reach_cone_excess_max", "frame_time_p50",
              "frame_time_python_p50", "frame_time_p95")
     assert [sum(column.takes(name) for column in COLUMNS) for name in names] == [1] * len(names)
+
+
+def test_a_column_of_one_metric_has_its_name_as_everywhere_on_the_page() -> None:
+    """One name per quantity: limits of joints and reach cones are two, which no column mixes."""
+    for key, metric in (("limits", "joint_limit_excess_max"), ("cone", "reach_cone_excess_max")):
+        column = next(column for column in COLUMNS if column.key == key)
+        assert column.title == words(metric) and [name for name in METRICS if column.takes(name)] == [metric]
+    assert next(measure.title for measure in MEASURES if measure.metric == LIMITS) == words(LIMITS)

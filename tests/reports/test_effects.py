@@ -62,15 +62,17 @@ def test_nothing_when_it_was_not_asked(tmp_path: Path) -> None:
 def test_the_dearest_come_first_and_what_saves_time_is_said(tmp_path: Path) -> None:
     said = cost_sentence(fill(tmp_path, LINES))
     assert said == (
-        "Of the frame an effect takes, from scene to scene: restitution 25 % (1 scene). Paying for itself: sleeping (without it "
-        "a frame takes 2.5 times as long)."
+        "Of the frame an effect takes, where that is more than noise: restitution 25 % (1 of 1 scene). Paying for themselves, "
+        "since a frame takes longer without them: sleeping in drop, 2.5 × as long."
     )
-    several = [row("limits", share, scene=f"s{k}") for k, share in enumerate((-0.32, 0.0, 0.62))]
-    several += [row("sleeping", share, scene=f"s{k}") for k, share in enumerate((-13.5, -0.18))]
+    several = [row("limits", share, scene=f"s{k}") for k, share in enumerate((-0.04, 0.0, 0.62))]
+    several += [row("sleeping", share, scene=f"s{k}") for k, share in enumerate((-13.8, -0.18))]
+    several += [row("overlap_removal", share, scene=f"s{k}") for k, share in enumerate((0.3, -0.3))]
     assert cost_sentence(fill(tmp_path, several)) == (
-        "Of the frame an effect takes, from scene to scene: limits -32 to 62 % (3 scenes). Paying for itself: sleeping (without "
-        "it a frame takes 1.2 to 14.5 times as long)."
-    )
+        "Of the frame an effect takes, where that is more than noise: limits 62 % (1 of 3 scenes); overlap removal 30 % (1 of 2 "
+        "scenes). Paying for themselves, since a frame takes longer without them: sleeping in s0, 14.8 × as long; overlap "
+        "removal in s1, 1.3 × as long; sleeping in s1, 1.18 × as long."
+    ), "a frame that is 4 % longer without limits says nothing"
     assert cost_sentence(fill(tmp_path, [row("friction", 0.01)])) == "No effect takes a measurable share of the frame."
 
 
@@ -170,7 +172,8 @@ def test_the_page_has_the_section_and_stays_whole(run_dir: Write, results: Json)
     tree = Tree()
     tree.feed(text)
     assert tree.open == [] and len(tree.ids) == len(set(tree.ids))
-    assert 'id="effects"' in text and "25 %, breaks 2" in text and "not measured" in text and "-150 %" in text
+    assert 'id="effects"' in text and "25 %, breaks 2" in text and "not measured" in text
+    assert "2.5 × as long without it, none" in text and "-150 %" not in text
     assert "This run has no everyday scene" not in text
 
 

@@ -78,5 +78,5 @@ def test_the_index_shows_the_pictures_and_leads_to_the_moment(run_dir: Write, re
     part = text.split('id="scenes"')[1].split("</section>")[0]
     assert part.count("<li id=") == 3 and part.count('<svg class="thumb"') == 1 and part.count("not recorded") == 2
     # most contacts at the last of twenty states; without a script all cards are there, and no filter
-    assert 'href="scenes/arm_wall.html#t=0.3167"' in part and "hidden>" in part.split("<ul>")[0]
+    assert 'href="scenes/arm_wall.html#t=0.316667"' in part and "hidden>" in part.split("<ul>")[0]
     assert "The scene arm_wall at 0.317 s, as avatarsim/default shows it." in part

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reports.kept import Array, Shown, shown
-from reports.moments import Moment, called, moments, remarks
+from reports.moments import Moment, called, moments, remarks, states_of_metrics
 from tests.reports.recorded import STATES, recording
 
 
@@ -75,5 +75,26 @@ def test_root_and_links_are_called_by_their_names_and_a_turn_is_a_turn(one: Show
     assert [called(k, names) for k in range(4)] == ["root", "link arm", "root", "a link"]
     one.orientations[9:, -1] = np.cos(np.radians(20.0)), 0.0, 0.0, np.sin(np.radians(20.0))
     found = {moment.said: moment.state for moment in moments(one, np.zeros(STATES), ["hand"])}
-    assert found == {"root turns 40.0° beyond its user in one frame": 9}
-    assert remarks(one, 1) == [(9, "turned 40.0° beyond its user in a frame")]
+    assert found == {"root changes its orientation by 40.0° beyond its user in one frame": 9}
+    assert remarks(one, 1) == [(9, "orientation 40.0° beyond its user's in a frame")]
+
+
+def test_each_metric_has_its_own_state_and_a_joint_is_no_link(tmp_path: Path) -> None:
+    states, angle = 30, np.radians(20.0)
+    positions, orientations = np.zeros((states, 3, 3)), np.zeros((states, 3, 4))
+    orientations[..., 0] = 1.0
+    raw_positions, raw_orientations = positions.copy(), orientations.copy()
+    # the root turns by 80 degrees and its arm stays where it is in the world, then the hand by 20; the hand jumps, the root too
+    orientations[5:, 0] = np.cos(2.0 * angle), 0.0, 0.0, np.sin(2.0 * angle)
+    orientations[9:, 2] = np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)
+    positions[12, 2, 0], positions[17:, 0, 0], positions[20:, 1, 0] = 0.03, 0.02, 0.5
+    one = Shown("mine/default", np.arange(states) / 60.0, positions, orientations, positions, positions, raw_positions,
+                raw_orientations)
+    names = ["human/root", "human/arm", "human/hand"]
+    assert states_of_metrics(one, names) == {
+        "link_jump_max": 20, "root_jump_max": 17, "reversal_max": 13, "tracker_offset_max": 20}
+    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 5
+    # a joint that turns against its parent's turn leaves its link where it was: of orientations nothing shows, of joints it does
+    orientations[:, 0], orientations[9:, 2] = orientations[0, 0], orientations[0, 0]
+    orientations[7:, 1] = np.cos(angle), 0.0, 0.0, np.sin(angle)
+    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 7

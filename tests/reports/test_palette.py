@@ -5,7 +5,8 @@ from reports.palette import dark_rules, strokes
 
 def test_runs_differ_in_colour_or_dash() -> None:
     engines = ("avatarsim", "mujoco", "pybullet", "one", "two")
-    runs = [f"{engine}/{preset}" for engine in engines for preset in ("tuned", "default")]
+    presets = ("tuned", "default", "sleeping", "servos", "hinges", "mine", "fine", "finer", "finest")
+    runs = [f"{engine}/{preset}" for engine in engines for preset in presets]
     drawn = strokes(runs)
     assert list(drawn) == runs
     assert len({(stroke.light, stroke.dash) for stroke in drawn.values()}) == len(runs)

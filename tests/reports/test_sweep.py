@@ -10,6 +10,8 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from reports import convergence, law_map, law_map_chart, sweep, sweep_chart, write_report
+from reports.load import load
+from tests.reports.conftest import row
 from tests.reports.test_page import Tree
 
 Json = dict[str, object]
@@ -90,7 +92,7 @@ def test_what_fails_is_said_and_stands_first(tmp_path: Path) -> None:
             "pybullet/tuned)") in said
 
 
-def test_who_went_through_the_wall_beats_nobody(tmp_path: Path) -> None:
+def test_what_went_through_the_wall_beats_nothing(tmp_path: Path) -> None:
     found = loaded(tmp_path, THROUGH)
     assert not found.rivalries[0].lost and found.rivalries[0].spoilt[0].run == "mujoco/tuned"
     assert "at most 10 µm is reached by none of " in sweep.conclusion(found)
@@ -112,7 +114,7 @@ def test_a_panel_per_scene_and_the_other_errors_apart(tmp_path: Path) -> None:
     assert all(panel.svg.startswith("<svg role=") and "stroke-dasharray" in panel.svg for panel in firsts)
     assert all("60 Hz" in panel.svg and ">90<" in panel.svg for panel in firsts)
     assert "Crosses: pybullet/default (crashed)." in firsts[0].conclusion
-    assert "avatarsim 10.0 µs (default), mujoco 35.0 µs (tuned)" in firsts[0].conclusion
+    assert "avatarsim 10.0 µs (default, 1), mujoco 35.0 µs (tuned, " in firsts[0].conclusion
     assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == ([], [])
 
 
@@ -262,3 +264,24 @@ def test_the_model_of_a_setting_is_that_of_the_preset_beneath_if_it_is_there(tmp
     found = sweep.load(tmp_path)
     assert found is not None and found.model(turned) == "native/wall.mujoco.tuned.0.xml.gz"
     assert found.model(replace(turned, base="default", setting="default")) == ""
+
+
+def test_what_hovers_less_is_not_drawn_as_beaten_by_what_stays_off(tmp_path: Path) -> None:
+    text = line("wall", "m/a", 2e-4, 10) + line("wall", "m/b", 1e-4, 9) + line("wall", "m/c", 3e-4, 11)
+    near, far, slow = loaded(tmp_path, text).points
+    near, far, slow = replace(near, gap=2e-5), replace(far, gap=1e-3), replace(slow, gap=1e-3)
+    assert not sweep_chart.is_beaten(near, (near, far, slow)) and sweep_chart.is_beaten(slow, (near, far, slow))
+    assert sweep_chart.is_beaten(replace(near, gap=math.nan), (replace(far, gap=math.nan),)), "without an avatar there is no gap"
+
+
+def test_a_preset_that_errs_more_at_another_frame_rate_says_so_beside_its_cell(run_dir: Write, results: Json) -> None:
+    rows = [row(scene, "mujoco/tuned", "residual_overlap_max", value, "m")
+            for scene, value in (("table", 1e-5), ("table_90hz", 1.47e-3))]
+    scenes = {"table": {"title": "", "family": "table"}, "table_90hz": {"title": "", "family": "table"}}
+    found = load(run_dir(results | {"rows": rows, "scenes": scenes}))
+    (preset, turned) = (replace(point, scenario="table") for point in loaded(
+        run_dir(results), line("table", "mujoco/tuned", 1e-5, 9) + line("table", "mujoco/tuned margin=0", 1e-5, 9)).points)
+    of = sweep_chart.at_other_rates
+    assert of(found, preset, ("residual_overlap_max",)) == "1.47 mm in table_90hz"
+    assert of(found, replace(turned, base="tuned"), ("residual_overlap_max",)) == "tuned: 1.47 mm in table_90hz"
+    assert of(None, preset, ("residual_overlap_max",)) == of(found, preset, ("drift_max",)) == ""

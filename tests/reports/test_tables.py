@@ -96,13 +96,13 @@ def test_a_figure_that_an_engine_has_no_words_for_ranks_it_nowhere(run_dir: Writ
     data = results
     for engine, value in (("avatarsim", 2.0), ("mujoco", 1.0), ("pybullet", 3.0)):
         data = with_row(data, scenario="arm_wall", engine=engine, metric="reach_cone_excess_max", unit="deg", value=value)
-    assert cell(table(run_dir(data))["arm_wall"], "mujoco/default", "limits").best
+    assert cell(table(run_dir(data))["arm_wall"], "mujoco/default", "cone").best
     engines = [{"name": "mujoco", "preset": "default", "scenario": "arm_wall", "cannot_say": {"reach cones": "no such limit"}}]
     block = table(run_dir(data | {"engines": engines}))["arm_wall"]
-    silent = cell(block, "mujoco/default", "limits")
+    silent = cell(block, "mujoco/default", "cone")
     assert (silent.value, silent.ratio, silent.best) == (1.0, None, False)
     assert cell_note(silent, "avatarsim/default") == ("how", "not ranked: cannot say reach cones")
-    assert cell(block, "avatarsim/default", "limits").best and cell(block, "pybullet/default", "limits").ratio == 1.5
+    assert cell(block, "avatarsim/default", "cone").best and cell(block, "pybullet/default", "cone").ratio == 1.5
 
 
 def test_time_in_an_adapter_is_shown_and_has_no_best(run_dir: Write, results: Json) -> None:

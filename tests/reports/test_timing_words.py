@@ -84,7 +84,8 @@ def test_the_machine_is_described_as_far_as_it_is_known() -> None:
     full = {"mhz": 2445, "mhz_max": 3500, "busy_elsewhere": 0.05, "load_before": [1.5, 1.0, 1.0], "load_after": [1.25, 1.0, 1.0]}
     assert timing_words.machine({"timing": full}) == (
         "While frames were timed, the clock was 2445 MHz (3500 MHz at most); other work kept 0.05 processors busy; "
-        "the load average of a minute was 1.5 before and 1.25 after."
+        "the load average of a minute was 1.5 before and 1.25 after (it counts this run's own processes too: those that measured "
+        "accuracy before, and those that are timed and wait)."
     )
     said = timing_words.machine({"timing": {"mhz": 2445, "mhz_max": None, "busy_elsewhere": None, "load_before": None}})
     assert said == "While frames were timed, the clock was 2445 MHz (its highest is not told)."

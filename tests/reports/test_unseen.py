@@ -4,13 +4,15 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from reports import baseline, unseen
 from reports.diff import diff
-from reports.load import Results, load
+from reports.load import Results, Series, load
 from reports.page import page
 from reports.verdict import verdict
+from reports.wording import MISSING
 from tests.reports.conftest import row, whole_run
 
 Json = dict[str, object]
@@ -58,7 +60,8 @@ def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_o
     found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
     assert found is not None and found.rooms == ("wall", "door") and found.broken == () and found.seeds == (77,)
     said = unseen.conclusion(found)
-    assert said.startswith(f"{OURS} is behind another engine in frames in contact that shake: 2 of 2 rooms, most in door (15.0 % "
+    assert said.startswith(f"{OURS} is behind another engine in frames in contact that shake: 2 of 2 rooms, "
+                           "furthest behind in door (15.0 % "
                            f"against 0 %, {TUNED})")
     # the engine outside has the smaller offset, which counts for nothing, and the faster slowest frame, which does
     assert f"(300 mm against 200 mm, {TUNED})" in said and f"(5.00 ms against 1.00 ms, {BULLET})" in said
@@ -82,7 +85,8 @@ def test_a_room_at_another_frame_rate_is_listed_and_not_counted_again(run_dir: W
     results = replace(plain, families={"unseen_door_90hz": "unseen_door", "unseen_door": "unseen_door"})
     found = unseen.unseen(results, OURS)
     assert found is not None and found.rooms == ("door", "door_90hz") and found.asked == ("door",)
-    assert "In the 1 room of" in unseen.verdict_sentence(found) and "1 of 1 room, most in door" in unseen.conclusion(found)
+    assert "In 1 room (and again: door_90hz) with motions" in unseen.verdict_sentence(found)
+    assert "1 of 1 room, furthest behind in door" in unseen.conclusion(found)
     (_, short), (_, every) = unseen.section(results, OURS)["unseen_tables"]  # type: ignore[misc]
     assert [row["scene"] for row in short] == 3 * ["unseen_door"] and len(every) == 6
 
@@ -91,11 +95,12 @@ def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Wri
     found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
     assert found is not None
     assert unseen.verdict_sentence(found) == (
-        f"In the 2 rooms of motions that nothing was tuned for, in {OURS} nothing overlaps, no joint is beyond its limits, all "
+        f"In 2 rooms with motions that nothing was tuned for, in {OURS} nothing overlaps, no joint is beyond its limits, all "
         f"stays on its side; but a link jumps in one frame by up to 500 mm more than its user's (wall; {TUNED} 30.0 mm), the "
         f"root jumps by up to 300 mm (wall; {TUNED} 20.0 mm), the largest displacement to and fro is 470 mm (wall; {TUNED} "
         f"10.0 mm), the farthest from the user 900 mm (wall; {TUNED} 800 mm), up to 15.0 % of the frames in contact shake "
-        f"(door; {TUNED} 0 %). mujoco is smoother in 2 of 2 rooms, with joints up to 0.4° beyond their limits."
+        f"(door; {TUNED} 0 %). Smoother than ours: {TUNED} in 2 of 2 rooms (joints up to 0.4° beyond their limits; adapter: "
+        "twist unlimited)."
     )
     bad = replace(found, lines=tuple(replace(line, figures=(None,) * len(line.figures)) for line in found.lines))
     assert unseen.verdict_sentence(bad).endswith("has no figure.")
@@ -115,7 +120,7 @@ def test_an_engine_that_crashed_says_so_and_a_page_escapes_it(run_dir: Write) ->
     crash = row("unseen_wall", "mujoco/default", "run", None, status="crashed", note="<b>boom</b>", seed=77)
     text = page(results := run_with(run_dir, [*rows_of("wall"), crash]), verdict(results))
     assert 'id="unseen"' in text and 'href="#unseen"' in text and "crashed: &lt;b&gt;boom" in text and "<b>boom" not in text
-    assert "left the allowed side" in text and text.index("of motions that nothing was tuned for") < text.index('id="unseen"')
+    assert "left the allowed side" in text and text.index("with motions that nothing was tuned for") < text.index('id="unseen"')
 
 
 def test_figures_that_change_with_the_commit_are_no_baseline_and_no_difference(run_dir: Write) -> None:
@@ -130,5 +135,33 @@ def test_joints_beyond_their_limits_stand_beside_how_smooth_others_look(run_dir:
     found = run_with(run_dir, [*rows_of("wall"), *limits, row("unseen_wall", BULLET, "joint_limit_excess_max", 0.2, "deg")])
     said = unseen.limits_sentence(found, OURS)
     assert f"{TUNED} by up to 147° (door);" in said and BULLET not in said
-    assert said in str(unseen.section(found, OURS)["unseen_conclusion"])
+    assert said == unseen.section(found, OURS)["unseen_limits"]
     assert unseen.limits_sentence(run_with(run_dir, rows_of("wall")), OURS) == ""
+
+
+def test_the_smoother_preset_stands_beside_its_own_limits_and_hinges_beside_it(run_dir: Write) -> None:
+    rows = [*rows_of("wall"), *rows_of("door", 15.0), *rows_of("door_90hz", 20.0)]
+    for room in ("wall", "door"):
+        rows += [row(f"unseen_{room}", "mujoco/default", metric, value, unit, seed=77) for metric, value, unit in (
+            ("jerk_ratio", 1.1, ""), ("joint_limit_excess_max", 150.0, "deg"))]
+    rows += [row("unseen_door", "mujoco/hinges", metric, value, unit, seed=77) for metric, value, unit in (
+        ("jerk_ratio", 1.1, ""), ("joint_limit_excess_max", 0.1, "deg"))]
+    rows = [one for one in rows if one["engine"] != "mujoco" or one["preset"] != "tuned" or one["metric"] != "jerk_ratio"]
+    results = replace(run_with(run_dir, rows), families={"unseen_door_90hz": "unseen_door"})
+    found = unseen.unseen(results, OURS)
+    assert found is not None
+    assert unseen.smoother(found) == (
+        "Smoother than ours: mujoco/default in 2 of 2 rooms (joints up to 150° beyond their limits; adapter: twist unlimited); "
+        "mujoco/hinges in 1 of 2 rooms (joints up to 0.1° beyond their limits).")
+    assert "door_90hz;" not in unseen.verdict_sentence(found), "figures are of the rooms that are counted and shown"
+    short = unseen.section(results, OURS)["unseen_tables"][0][1]  # type: ignore[index]
+    assert "mujoco/hinges" in {one["run"] for one in short} and "door_90hz" not in {one["room"] for one in short}
+
+
+def test_the_table_says_from_which_frame_on_its_times_are(run_dir: Write) -> None:
+    found = run_with(run_dir, rows_of("wall"))
+    late = Series(np.zeros(0), np.array([np.nan] * 226 + [5.0] * 40))
+    found = replace(found, series={"unseen_wall": {OURS: late}})
+    (_, short), _ = unseen.section(found, OURS)["unseen_tables"]  # type: ignore[misc]
+    timed = {one["run"]: one["timed"] for one in short}
+    assert timed[OURS] == "40 from 226" and timed[TUNED] == MISSING

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from reports.bounds_by_kind import kinds, promised
+from reports.gallery import cards
 from reports.load import load
 from reports.metric_words import words
+from reports.tables import blocks
 from reports.verdict import loosest, losing_scenes, reading_order, scenes_sentence, verdict
 
 Json = dict[str, object]
@@ -158,3 +161,19 @@ def test_tables_begin_with_trouble_then_everyday_scenes_then_avatars(run_dir: Wr
     assert order.index("ball_drop") < order.index("drop") < order.index("reach") < order.index("arm_wall")
     assert set(order) == set(found.scenes())
     assert order.index("reach") < order.index("balls")
+
+
+def test_tiles_headline_cards_and_the_table_of_bounds_agree(run_dir: Write, results: Json) -> None:
+    """A scene within a ceiling is not held: its bound does not hold."""
+    made = load(run_dir(results))
+    found = verdict(made)
+    assert found.scenes == {"held": 1, "within a ceiling": 1, "failed": 1, "crashed": 0, "refused": 0, "not measured": 0}
+    statuses = [card.status for card in cards(made, blocks(made), found, {})]
+    assert all(statuses.count(state.replace(" ", "-")) == number for state, number in found.scenes.items())
+    bounds = {one.metric: (one.scenes, one.above) for one in kinds(found)}
+    assert bounds == {"residual_overlap_max": (2, 1), "restitution_error_max": (1, 1)}
+    assert sum(above for _, above in bounds.values()) == len(found.failed) + len(found.ceiling)
+    assert "1 of 3 bounds of avatarsim/default failed" in found.sentence
+    assert "1 above the bound but within a ceiling" in found.sentence
+    assert promised(kinds(found)).startswith("Promised everywhere: deepest overlap shown 1 µm at most, in 1 of 2 scenes, ")
+    assert scenes_sentence(found).startswith("Scenes: 1 held + 1 within a ceiling + 1 failed")

@@ -11,6 +11,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from scenarios import drawn
+from scenarios.avatars.humanoid import humanoid
 
 KINDS = (Sphere(0.1), Capsule(0.1, 0.3), Box((0.1, 0.2, 0.3)), Ellipsoid((0.1, 0.2, 0.3)), ellipsoid_hull((0.1, 0.2, 0.3), 12))
 
@@ -29,6 +30,14 @@ def test_every_kind_of_shape_is_there_with_its_measures(tmp_path: Path) -> None:
     assert np.array(wall["pieces"][4]["vertices"]) == pytest.approx(KINDS[4].vertices, abs=1e-7)
     assert (wall["role"], wall["mass"], ball["role"], ball["mass"]["mass"]) == ("fixed", None, "simulated", 2.0)
     assert found["schema_version"] == drawn.SCHEMA_VERSION and found["gravity"] == [0.0, 0.0, -9.81]
+    assert found["parents"] == []
+
+
+def test_links_name_their_parents() -> None:
+    human = humanoid()
+    found = drawn.drawn(Scene("drawn", (), (human,)))
+    names = [link.name for link in human.links]
+    assert found["parents"] == [None if link.parent is None else names.index(link.parent) for link in human.links]
 
 
 def test_it_is_written_once(tmp_path: Path) -> None:

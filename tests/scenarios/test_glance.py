@@ -1,5 +1,6 @@
 """A glance: one process per engine for many scenes, the same frames for all to be compared by, and what dies is replaced."""
 
+import math
 import os
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from scenarios import glance as module
 from scenarios.catalog import get
-from scenarios.glance import BEFORE, CHEAP, LEAST, SLICE, rounds
+from scenarios.glance import BEFORE, CHEAP, LEAD, LEAST, SLICE, rounds
 from scenarios.job import Job
 from scenarios.measure.protocol import REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.measure.timing import Shared
@@ -87,6 +88,20 @@ def test_the_window_that_all_have_holds_the_first_contact(meets: int) -> None:
     for longer in (fast, tail):
         assert longer.first <= window.first and window.first + window.frames <= longer.first + longer.frames
     assert window.first == 0 or meets - window.first >= window.frames // BEFORE
+
+
+def test_a_motion_drawn_anew_is_timed_where_its_user_is_deepest_as_far_as_the_lead_reaches() -> None:
+    # a touch at once, contact in the third second, more in the ninth
+    depths = [0.0] * 601
+    depths[3], depths[181:201], depths[521:561] = 0.01, 20 * [0.1], 40 * [0.3]
+    slow = SLICE / LEAST
+    assert round(LEAD / slow) == 200 and rounds([slow], 600, 3, (), depths) == [(1, 160, LEAST)]
+    # an engine that is fast enough reaches the deepest, with a longer window; the first contact is reached whatever it takes
+    fast = rounds([0.25 * slow], 600, 3, (), depths)[0]
+    assert fast.first <= 520 and fast.first + fast.frames == 560
+    assert rounds([100.0 * slow], 600, 190, (), depths) == [(1, 160, LEAST)]
+    # where it is not known how deep it is the window is that of the first contact
+    assert rounds([slow], 600, 3) == rounds([slow], 600, 3, (), [math.nan] * 601) == [(1, 0, LEAST)]
 
 
 def test_frames_before_the_window_run_and_are_not_timed() -> None:

@@ -14,7 +14,7 @@ from scenarios.found.store import Entry
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
 from scenarios.studies import Request
-from scenarios.sweep import clock, grid, measure, phenomena, short
+from scenarios.sweep import clock, grid, ladder, measure, phenomena, short
 from scenarios.sweep.cell import Cell
 from scenarios.sweep.grid import BY_ENGINE
 from scenarios.timing import Clocked
@@ -187,14 +187,31 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     errors = {by_name["avatarsim/default"]: found(0.0), by_name["mujoco/tuned dt=1/240"]: found(1.0)}
     left = [cell for cell in cells if cell not in errors]
     names = [cell.setting.name for cell in short.refined(left, errors, ran)]
-    finer = ["tuned dt=1/480", "default dt=1/1920", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
+    finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
     margins = [f"tuned loose_margin={margin:g}" for margin in grid.MARGINS]
-    assert names[:9] == margins + finer and names.index("default") < names.index("tuned dt=1/60")
+    coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
+    assert names[:4] == coarse and names[4:8] == finer and names[8:12] == margins
     silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
                                     for known in ran.outcomes.values()})
     assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in short.cells_of(silent)]
     as_good = {**errors, by_name["mujoco/tuned dt=1/240"]: found(0.0)}
     assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
+
+
+def test_the_ladder_of_steps_is_asked_of_both_rivals_before_any_other_variant(tmp_path: Path) -> None:
+    presets = {engine: ("default", "tuned") for engine in ("mujoco", "pybullet")} | {"avatarsim": ("default",)}
+    scenes = ("stop_distance", "hand_over_table", "driven_10cm_wall")
+    cells = short.cells_of(replace(request(tmp_path, scenes, [outcome("stop_distance", "tuned")]), presets=presets))
+    rungs = [cell for cell in cells if ladder.is_rung(cell.setting)]
+    first = next(k for k, cell in enumerate(cells) if not cell.setting.is_preset)
+    assert cells[first : first + len(rungs)] == rungs, "a margin, iterations, or a variant of ours comes after them"
+    coarse = [ladder.step_of(cell.setting.name) for cell in rungs if ladder.is_coarse(cell.setting)]
+    assert coarse == sorted(coarse, key=lambda step: -(step or 0.0)) and len(coarse) < len(rungs)
+    by_engine = {engine: {(cell.scenario, cell.setting.name) for cell in rungs if cell.setting.engine == engine}
+                 for engine in ("mujoco", "pybullet")}
+    # a preset that steps so already is the rung itself
+    missing = {("driven_10cm_wall", "tuned dt=1/480")}
+    assert by_engine["mujoco"] - missing == by_engine["pybullet"] and by_engine["pybullet"]
 
 
 def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
