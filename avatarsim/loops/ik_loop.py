@@ -1,4 +1,4 @@
-"""Method `default` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
+"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics with the virtual coupling (eq. 6)."""
 
 from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
@@ -41,7 +41,7 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
-"""Places of the counts that a frame record says as statuses."""
+"""Indices of the counts that a frame record shows as statuses."""
 
 MOST = 2**60
 """Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
@@ -69,10 +69,10 @@ class IkParts(NamedTuple):
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
-    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go
-    into the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving`
-    (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles
-    all of it.
+    Unless `answers`: the coupling acts for dt [s], then `solve`. With `answers`, after the upper loop: impulses `received` (nb,
+    3) [N s] go into the coupling, and `solve` continues within the frame's motion budget, since bodies that blocked links may
+    have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each kernel
+    that calls `solve` compiles all of it.
     """
     w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
@@ -170,7 +170,7 @@ class IkLoop:
         firsts = link, link, geo.shapes.start[piece], piece, link
         for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
             trial[first:] = shown[first:]
-        # what has not moved since is not looked at again
+        # bodies that have not moved since keep their cached axes
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
 
