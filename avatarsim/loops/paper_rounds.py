@@ -1,8 +1,8 @@
-"""The lower loop of the paper's Figure 3, method `paper`: attract, push out, adjust joints, and walk back what is left.
+"""Lower loop of Schmidl and Lin 2004 (Figure 3, Algorithm 1): attract joints, push bodies apart, adjust joints by CCD, walk back.
 
-Every shown state has been checked: `find_overlaps` asked for the signed distance of each wanted pair with a link (or with a
-body that gave way) in it and found none below zero. So what is shown never overlaps, provided that the frame began free. That
-is all: nothing is known of the way between two shown states, and a limb may jump through what is thin, as the paper admits.
+Every shown state has been checked: `find_overlaps` computed the signed distance of each wanted pair with a link (or with a
+simulated body that was pushed) and found none below zero. So a shown state has no overlap, provided that the frame began without.
+The motion between two shown states is not checked: a limb may pass through a thin obstacle, as the paper's conclusion says.
 """
 
 import numpy as np
@@ -38,8 +38,8 @@ from avatarsim.paper.chain import Chains, shuffle
 from avatarsim.paper.cyclic_coordinate_descent import REACHED, joints_of
 from avatarsim.paper.free_link import free_link, link_contacts
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
+from avatarsim.separate.priority import shares
 from avatarsim.separate.push_apart import push_apart
-from avatarsim.separate.who_gives_way import shares
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.vec3 import Rows, add, dot, put_row, row
 from avatarsim.world.dynamics import SIMULATED
@@ -204,7 +204,7 @@ def follow_as_printed(
         for k in range(m.order.shape[0]):
             if is_caught(m.chains, m.order[k], m.overlaps.hit, skel.first):
                 if moved:
-                    # another chain moved: its vertices are in the way of this one
+                    # another chain moved: its vertices may overlap this one
                     counts[FORWARDS] += 1
                     forward(geo, skel, posture_out, m.none, poses_out, m.axes)
                 moved = treat_chain(
