@@ -1,4 +1,4 @@
-"""Torque-free rotation to rounding error: Euler's equations and the quaternion as Taylor series."""
+"""Torque-free rotation to rounding error: Euler's equations and the quaternion integrated by Taylor series."""
 
 from math import sqrt
 from typing import NamedTuple
