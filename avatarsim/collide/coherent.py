@@ -1,9 +1,9 @@
-"""THE query again, for a pair that was asked about a frame ago: it starts from what made the last answer.
+"""Warm-started signed distance (temporal coherence): a query starts from the simplex, polytope or feature of the pair's last one.
 
-Apart: GJK goes on from the last simplex. Overlapping: EPA goes on from the whole last surface around the origin. With
-an ellipsoid: Newton goes on from the last normal and feature. If nothing new happened, one support proves the answer,
-by the same test that ends the cold algorithms: they accept any points of A - B, so the memory cannot make an answer
-wrong. Whatever it does not lead to is asked cold.
+Apart: GJK continues from the last simplex. Overlapping: EPA continues from the whole last polytope around the origin. With an
+ellipsoid: Newton's method continues from the last normal and feature. If the features are unchanged, one pair of supports proves
+the answer, by the same test that ends the cold algorithms: they accept any points of A - B, so a wrong cache cannot make a wrong
+answer. A query that the cache does not lead to an answer starts cold.
 """
 
 from math import inf
@@ -47,8 +47,8 @@ from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 CLEARLY_DEEP = 1e-9
-"""Relative to the shapes' size: depths below this are asked cold, where GJK has a say too. Smaller: rounding decides on
-which side of a remembered face the origin is."""
+"""Relative to the shapes' size: below this depth a query starts cold, with GJK first. Smaller: rounding decides on which side of
+a cached face the origin is."""
 
 
 @kernel

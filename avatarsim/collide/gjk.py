@@ -1,8 +1,7 @@
-"""Gilbert-Johnson-Keerthi: distance of two convex cores, as the distance of A - B from the origin.
+"""GJK (Gilbert, Johnson and Keerthi 1988): distance of two convex cores, as the distance of A - B from the origin.
 
-GJK proposes and the support function decides: a distance is returned only when two supports along the final
-direction prove that the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa`
-finds the sign.
+GJK proposes and the support function decides: a distance is returned only when two supports along the final direction prove that
+the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa` finds the sign.
 """
 
 from math import inf

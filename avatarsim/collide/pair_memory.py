@@ -1,7 +1,7 @@
-"""What is kept of a pair of shapes from one frame to the next: which vertices made the last answer.
+"""Warm-start cache of the signed distance of a pair: last normal, and the simplex of GJK or the polytope of EPA.
 
-Vertices are kept by number, so they move with the shapes: the simplex of a pair that was apart, or the whole surface
-around the origin of a pair that overlapped. A memory is a hint. It is checked when it is read, whatever is in it.
+Vertices are kept by number, so they move with the shapes: the simplex of a pair that was apart, or the whole polytope around the
+origin of a pair that overlapped. The cache is a hint: it is checked when it is read, whatever it holds.
 """
 
 from math import inf, sqrt

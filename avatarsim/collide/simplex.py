@@ -1,4 +1,4 @@
-"""The point of a segment, triangle or tetrahedron closest to the origin, and its barycentric coordinates."""
+"""Distance subalgorithm of GJK: point of a segment, triangle or tetrahedron closest to the origin, in barycentric coordinates."""
 
 from math import inf, sqrt
 

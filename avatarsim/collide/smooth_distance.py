@@ -1,4 +1,4 @@
-"""Signed distance of two cores of which one is an ellipsoid: GJK or EPA until Newton's method can finish, with a proof."""
+"""Signed distance of two cores, one of them an ellipsoid: GJK or EPA first, then Newton's method, whose result is proved."""
 
 from math import nan
 

@@ -1,7 +1,7 @@
-"""What sweep and prune keeps from call to call.
+"""State of the broad phase between calls: fat AABBs, cells and candidate pairs.
 
-Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates,
-which are the pairs of bodies whose fat boxes meet, stay as they are. The pairs that a sweep finds do not depend on any of this.
+Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates, which
+are the pairs of bodies whose fat boxes overlap, stay valid. The pairs that a call returns do not depend on this state.
 """
 
 from typing import Final, NamedTuple
@@ -34,8 +34,8 @@ the bodies that left their fat boxes in this sweep."""
 
 CANDIDATES, SWEEP, STALE, CALM, LOWEST_USED, HIGHEST_USED, ON_LEVEL = range(7)
 """Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; the sweep from
-which on bodies may get more room to move; the lowest and the highest level that anybody was ever on; from here on the number of
-bodies on each level."""
+which on bodies may get more room to move; the lowest and the highest level used so far; from here on the number of bodies on each
+level."""
 
 ROOM: Final = 3
 """Column of `SweepMemory.lead`: see there."""
