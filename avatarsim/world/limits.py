@@ -1,8 +1,7 @@
-"""Joint limits: how far a posture is beyond them, and the nearest target inside.
+"""Joint limits: intervals of hinges, swing cone and twist interval of ball joints; excess beyond them, projection into them.
 
-Hinges have an interval. A ball has a cone for the direction of its limb and an interval for the twist about it:
-with T the shortest turn of `axis` onto `centre` and R the joint's rotation, R T^-1 is swung and twisted about
-`centre`; the swing is the angle between R axis and centre, the twist the turn about centre that is left.
+With T the shortest rotation of `axis` onto `centre` and R the rotation of a ball joint, R T^-1 is decomposed into swing and twist
+about `centre`: the swing is the angle between R axis and centre, the twist the remaining rotation about centre.
 """
 
 from math import atan2, cos, sin

@@ -1,7 +1,7 @@
-"""Reach cones: the directions of a limb as a spherical polygon (Wilhelms and Van Gelder), which the paper limits its balls by.
+"""Reach cones (Wilhelms and Van Gelder 2001): the allowed directions of a limb as a spherical polygon; tests and projection.
 
-The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles that the point that sees every
-edge spans with the edges. A circular swing cone holds as well; the nearest direction inside is that inside both.
+The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles between its edges and a point
+that sees every edge. A circular swing cone applies as well; the projection is into both.
 """
 
 from math import atan2, cos, sin, sqrt

@@ -1,4 +1,4 @@
-"""All convex pieces of a world as flat arrays: what the collision kernels read."""
+"""All convex pieces of a world as flat arrays, which the collision kernels read."""
 
 from collections.abc import Sequence
 from typing import Any

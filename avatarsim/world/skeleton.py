@@ -1,4 +1,4 @@
-"""The links of all avatars as arrays: joints, limits, metric of the posture."""
+"""Kinematic trees of all avatars as arrays: links, joints and joint limits."""
 
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ UNLIMITED = 1e9
 
 
 class Skeleton(NamedTuple):
-    """What never changes about nl links with nd tangent degrees of freedom.
+    """Constants of nl links with nd tangent degrees of freedom.
 
     first      body index of link 0; link i is body first + i
     kind       (nl) joint kind
