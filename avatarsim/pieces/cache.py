@@ -1,4 +1,4 @@
-"""Answers kept in the user's cache folder, by a hash of everything that shapes them; damage is found and made good.
+"""Cache of decompositions in the user's cache folder, by content hash of mesh and options; damaged entries are made anew.
 
 The folder is chosen and trusted as for compiled kernels (`avatarsim/cache_folder.py`), and entries are written and checked as
 theirs are (`avatarsim/cache_entry.py`).

@@ -1,4 +1,4 @@
-"""Which points lie inside a surface of triangles: rays for closed surfaces, solid angles for open ones."""
+"""Point-in-mesh test: ray crossings for closed surfaces, generalised winding number for open ones (Jacobson et al. 2013)."""
 
 import numpy as np
 from numpy.typing import NDArray

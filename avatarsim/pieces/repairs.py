@@ -1,4 +1,4 @@
-"""Is a mesh sound? What can be mended without changing the surface is mended and said; the rest is refused by name."""
+"""Mesh repair: merges vertices, drops degenerate triangles, orients faces; faults that would change the surface are refused."""
 
 from dataclasses import dataclass, replace
 
