@@ -29,12 +29,12 @@ between them for thousands of sweeps without a measurable change of velocities. 
 converge."""
 
 POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
-"""The same for as few points as one face has, which converge slowly only where load wanders between corners. Not for impacts
-solved to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
+"""The same for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
+are solved to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2e-6, 10
-"""Double sweeps in a row without progress, below this change [m/s], after which the load only wanders: points of one face whose
-target velocities no rigid body can have at once (one is a nanometre higher than the others) pass it on for millions of sweeps."""
+"""Double sweeps in a row without progress, below this change [m/s], after which the load only wanders. Points of one face whose
+target velocities no rigid body can have at once (one is a nanometre higher) pass it on for millions of sweeps."""
 
 
 ROUGH, STALE, SHRINKS, STALE_BELOW = 1e-7, 12, 0.8, 5e-5
@@ -45,7 +45,7 @@ velocities that no rigid body can have, at micrometres a second."""
 
 @kernel
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
-    """Normal impulse that contact k needs for its target velocity, with all other impulses fixed, projected to be not negative."""
+    """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
     return float(max(0.0, contacts.impulse[k, 0] - short / contacts.ease[k, 0]))
 
