@@ -57,7 +57,7 @@ def last_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
 
 @kernel
 def cells_around(boxes: Boxes, memory: SweepMemory, b: int) -> float:
-    """Number of cells that a search for the partners of box b looks into; inf if there are too many to tell them apart."""
+    """Number of cells that a query of box b visits; inf if there are more than keys can distinguish."""
     cells = 0.0
     for level in range(memory.used[LOWEST_USED], min(memory.used[HIGHEST_USED] + 1, LEVELS)):
         if memory.used[ON_LEVEL + level] > 0:

@@ -34,7 +34,7 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 def form(shapes: Shapes, a: int, b: int) -> int:
     """Which formula there is for shapes a and b.
 
-    The queries ask this and call the formula themselves: a call less, for pairs that take as long as a few calls.
+    The queries call the formula themselves, which saves a call for pairs that take as long as a few calls.
     """
     if shapes[a].kind != POINTS or shapes[b].kind != POINTS:
         return NONE

@@ -137,7 +137,7 @@ def gjk(
         vertices: (nv, 3) world coordinates [m].
         seed: first direction to try, out of b into a, any length; the last normal of the pair is the best.
             Zero: none known.
-        margin: stop as soon as a distance > margin [m] is proved; inf asks for the exact distance.
+        margin: stop as soon as a distance > margin [m] is proved; inf: the exact distance.
 
     Returns:
         (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or

@@ -29,7 +29,7 @@ FEATURE = 3
 """Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""
 
 MINIMA_KEPT = 24
-"""Stationary points remembered in one query, in the last slots of the scratch. Fewer: symmetric pairs end slowly."""
+"""Stationary points kept in one query, in the last slots of the scratch. Fewer: symmetric pairs converge slowly."""
 
 SAME = 1e-9
 """One minus the cosine of two normals that are the same stationary point."""

@@ -15,11 +15,11 @@ Index = NDArray[np.int64]
 Array = NDArray[np.float64]
 
 LOWEST: Final = -20
-"""Level 0 holds boxes up to 2^-20 m (1 micrometre) long, each further one 4 times as long ones; a crowd of smaller ones would
-crowd its cells."""
+"""Level 0 holds boxes up to 2^-20 m (1 micrometre) long, each further one 4 times as long ones; many smaller ones would share
+cells."""
 
 LEVELS: Final = 32
-"""Levels of cells. A factor of 2 instead of 4 between them: twice as many cells to look into, fewer bodies in each."""
+"""Levels of cells. A factor of 2 instead of 4 between them: twice as many cells to visit, fewer bodies in each."""
 
 BEYOND: Final = LEVELS
 """The level of boxes that are too large or too far away for cells."""
@@ -41,7 +41,7 @@ ROOM: Final = 3
 """Column of `SweepMemory.lead`: see there."""
 
 LOOKED: Final = 32
-"""Cells that are looked into at once. A box has 1 to 12 cells around it on its level; more are looked into in portions."""
+"""Cells that are visited together. A box has 1 to 12 cells around it on its level; more are visited in portions."""
 
 
 class SweepMemory(NamedTuple):

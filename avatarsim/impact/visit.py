@@ -74,7 +74,7 @@ def take(motion: Array, body: int, at: int, given: Vec3, is_a: bool) -> None:
 
 @kernel
 def wish_along_normal(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
-    """Impulse that would stop contact k of bodies a and b along its normal: the first of `wishes`."""
+    """Impulse that would stop contact k of bodies a and b along its normal: the first that `wishes` returns."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
     return dot(three(rows, k, WISH), u) + (dot(three(rows, k, WISH + 3), w_a) - dot(three(rows, k, WISH + 6), w_b))

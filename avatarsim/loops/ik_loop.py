@@ -129,7 +129,7 @@ class IkLoop:
         """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
         self._told = 0
         track(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._known)
-        # all bodies have been looked at once
+        # the first frame has checked all bodies
         self._known = self._moving
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
@@ -147,7 +147,7 @@ class IkLoop:
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:
-        """The same of the planner; asked first, since other fields are called `count` too."""
+        """The same of the planner; matched first, since other fields are called `count` too."""
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
@@ -183,7 +183,7 @@ class IkLoop:
         track(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """The states after the steps of this frame that were taken since this was last asked, at `time` [s], if the frame is
+        """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
         told, self._told = self._told, self.working.counts.item(ADOPTED)
         return trail_snapshots(self.world, self.working.trail[told : self._told], time)

@@ -59,5 +59,5 @@ def settle_roots(
         now, there = row(shown, link), row(tracker, link)
         if not (norm(sub(now, row(target, link))) <= UNDISTURBED):
             put_row(velocity_out, link, scale(sub(now, row(before, link)), 1.0 / dt))
-        # a tracker that is no number must not be remembered
+        # a tracker position that is not finite must not be kept
         put_row(tracked_out, link, there if norm(there) < inf else now)

@@ -62,9 +62,9 @@ def push_bodies(
     geo: Geometry, skel: Skeleton, found: int, must: bool, stand_off: float, posture_out: Posture, poses_out: Poses,
     memory_out: PaperMemory,
 ) -> None:
-    """Push the overlapping pairs apart that translation can part; pairs of links of one avatar are left to the chains.
+    """Push overlapping pairs apart by translation; pairs of links of one avatar are left to the chains.
 
-    A link takes its whole avatar along. ``must``: limbs that CCD could not free do so too, and simulated bodies give way.
+    A push of a link moves its whole avatar. ``must``: also for links of limbs that CCD could not free, and of simulated bodies.
     """
     m, chains = memory_out, memory_out.chains
     for k in range(found):
@@ -166,9 +166,9 @@ def follow_as_printed(
     geo: Geometry, skel: Skeleton, tracker: Posture, dt: float, settings: PaperSettings, coupling: CouplingSettings,
     attraction: AttractionSettings, posture_out: Posture, poses_out: Poses, memory_out: PaperMemory,
 ) -> None:
-    """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal lets them.
+    """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal permits.
 
-    Bodies that are no links are obstacles; simulated ones are moved only where driven ones could not part from them. Counts
+    Bodies that are no links are obstacles; simulated ones are pushed only where driven ones could not be freed of them. Counts
     and statuses are in ``memory_out.counts`` (`paper_memory.COUNT_NAMES`, `STATUS_NAMES`).
     """
     geo, skel, tracker, settings, coupling = refer(geo), refer(skel), refer(tracker), refer(settings), refer(coupling)

@@ -27,7 +27,7 @@ _SHARE = re.compile(r"Processing \[([\d.]+)%\]")
 
 
 def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO | None) -> list[Array]:
-    """Vertices (n, 3) of convex hulls that stand for the meshes, in their unit. The same wishes give the same bits.
+    """Vertices (n, 3) of convex hulls that approximate the meshes, in their unit. The same options give the same bits.
 
     `remesh` first wraps each surface in a closed one. Raises MissingPackage without coacd, InvalidShape if CoACD fails.
     """

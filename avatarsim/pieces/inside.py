@@ -14,7 +14,7 @@ BUCKETS = 128
 """Most squares along each side of the grid that finds the triangles above a point. Fewer: more triangles per point."""
 
 AT_ONCE = 20_000
-"""Points asked about in one go, for the memory."""
+"""Most points tested in one batch, to bound the memory."""
 
 
 def inside_closed(points: Array, corners: Array) -> NDArray[np.bool_]:

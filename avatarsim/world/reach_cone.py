@@ -132,7 +132,7 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
 
 @kernel
 def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
-    """Whether a limb's direction is farther from the plane of an edge than the root of `square`: told without a root."""
+    """Whether a limb's direction is farther from the plane of an edge than the root of `square`, without computing the root."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
     away = dot(normal, limb)

@@ -64,7 +64,7 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
-    """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
+    """Positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
     return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
 
 
