@@ -1,4 +1,4 @@
-"""Penetration depth of two boxes by the separating axis test over 15 axes (Gottschalk, Lin and Manocha 1996).
+"""Penetration depth of two boxes over the 15 axes of the separating axis test (Gottschalk, Lin and Manocha 1996).
 
 The Minkowski difference A - B of two boxes, sheared or not, is the sum of six segments about the difference of their centres. Its
 facets are normal to a face of A, to a face of B, or to an edge of each: fifteen normals, each in two directions. The lowest facet

@@ -74,7 +74,7 @@ def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
 
 @kernel
 def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
-    """Give body b a fat box with room for its pace so far, above all ahead; a new one has none, as it may be at rest."""
+    """Make the fat box of body b anew, with room by its speed so far, mostly ahead; none for a new body, which may be at rest."""
     fat, lead = memory.fat, memory.lead
     sweeps = memory.used[SWEEP] - memory.body[BORN, b]
     memory.body[BORN, b] = memory.used[SWEEP]
@@ -119,7 +119,7 @@ def drop_candidates(memory: SweepMemory) -> int:
 
 @kernel
 def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leavers: int) -> bool:
-    """Bring the candidates up to date for those that left; False if there is no room for them."""
+    """Update the candidates of the bodies that left their fat boxes; False if there is no room for them."""
     for n in range(leavers):
         b = memory.body[LISTED, n]
         memory.known[b] = False

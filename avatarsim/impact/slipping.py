@@ -1,4 +1,4 @@
-"""Sliding contacts within a segment of constant forces: which slip, when the first slip ends, and their kinetic friction."""
+"""Sliding contacts within a segment of constant forces: which of them slip, when the first slip ends, their kinetic friction."""
 
 from math import hypot
 

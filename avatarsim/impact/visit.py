@@ -1,4 +1,4 @@
-"""One projected Gauss-Seidel sweep over contacts (sequential impulses: Catto, Iterative Dynamics with Temporal Coherence, 2005).
+"""One projected Gauss-Seidel sweep over contacts (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 
 Nearly all time of bodies in motion is spent here, so a sweep is one flat kernel.
 """

@@ -1,4 +1,4 @@
-"""Speculative contacts of balls in the inelastic fallback step (speculative contacts: Catto, Continuous Collision, GDC 2013).
+"""Speculative contacts (Catto, Continuous Collision, GDC 2013) of balls in the inelastic fallback step.
 
 A pair that would meet before the step ends is given to the contact solver with its gap: it may close the gap, and no more.
 Without such contacts the step drives bodies into each other and stops them, and all bodies that touch them, where they meet.

@@ -1,4 +1,4 @@
-"""Warm start of the contact forces: a hash table of the last segment's forces by contact key.
+"""Warm start of the contact solver (contact caching: Catto 2005): a hash table of the last segment's forces by contact key.
 
 An entry is valid as long as its body has had no other segment since; a contact without one starts from zero.
 """

@@ -44,7 +44,7 @@ def find_points(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, a: int, b: int, driven: int,
     sa: int, sb: int, reach: float,
 ) -> tuple[int, float, bool]:
-    """Append to ``memory.contacts`` the points of shapes sa of body a and sb of body b that are nearer than ``reach`` [m].
+    """Append to ``memory.contacts`` the contact points of shapes sa of body a and sb of body b with gaps below ``reach`` [m].
 
     Returns (status of the query, smallest gap [m], inf if none is nearer; whether there was room for all).
     """

@@ -1,4 +1,4 @@
-"""Mesh repair: merges vertices, drops degenerate triangles, orients faces; faults that would change the surface are refused."""
+"""Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses other faults by name."""
 
 from dataclasses import dataclass, replace
 
