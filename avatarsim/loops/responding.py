@@ -146,7 +146,7 @@ def impacts(
 def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
     """Accuracy and sweeps for the contacts of these bodies: the more contacts, the fewer sweeps.
 
-    Where not even the first sweeps are within the bound of visits, friction stays that of the warm start and is not solved anew.
+    Where the bound of visits does not cover the first sweeps, friction stays as these leave it, and is not solved anew from zero.
     """
     count = max(1, memory.contacts.used[0])
     care, visits = CAREFUL, CAREFUL_VISITS

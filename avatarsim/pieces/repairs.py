@@ -1,4 +1,4 @@
-"""Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses other faults by name."""
+"""Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses all other faults."""
 
 from dataclasses import dataclass, replace
 
