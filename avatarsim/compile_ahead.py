@@ -37,10 +37,10 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
 
 SHARES = (("distance", "posture"), ("motion", "paper"))
-"""What is compiled at once, each share in a process of its own, its parts one after the other; the shares take equally long.
-Distances, which all others ask for, come first in one and a third of the way through the other: who needs a kernel that somebody
-else is compiling waits. What posture and motion compile is all that a scene with both calls. Memory grows by half a gigabyte per
-process."""
+"""Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
+Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
+that another one is compiling. Posture and motion together compile all kernels of a scene with both. Memory grows by half a
+gigabyte per process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""

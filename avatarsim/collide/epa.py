@@ -1,9 +1,9 @@
-"""Signed expanding polytope: depth of two convex cores, as the origin's distance from the surface of A - B.
+"""Expanding polytope algorithm (van den Bergen 2003), signed: penetration depth of two convex cores.
 
-The polytope grows inside A - B; always the face with the smallest *signed* distance from the origin is pushed
-out to the support along its normal, until the support lies on the face. Signed, because then the first
-tetrahedron need not contain the origin, and an origin that GJK could not place gets its sign here. Every
-support is itself an upper bound: moving by it separates.
+The depth is the origin's distance from the surface of A - B. The polytope grows inside A - B; always the face with the smallest
+*signed* distance from the origin is pushed out to the support along its normal, until the support lies on the face. Signed, so
+that the first tetrahedron need not contain the origin, and an origin that GJK could not place gets its sign here. Every support
+is itself an upper bound: moving by it separates.
 """
 
 from math import inf

@@ -1,4 +1,4 @@
-"""Eq. 1: one penetration depth for two bodies made of several convex pieces."""
+"""Global penetration depth of two bodies of several convex pieces (Schmidl and Lin 2004, eq. 1)."""
 
 import numpy as np
 from numpy.typing import NDArray

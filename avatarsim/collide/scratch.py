@@ -35,8 +35,8 @@ class Scratch(np.record):  # type: ignore[misc]  # numpy calls it final, and its
     share: NDArray[np.float64]
     """(4,) barycentric coordinates of the closest point in the simplex."""
     corner: NDArray[np.uint32]
-    """(FACES_CAP, 3) points of a face, counter-clockwise from outside. No number of a face or point is negative, and numba has to
-    ask so of every index unless its type says it."""
+    """(FACES_CAP, 3) points of a face, counter-clockwise from outside. Unsigned, so that numba does not test every index for a
+    negative value."""
     across: NDArray[np.uint32]
     """(FACES_CAP, 3) the face beyond edge i (from corner i to corner i + 1)."""
     normal: NDArray[np.float64]

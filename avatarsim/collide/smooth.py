@@ -1,4 +1,4 @@
-"""The nearest point of A - B to the origin where an ellipsoid makes it smooth: Newton's method on the unit normal.
+"""Newton's method on the unit normal: nearest point of A - B to the origin where an ellipsoid makes its surface smooth.
 
 Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if
 positive, minus a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature:

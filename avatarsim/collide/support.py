@@ -1,5 +1,4 @@
-"""How far a convex shape reaches in a direction: all that the distance and depth algorithms know of a
-shape."""
+"""Support functions and support points of convex shapes: all that the distance and depth algorithms use of a shape."""
 
 from math import sqrt
 

@@ -1,4 +1,4 @@
-"""Four independent points of A - B to start the expanding polytope from."""
+"""Initial tetrahedron of EPA: four affinely independent points of A - B."""
 
 from avatarsim.collide.gjk import Balls, add_support
 from avatarsim.collide.scratch import Scratch

@@ -1,6 +1,8 @@
-"""Impulses of many contacts at once: normals push only and reach their target, friction stays in its disc.
+"""Contact solver: projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients.
 
-Projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients over whole double sweeps.
+Normal impulses are not negative and reach their target velocities; friction impulses are projected onto their disc. The conjugate
+gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back over the contacts; compare Silcowitz, Niebe and
+Erleben 2010.
 """
 
 from math import inf, sqrt
@@ -19,39 +21,38 @@ from avatarsim.spatial.vec3 import Vec3, row
 Array = NDArray[np.float64]
 
 FIRST_TRY = 25
-"""Double sweeps before normals are solved alone. Single bodies and sliding boxes end within them."""
+"""Double sweeps before normals are solved alone. Single bodies and sliding boxes converge within them."""
 
 PATIENCE = 150
-"""Double sweeps in which the best residual must halve. Four corners of a face carry a load in many ways; when rounding alone
-prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
-and tall stacks are given up while they still converge."""
+"""Double sweeps in which the best residual must halve. Impulses of four corners of a face are not unique: rounding may shift load
+between them for thousands of sweeps without a measurable change of velocities. Fewer: tall stacks are given up while they still
+converge."""
 
 POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
-"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners. Not where impacts
-are solved for to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
+"""The same for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
+are solved to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2e-6, 10
-"""Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
-points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
-on from sweep to sweep, millions of times, until one of them is empty."""
+"""Double sweeps in a row without progress, below this change [m/s], after which the load only wanders. Points of one face whose
+target velocities no rigid body can have at once (one is a nanometre higher) pass it on for millions of sweeps."""
 
 
 ROUGH, STALE, SHRINKS, STALE_BELOW = 1e-7, 12, 0.8, 5e-5
-"""Where no more than the first accuracy [m/s] is asked for: so many double sweeps in which the change does not fall below this
-part of the least so far, and that is below the last velocity [m/s], mean that only the load wanders. Corners of one face at
-different heights ask bodies in motion for velocities that no rigid body can have, at micrometres a second."""
+"""Stop rule for tolerances of at least ROUGH [m/s]: after STALE double sweeps whose change stays above SHRINKS times the least so
+far, and that below STALE_BELOW [m/s], only the load wanders. Corners of one face at different heights ask bodies in motion for
+velocities that no rigid body can have, at micrometres a second."""
 
 
 @kernel
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
-    """What contact k would like its normal impulse to be, everybody else's held."""
+    """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
     return float(max(0.0, contacts.impulse[k, 0] - short / contacts.ease[k, 0]))
 
 
 @kernel
 def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, angular: Array) -> tuple[float, float]:
-    """What contact k would like its friction to be under that normal impulse: a projected step."""
+    """Friction impulse of contact k that ends its slip, projected onto the friction disc of that normal impulse."""
     limit = contacts.friction[k] * normal
     if limit == 0.0:
         return 0.0, 0.0
@@ -73,7 +74,7 @@ def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, a
 
 @kernel
 def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: Array) -> float:
-    """Largest change [m/s] that any contact first <= k < last still wants."""
+    """Residual [m/s]: largest change of any contact first <= k < last in another sweep."""
     worst = 0.0
     for k in range(first, last):
         if contacts.target[k] != -inf:
@@ -142,8 +143,8 @@ def solve_contacts(
 ) -> float:
     """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
 
-    If a few sweeps do not do it, normals come first, without friction: that is a convex problem which converges far faster,
-    and what just stands needs no friction at all.
+    If the first sweeps do not converge, normals are solved first, without friction: a convex problem that converges far faster,
+    and bodies that merely stand need no friction.
 
     Args:
         linear, angular: (nb, 3), changed.
@@ -170,7 +171,7 @@ def solve_roughly(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, tries: int,
     cap: int, before: Array, direction: Array,
 ) -> float:
-    """As `solve_contacts`, in a hurry: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
+    """As `solve_contacts`, cheaper: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
 
     Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
     """

@@ -1,4 +1,4 @@
-"""When the surfaces of an impact really meet: bodies stop a stand-off earlier, and the recorded time makes up for it."""
+"""Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped."""
 
 from math import inf, sqrt
 

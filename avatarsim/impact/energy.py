@@ -1,4 +1,4 @@
-"""Energy of the simulated bodies: what an audit compares before and after, and how it takes back a gain."""
+"""Energy of simulated bodies for the energy audit, and the scaling of velocities that takes a gain back."""
 
 from math import sqrt
 

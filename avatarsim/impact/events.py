@@ -1,4 +1,4 @@
-"""What happened inside a frame: the whole state right before and right after each impact."""
+"""Recorded events of a frame: the state of all bodies right before and right after each impact."""
 
 from typing import NamedTuple
 

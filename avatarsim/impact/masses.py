@@ -1,4 +1,4 @@
-"""How easily each body yields, in world axes, at the present instant."""
+"""Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 class Masses(NamedTuple):
-    """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for what does not yield."""
+    """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for bodies that do not yield."""
 
     inverse_mass: Line
     inverse_inertia: Matrices

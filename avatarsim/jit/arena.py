@@ -46,7 +46,7 @@ def packed(tree: Tree) -> tuple[Index, Tree]:
     """Copy the arrays, records and numbers of nested tuples into one array of words.
 
     Returns the words, and the tuples with views of them in place of the arrays and records; numbers stay as they are. What
-    occurs twice is laid out once: who writes to one of them writes to both. Arrays: C order, float64, int64 or bool, up to four
+    occurs twice is laid out once: a write to one of them is a write to both. Arrays: C order, float64, int64 or bool, up to four
     axes; or one axis of records that fill whole words.
     """
     leaves: list[object] = []

@@ -63,7 +63,7 @@ def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str)
 
 
 def parts(builder: Any, pointer: Any) -> Any:
-    """Load a value part by part, for LLVM drops the reading of parts that nobody uses, but not of parts of a whole."""
+    """Load a value part by part, since LLVM drops unused loads of single parts, but not unused parts of a whole load."""
     kind = pointer.type.pointee
     if not isinstance(kind, ir.Aggregate):
         return builder.load(pointer)

@@ -42,7 +42,7 @@ njit: Any = numba.njit
 Function = TypeVar("Function", bound=Callable[..., object])
 
 OPTIONS = {"error_model": "numpy", "fastmath": False, "_nrt": False, "boundscheck": None, "no_cfunc_wrapper": True}
-"""numba's options, as explained above; the wrapper for calls from C, which nobody makes, is left out."""
+"""numba's options, as explained above; the unused wrapper for calls from C is left out."""
 
 ROOT = Path(__file__).resolve().parents[1]
 """The package's own folder."""

@@ -2,7 +2,7 @@
 
 numba tidies every function with nearly all of LLVM's passes, inlines and tidies again for the sake of reference counting, and
 then begins in earnest. Kernels count no references, and the last of the three does all that the others do. Two kernels of three
-are so small that each caller has them inlined: of these only LLVM's code is kept, which nobody needs to translate or to load.
+are so small that each caller has them inlined: of these only LLVM's code is kept, which is never translated or loaded.
 """
 
 from itertools import islice
@@ -33,7 +33,7 @@ class NoMachine:
 
     @staticmethod
     def set_env(name: str, environment: object) -> None:
-        """Nobody reads an environment from code that never runs."""
+        """Nothing: code that never runs reads no environment."""
 
 
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no annotations here

@@ -1,4 +1,4 @@
-"""Which corners of a shape are farthest in a direction, as far as that tells a corner from an edge and from a face."""
+"""Support feature of a shape along a direction: vertex, edge or face."""
 
 from avatarsim.collide.support import reach
 from avatarsim.jit.kernel import kernel

@@ -1,4 +1,4 @@
-"""Method `default` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
+"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics with the virtual coupling (eq. 6)."""
 
 from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
@@ -42,7 +42,7 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
-"""Places of the counts that a frame record says as statuses."""
+"""Indices of the counts that a frame record shows as statuses."""
 
 MOST = 2**60
 """Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
@@ -70,10 +70,10 @@ class IkParts(NamedTuple):
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
-    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go
-    into the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving`
-    (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles
-    all of it.
+    Unless `answers`: the coupling acts for dt [s], then `solve`. With `answers`, after the upper loop: impulses `received` (nb,
+    3) [N s] go into the coupling, and `solve` continues within the frame's motion budget, since bodies that blocked links may
+    have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each kernel
+    that calls `solve` compiles all of it.
     """
     w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
@@ -130,7 +130,7 @@ class IkLoop:
         """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
         self._told = 0
         track(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._known)
-        # all bodies have been looked at once
+        # the first frame has checked all bodies
         self._known = self._moving
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
@@ -148,7 +148,7 @@ class IkLoop:
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:
-        """The same of the planner; asked first, since other fields are called `count` too."""
+        """The same of the planner; matched first, since other fields are called `count` too."""
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
@@ -171,7 +171,7 @@ class IkLoop:
         firsts = link, link, geo.shapes.start[piece], piece, link
         for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
             trial[first:] = shown[first:]
-        # what has not moved since is not looked at again
+        # bodies that have not moved since keep their cached axes
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
 
@@ -184,7 +184,7 @@ class IkLoop:
         track(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """The states after the steps of this frame that were taken since this was last asked, at `time` [s], if the frame is
+        """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
         told, self._told = self._told, self.working.counts.item(ADOPTED)
         return trail_snapshots(self.world, self.working.trail[told : self._told], time)

@@ -1,4 +1,4 @@
-"""Method `paper` as the frame sees it: the lower loop, the velocities it leaves for the upper one, impulses coming back."""
+"""Lower loop of method `paper` (Schmidl and Lin 2004) as the frame sees it: postures, velocities of links, impulses received."""
 
 from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
@@ -65,15 +65,15 @@ class PaperLoop:
         return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
 
     def go_on(self, begun: bool) -> None:
-        """The memory was replaced, and with it which pairs are looked for: the sweep begins anew."""
+        """The memory was replaced, and with it the pair filter: the broad phase begins anew."""
         fat = self.memory.overlaps.sweep.fat
         fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
     def watch(self, moving: Index) -> None:
-        """Nothing: this loop looks at everybody in every frame."""
+        """Nothing: this loop checks all bodies in every frame."""
 
     def follow(self, target: Target, dt: float) -> None:
-        """One frame towards the tracker's posture; links then have the velocity of the way that they were shown to go."""
+        """One frame towards the tracker's posture; the velocities of links are those of their displayed motion."""
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
@@ -86,7 +86,7 @@ class PaperLoop:
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """Nothing: what the rounds pass through on the way overlaps, and is not shown."""
+        """Nothing: states within the rounds overlap, and are not shown."""
         return ()
 
     def counts(self) -> Tally:

@@ -1,4 +1,4 @@
-"""What the lower loop of method `paper` keeps between frames, and what it counts; made once, the kernels allocate nothing."""
+"""State and counters of the lower loop of method `paper`, allocated once; the kernels allocate nothing."""
 
 from typing import Final, NamedTuple
 
@@ -46,7 +46,7 @@ class PaperMemory(NamedTuple):
 
     chains, overlaps   of posture and separate
     order, random      order of the chains in this frame; state (1) of its generator
-    role, mass         (nb) who moves a body; (nl) m of eq. 6 [kg]
+    role, mass         (nb) fixed, simulated or driven; (nl) m of eq. 6 [kg]
     target             the posture that joints are drawn to, roots where eq. 6 puts them
     checked, present   the last shown posture; the one that is walked back from
     start, end         (nb, 3) positions of bodies at the frame's begin and before the walk back [m]

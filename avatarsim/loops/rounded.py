@@ -1,4 +1,4 @@
-"""What is smooth where two shapes touch: radii of curvature of both surfaces, and edges that keep the normal across them."""
+"""Curvature at contacts: radii of curvature of both surfaces, and edges across which the normal stays."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
+"""Upper loop (Schmidl and Lin 2004, Figure 3) as the frame sees it: simulated bodies move, driven ones receive impulses."""
 
 from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
@@ -64,7 +64,7 @@ class SimulatedLoop:
         }
 
     def go_on(self) -> None:
-        """The memory was replaced. What the sweep knows is of other places: it finds that out by itself."""
+        """The memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""

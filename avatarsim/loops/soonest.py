@@ -1,4 +1,4 @@
-"""Who meets first, asked again and again while some stop: near pairs by the time of their event, and the pairs of each body."""
+"""Event queue of the fallback step: tournament tree of near pairs by the time of their event, and a list of pairs per body."""
 
 from math import inf
 from typing import NamedTuple
@@ -38,7 +38,7 @@ def sooner(when: Array, p: int, q: int) -> int:
 
 @kernel
 def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
-    """Sort pairs (count, 2) by body and by the time (count) [s] of their event; one at inf belongs to nobody, and stays there."""
+    """Build tree and lists from pairs (count, 2) and times (count) [s] of their events; a pair at inf is in no body's list."""
     tree, count = soonest.tree, pairs.shape[0]
     for p in range(count):
         tree[count + p] = p
@@ -54,7 +54,7 @@ def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
 
 @kernel
 def changed(soonest: Soonest, when: Array, p: int, count: int) -> None:
-    """Take note that the time of pair p of ``count`` is another one now."""
+    """Update the tree after the time of pair p of ``count`` has changed."""
     j = (count + p) // 2
     while j > 0:
         soonest.tree[j] = sooner(when, soonest.tree[2 * j], soonest.tree[2 * j + 1])

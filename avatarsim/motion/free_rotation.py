@@ -1,4 +1,4 @@
-"""Torque-free rotation to rounding error: Euler's equations and the quaternion as Taylor series."""
+"""Torque-free rotation, exact to rounding: Taylor series of Euler's equations and of the orientation quaternion."""
 
 from math import sqrt
 from typing import NamedTuple

@@ -1,4 +1,7 @@
-"""Contact manifolds: where the touching features of two convex shapes face each other, at most eight points."""
+"""Contact manifolds of two convex shapes: their touching features clipped against each other, at most eight points.
+
+Clipping is that of Sutherland and Hodgman (1974), see `motion.polygon`.
+"""
 
 from math import cos, inf, pi, sin
 from typing import NamedTuple
@@ -48,12 +51,12 @@ EVEN = 1e-9
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
 
 NOBODY, FACE_OF_A, FACE_OF_B = 0, 1, 2
-"""Whose face a contact normal belongs to and turns with."""
+"""Face that a contact normal belongs to and turns with: none, one of A, one of B."""
 
 
 class Manifold(NamedTuple):
-    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], whose face the normal belongs to (1):
-    one of NOBODY, FACE_OF_A, FACE_OF_B; the rest are polygons (u, v, height)."""
+    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], the face that the normal belongs to (1):
+    0 for none, FACE_OF_A or FACE_OF_B; the rest are polygons (u, v, height)."""
 
     on_a: Vectors
     on_b: Vectors

@@ -1,4 +1,4 @@
-"""Where a body is during one segment: constant force in closed form, free rotation by its series."""
+"""Path of a rigid body over one segment: constant accelerations in closed form, torque-free rotation by Taylor series."""
 
 from math import cos, sin, sqrt
 from typing import NamedTuple

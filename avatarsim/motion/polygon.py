@@ -1,4 +1,7 @@
-"""Convex polygons in a plane: hull of a few points, clipping of one by another. Rows are (u, v, height)."""
+"""Convex polygons in a plane: hull by gift wrapping, clipping of one by another (Sutherland and Hodgman 1974).
+
+Rows are (u, v, height).
+"""
 
 import numpy as np
 from numpy.typing import NDArray

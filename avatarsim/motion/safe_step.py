@@ -1,4 +1,4 @@
-"""How long the vertices of one shape surely stay above a plane: heights with true accelerations, what comes after bounded."""
+"""Step of conservative advancement: time in which no vertex reaches a plane, by velocity, acceleration and bounded jerk."""
 
 from math import inf, sqrt
 
@@ -14,7 +14,7 @@ from avatarsim.world.shapes import POINTS
 Array = NDArray[np.float64]
 
 HORIZONS = 8
-"""Times the horizon of the bounds is shortened when looking for the longest safe step."""
+"""Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
 
 ROUNDED = 1e-9
 """Part of an arm by which its distance from the axis may be off: rounding, with room."""

@@ -1,4 +1,4 @@
-"""Vertices of one shape as seen over a plane that touches another and turns with it."""
+"""Heights of the vertices of one shape over a supporting plane of another that turns with it, with exact derivatives."""
 
 from math import sqrt
 

@@ -1,4 +1,4 @@
-"""The door to `first_contact` for two bodies of a scene: arrays built once, then asked as often as wanted."""
+"""Continuous collision detection for users: `first_contact` of two bodies, with arrays built once for many queries."""
 
 from collections.abc import Sequence
 

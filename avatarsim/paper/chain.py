@@ -1,4 +1,4 @@
-"""The chains of all avatars, from the trunk to the tips, and the seeded random order in which they are treated."""
+"""Kinematic chains of all avatars, from the trunk to the tips, and their seeded random order (Fisher-Yates shuffle)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 class Chains(NamedTuple):
-    """nc chains of an avatar's links, and what the loop needs to know of each of the nl links.
+    """nc chains of links, and what the lower loop needs of each of the nl links.
 
     first   (nc + 1) chain c has the links link[first[c]] .. link[first[c + 1] - 1], the one next to the trunk first
     link    link indices

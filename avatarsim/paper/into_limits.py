@@ -1,4 +1,4 @@
-"""Bring a posture that was made by interpolation back inside the limits of its joints."""
+"""Projection of an interpolated posture into the joint limits."""
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns

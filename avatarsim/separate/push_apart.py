@@ -1,4 +1,4 @@
-"""Push two overlapping bodies apart by their global penetration depth, by pure translation."""
+"""Push two overlapping bodies apart by their global penetration depth (Schmidl and Lin 2004, eq. 1), by pure translation."""
 
 from avatarsim.collide.global_depth import global_depth
 from avatarsim.collide.scratch import Scratch

@@ -1,4 +1,4 @@
-"""The two doors of the hot path: tracker samples in, shown poses out, each as one kernel call."""
+"""Conversion at the ends of a frame: tracker samples to postures, poses to positions and quaternions, one kernel call each."""
 
 from math import inf, sqrt
 

@@ -19,7 +19,7 @@ FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int
 
 
 class Dynamics(NamedTuple):
-    """What never changes about how bodies move.
+    """Constants of the dynamics.
 
     role              (nb) int64, values of `Role`
     inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones

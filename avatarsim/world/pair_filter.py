@@ -1,4 +1,4 @@
-"""Which pairs of bodies are of interest: a family for every body, and a sparse list of pairs that are not."""
+"""Pair filter: which pairs of bodies may collide, by a family per body and a sparse list of excluded pairs."""
 
 from collections.abc import Iterable
 from typing import Final, NamedTuple
@@ -12,7 +12,7 @@ from avatarsim.jit.layout import IndexLine
 Index = NDArray[np.int64]
 
 OPEN: Final = -1
-"""The family of a body that may meet everybody."""
+"""Family of bodies that may collide with bodies of any family."""
 
 
 class PairFilter(NamedTuple):

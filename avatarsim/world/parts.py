@@ -1,4 +1,4 @@
-"""What lies in the arenas of a world and of a target: see `jit.arena`."""
+"""Layout of the arenas of a world and of a target: see `jit.arena`."""
 
 from typing import NamedTuple
 

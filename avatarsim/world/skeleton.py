@@ -1,4 +1,4 @@
-"""The links of all avatars as arrays: joints, limits, metric of the posture."""
+"""Kinematic trees of all avatars as arrays: links, joints and joint limits."""
 
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ UNLIMITED = 1e9
 
 
 class Skeleton(NamedTuple):
-    """What never changes about nl links with nd tangent degrees of freedom.
+    """Constants of nl links with nd tangent degrees of freedom.
 
     first      body index of link 0; link i is body first + i
     kind       (nl) joint kind
@@ -128,7 +128,7 @@ def skeleton(scene: Scene) -> Skeleton:
 
 
 def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
-    """What tells whether a twist is between two angles [rad] without asking for the angle: `Skeleton.cone` 10:20."""
+    """Precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
     aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
     aside /= np.linalg.norm(aside)
     ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4

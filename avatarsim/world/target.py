@@ -1,4 +1,4 @@
-"""The tracker's posture of this frame as arrays, and how fast the tracker's links move."""
+"""Target posture of a frame: the tracker sample as arrays, checked as it is read."""
 
 from collections.abc import Mapping
 from math import isfinite
@@ -54,6 +54,6 @@ class Target:
         time, fits = sample.time, (positions.shape, rotations.shape, angles.shape) == self._shapes
         good = fits and isfinite(time if type(time) is float else as_number(time))
         if not (good and read_opened(positions, rotations, angles, self.words)):
-            # the slow check knows what is wrong and says it
+            # the slow check finds which value is wrong, for the message
             checked(sample, self.world.scene.avatars)
             raise InvalidSample("tracker sample", sample, "finite, and quaternions of length 1")

@@ -1,4 +1,4 @@
-"""The whole world as arrays: what never changes, and the state that the stages write."""
+"""World: all arrays of a scene, the constant model and the state that the stages of a frame write."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
-    """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
+    """Positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
     return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
 
 
@@ -103,7 +103,7 @@ def shown_poses(world: World) -> tuple[Array, Array]:
 
 
 def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
-    """The same for who has not moved below body `first` since it was shown as `before`: most of a room is furniture."""
+    """The same, with the entries of `before` for bodies below `first`, which have not moved since: most bodies are furniture."""
     position, orientation = before[0].copy(), before[1].copy()
     if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
         raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
