@@ -13,7 +13,7 @@ FEW = 64
 LOOK = 3
 """Boxes in sequence that can be tested in the time of one cell."""
 
-EVERYBODY = -1
+ALL = -1
 """In place of a key: all bodies of a chain, whatever their cells."""
 
 
@@ -86,7 +86,7 @@ def partners(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, foun
         if memory.used[ON_LEVEL + level] == 0:
             continue
         if level == BEYOND:
-            looked[many, 0], looked[many, 1] = EVERYBODY, memory.head[table]
+            looked[many, 0], looked[many, 1] = ALL, memory.head[table]
             many += 1
             break
         x0, x1 = first_cell(boxes, b, 0, level), last_cell(boxes, b, 0, level)
@@ -112,7 +112,7 @@ def look(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, many: in
     for c in range(many):
         key, k = memory.looked[c, 0], memory.looked[c, 1]
         while k >= 0:
-            if memory.body[KEY, k] == key or key == EVERYBODY:
+            if memory.body[KEY, k] == key or key == ALL:
                 found = consider(boxes, wanted, memory, b, k, found)
             k = memory.body[BEHIND, k]
     return found

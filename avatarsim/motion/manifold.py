@@ -50,7 +50,7 @@ LEANING = 1e-2
 EVEN = 1e-9
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
 
-NOBODY, FACE_OF_A, FACE_OF_B = 0, 1, 2
+NO_FACE, FACE_OF_A, FACE_OF_B = 0, 1, 2
 """Face that a contact normal belongs to and turns with: none, one of A, one of B."""
 
 
@@ -169,7 +169,7 @@ def manifold(
     """
     lone_a = shapes.kind[a] != POINTS or shapes.start[a + 1] - shapes.start[a] == 1
     lone_b = shapes.kind[b] != POINTS or shapes.start[b + 1] - shapes.start[b] == 1
-    found.face[0] = NOBODY
+    found.face[0] = NO_FACE
     if lone_a or lone_b:
         if lone_a != lone_b:
             found.face[0] = FACE_OF_B if lone_a else FACE_OF_A
