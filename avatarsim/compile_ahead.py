@@ -22,11 +22,10 @@ from avatarsim.engine import Settings
 from avatarsim.jit import places
 from avatarsim.jit.cpu import Cpu, compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
+from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
-from avatarsim.kernel import ROOT, config, kernel_folder
-from avatarsim.linking import KernelDispatcher
 from avatarsim.progress import Progress
-from avatarsim.quick_compiler import quicken
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -38,10 +37,10 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
 
 SHARES = (("distance", "posture"), ("motion", "paper"))
-"""What is compiled at once, each share in a process of its own, its parts one after the other; the shares take equally long.
-Distances, which all others ask for, come first in one and a third of the way through the other: who needs a kernel that somebody
-else is compiling waits. What posture and motion compile is all that a scene with both calls. Memory grows by half a gigabyte per
-process."""
+"""Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
+Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
+that another one is compiling. Posture and motion together compile all kernels of a scene with both. Memory grows by half a
+gigabyte per process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
@@ -85,14 +84,13 @@ def compile_part(part: str) -> None:
 
 
 def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
-    """Compile some parts, one after the other, in a process that does nothing else: from here on its numba is not numba's own.
+    """Compile some parts, one after the other, in a process that does nothing else.
 
     Kernels are read from and kept in the folder `only`, if that is given. If they cannot be kept the process ends with an error,
     for then there is no use in compiling.
     """
     places.use_places(Places(only, required=True))
     FIRST_COMPILE.silent = True
-    quicken()
     try:
         for part in share:
             compile_part(part)
@@ -132,7 +130,7 @@ def turn(stamp: Path) -> Iterator[None]:
 def compile_everything(stream: TextIO | None = None) -> bool:
     """Compile what is not compiled yet and say how far it is, on the standard output unless told otherwise; False if a part
     failed, which then compiles when it is first used. Where nothing can be kept nothing is compiled, and that is said."""
-    if config.DISABLE_JIT or is_compiled():
+    if config.DISABLE_JIT or is_stock() or is_compiled():
         return True
     base = places.current().write
     if base is None:

@@ -1,7 +1,7 @@
-"""How far has a compile come, and how long will it go on?
+"""Progress and remaining time of a compilation, from the cache folder alone.
 
-Nobody is asked: every kernel that is compiled lies on disk, and the kernels of the package are known from importing it. What an
-earlier compile left counts as done.
+Every compiled kernel is a file on disk, and the kernels of the package are known from importing it. Files of an earlier
+compilation count as done.
 """
 
 import sys
@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 from avatarsim.jit import places
 from avatarsim.jit.cache import SUFFIX
-from avatarsim.kernel import ROOT
-from avatarsim.linking import KernelDispatcher
+from avatarsim.jit.kernel import ROOT
+from avatarsim.jit.linking import KernelDispatcher
 
 
 def kernels() -> list[KernelDispatcher]:

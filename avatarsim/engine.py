@@ -1,4 +1,4 @@
-"""What any engine must offer and report. Small on purpose: no metrics, no rendering, no scenario knowledge."""
+"""Engine protocol: what every engine offers and reports per frame. Small on purpose: no metrics, no rendering, no scenarios."""
 
 import hashlib
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ class Snapshot:
     """The world at one instant inside a frame: a sub-step or an event.
 
     `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order;
-    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes; read-only where nobody has one.
+    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes; read-only where all are zero.
     `event` names what happened: "step", or "impact" for the velocities right after a collision at this instant
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
     surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the

@@ -9,7 +9,7 @@
     |   +-- InvalidSample   a tracker sample is not finite or does not fit the avatar
     |   +-- InvalidFile     a file is missing, truncated or not what its name says
     |   +-- InvalidSnapshot bytes are no snapshot, are damaged, or are of another scene
-    |   +-- UnknownName     an engine, a scene, a preset that nobody registered
+    |   +-- UnknownName     an engine, a scene, a preset that is not registered
     +-- StartOverlaps       the first pose already overlaps
     +-- MissingPackage      an optional package is not installed
     +-- UnsupportedVersion  an installed package is of a version that cannot be used
@@ -28,8 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
 """The folder that the package lies in: a checkout, or a folder of installed packages."""
 
 ALL_NAMED, NEAREST = 20, 6
-"""Names that are all listed, and how many of more are: those most like the one that was asked for. With a hundred names in a
-message nobody sees the one that was meant."""
+"""Most names that are all listed in a message; of more, the number of those listed, most like the given one. In a list of a
+hundred names the right one would be hard to find."""
 
 LONGEST_VALUE = 2000
 """Most characters of a value in a message. An array of a million numbers would bury what is wrong with it."""
@@ -94,7 +94,7 @@ class InvalidSnapshot(InvalidInput):
 
 
 class UnknownName(InvalidInput):
-    """A name that nobody registered; the message lists those that exist."""
+    """A name that is not registered; the message lists those that are."""
 
     def __init__(self, thing: str, value: str, known: Iterable[str]) -> None:
         super().__init__(thing, value, "one of " + likely(value, known))

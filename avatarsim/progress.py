@@ -1,4 +1,4 @@
-"""Signs of life from work that takes longer than a second: a bar on a terminal, a line now and then elsewhere."""
+"""Progress of work that takes longer than a second, on the error stream: a bar on a terminal, a line now and then elsewhere."""
 
 import time
 from types import TracebackType
@@ -29,7 +29,7 @@ class Progress:
 
     @property
     def due(self) -> bool:
-        """Whether anything would be said now: for those to whom finding out takes long."""
+        """Whether `step` would write anything now: for callers for which computing the progress takes long."""
         return self.stream is not None and time.monotonic() >= self.next
 
     def step(self, share: float, what: str) -> None:

@@ -1,4 +1,4 @@
-"""A dress rehearsal: the scene's own first frame is run and undone, so that nothing is left for it to load.
+"""Warm-up at load: the scene's own first frame is run and undone, so that its kernels are loaded and the caches are warm.
 
 numba brings a kernel into memory when it is first called: 40 ms to half a second in a process whose kernels are compiled, half a
 minute in one whose are not. Which kernels a frame calls from Python depends on the scene's effects, the method and the settings;

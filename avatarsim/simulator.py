@@ -15,7 +15,7 @@ import avatarsim
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
-from avatarsim.linking import CalledKernel
+from avatarsim.jit.linking import CalledKernel
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
@@ -47,7 +47,7 @@ LEAST = {
     "steps": 1, "sweeps": 1, "work": 1, "stand_off": 1e-7, "rounds": 1, "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3,
     "catch_up_turn": 1e-3, "catch_up_move": 1e-3,
 }
-"""Smallest value of the options that are no switch: with 0 nobody moves, nothing comes back, or rounding is all that is left."""
+"""Smallest value of the options that are no switch: with 0 no body moves, no offset decays, or only rounding is left."""
 
 METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
 """The groups of settings that each method reads."""
@@ -70,7 +70,7 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
 
 
 def at_rest(velocities: Array) -> Array:
-    """Velocities of a scene in which nobody has one: shared by all its records, and therefore not to be written to."""
+    """Velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
     shared = velocities.copy()
     shared.flags.writeable = False
     return shared
@@ -104,7 +104,7 @@ def require_order(chosen: Chosen, method: str) -> None:
 
 
 class AvatarsimEngine:
-    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies nobody asks for velocities: all are zero.
+    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies all velocities are zero.
 
     Beyond the protocol: `with AvatarsimEngine() as engine` closes it at the end; `reset` begins again, `snapshot` and `restore`
     keep a state and come back to it. An engine cannot be copied or pickled. It answers one call at a time: a second thread that

@@ -1,4 +1,4 @@
-"""Is a pose free? Asked once at load, of every pair the scene filters in."""
+"""Overlap check of the first pose at load, over every pair that the scene's pair filter lets through."""
 
 import numpy as np
 

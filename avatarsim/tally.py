@@ -1,4 +1,4 @@
-"""Numbers by name that few ever ask for: what a frame counted."""
+"""Counters of a frame by name, unpacked only when they are read."""
 
 from collections.abc import ItemsView, Iterator, Mapping, Sequence
 

@@ -1,6 +1,6 @@
 """Ladders of tolerances: what rounding leaves, and the gaps that a posture keeps, which are shares of the one that it aims at."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 ROUNDING = 1e-12
 """[m, or a share] what sums of a frame's products may be off by in double precision, a hundred times over."""

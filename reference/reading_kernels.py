@@ -7,7 +7,7 @@ cost. The plain twins are in the tests. Quaternions are (w, x, y, z) unless stat
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

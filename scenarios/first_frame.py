@@ -23,7 +23,7 @@ import numpy as np
 
 from avatarsim.command_line import ended
 from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps
-from avatarsim.linking import CalledKernel
+from avatarsim.jit.linking import CalledKernel
 from avatarsim.scene.scene import Scene
 from scenarios import catalog
 from scenarios.asked import asked

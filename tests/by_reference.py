@@ -14,11 +14,11 @@ from numba.core import types
 from numba.core.errors import NumbaError
 from numba.core.extending import intrinsic
 
-from avatarsim.by_reference import Reference
-from avatarsim.compiler_passes import KernelCompiler
-from avatarsim.kernel import OPTIONS
-from avatarsim.linking import CalledKernel, KernelDispatcher
-from avatarsim.world.image import Image
+from avatarsim.jit.arena import Image
+from avatarsim.jit.by_reference import Reference
+from avatarsim.jit.compiler_passes import KernelCompiler
+from avatarsim.jit.kernel import OPTIONS
+from avatarsim.jit.linking import CalledKernel, KernelDispatcher
 
 PLAIN = (bool, np.bool_, float, int, np.int64)
 """Kinds of numbers that an image lays down as compiled code keeps them."""

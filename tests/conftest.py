@@ -4,7 +4,7 @@ every run, kernels called by reference, and the longest files first."""
 import pytest
 from hypothesis import HealthCheck, settings
 
-from avatarsim.kernel import config
+from avatarsim.jit.kernel import config
 from tests.by_reference import refer_in_tests
 from tests.longest_first import LONGEST
 

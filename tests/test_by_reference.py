@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from avatarsim.by_reference import Reference
 from avatarsim.collide.scratch import Scratch, make_scratch
-from avatarsim.kernel import kernel
-from avatarsim.linking import KernelDispatcher
+from avatarsim.jit.by_reference import Reference
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.linking import KernelDispatcher
 from tests.by_reference import KEPT, Lying, Referring
 
 BY_VALUE = KernelDispatcher.__call__

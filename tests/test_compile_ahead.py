@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim import compile_ahead, linking
+from avatarsim import compile_ahead
 from avatarsim.compile_ahead import (
     PARTS,
     SHARES,
@@ -19,7 +19,7 @@ from avatarsim.compile_ahead import (
     run_shares,
     stamp_name,
 )
-from avatarsim.jit import places
+from avatarsim.jit import linking, places
 from avatarsim.jit.cpu import compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import NAME, CannotKeep, Places
@@ -137,7 +137,6 @@ def test_a_share_whose_kernels_cannot_be_kept_ends_at_once(tmp_path: Path, monke
 
     monkeypatch.setattr(places, "PLACES", places.PLACES)
     monkeypatch.setattr(compile_ahead, "compile_part", keep)
-    monkeypatch.setattr(compile_ahead, "quicken", lambda: None)
     monkeypatch.setattr(FIRST_COMPILE, "silent", False)
     with pytest.raises(SystemExit, match="cannot be kept: .* No space left on device"):
         compile_share(("distance", "posture"), tmp_path)

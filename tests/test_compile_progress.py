@@ -47,7 +47,7 @@ IN_MEMORY = """
 import gc
 import avatarsim.compile_ahead
 from avatarsim.compile_progress import kernels
-from avatarsim.linking import KernelDispatcher
+from avatarsim.jit.linking import KernelDispatcher
 made = {id(one) for one in gc.get_objects() if type(one) is KernelDispatcher and one.py_func.__module__.startswith("avatarsim.")}
 print({id(one) for one in kernels()} == made, len(made) > 500)
 """

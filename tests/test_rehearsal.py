@@ -186,7 +186,7 @@ ASK = """
 import json, os, sys
 
 from avatarsim.engine import Settings
-from avatarsim.linking import CalledKernel
+from avatarsim.jit.linking import CalledKernel
 from avatarsim.simulator import AvatarsimEngine
 from tests.late_kernels import CASES
 

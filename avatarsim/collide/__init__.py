@@ -1,1 +1,1 @@
-"""Reads poses, writes contacts: sweep and prune, convex depth and distance, eq. 1; moves nothing."""
+"""Collision detection: broad phase, signed distance of convex shapes, global depth (eq. 1). Reads poses, moves nothing."""

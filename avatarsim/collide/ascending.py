@@ -1,9 +1,9 @@
-"""Keeping a list of pairs in ascending order: sort what is new, then merge it in."""
+"""Sorted list of pairs: heapsort of the new ones, then a merge."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Index = NDArray[np.int64]
 

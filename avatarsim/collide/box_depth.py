@@ -1,7 +1,8 @@
-"""Depth of two overlapping boxes without iterations: the lowest of all facets of A - B.
+"""Penetration depth of two boxes over the 15 axes of the separating axis test (Gottschalk, Lin and Manocha 1996).
 
-A - B of two boxes, sheared or not, is the sum of six segments about the difference of their centres. Its facets are normal to
-a face of A, to a face of B, or to an edge of each: fifteen normals, each in two directions, and no others.
+The Minkowski difference A - B of two boxes, sheared or not, is the sum of six segments about the difference of their centres. Its
+facets are normal to a face of A, to a face of B, or to an edge of each: fifteen normals, each in two directions. The lowest facet
+is the depth.
 """
 
 from math import inf, sqrt
@@ -9,7 +10,7 @@ from math import inf, sqrt
 from avatarsim.collide.closed_forms import BOX_CORNERS, UNKNOWN, Answer, off, within
 from avatarsim.collide.epa import EXACT
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -1,26 +1,26 @@
-"""Whose boxes meet the box of one body: a look into the cells around it, or at all bodies if they are few."""
+"""Query of the broad phase: boxes that overlap that of one body, from the grid cells around it, or from all if they are few."""
 
 import numpy as np
 
 from avatarsim.collide.cells import AXIS_MASK, Boxes, half_cell, key_of, place_of
 from avatarsim.collide.sweep_memory import BEHIND, BEYOND, HIGHEST_USED, KEY, LEVELS, LOOKED, LOWEST_USED, ON_LEVEL, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 FEW = 64
-"""Up to so many bodies all are looked at and no cells are kept. More: slower in scenes of some hundred; fewer: in small ones."""
+"""Up to so many bodies all are tested and no cells are kept. More: slower in scenes of some hundred; fewer: in small ones."""
 
 LOOK = 3
-"""A look into a cell takes as long as a look at so many boxes one after the other."""
+"""Boxes in sequence that can be tested in the time of one cell."""
 
-EVERYBODY = -1
+ALL = -1
 """In place of a key: all bodies of a chain, whatever their cells."""
 
 
 @kernel
 def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
     """Whether boxes i and j share a point; boxes that only touch do."""
-    # `|` and not `or`: along which axis two boxes are apart is a guess, and a wrong one costs the processor more than this
+    # `|` and not `or`: a mispredicted branch costs more than testing all three axes
     x = (boxes[i, 0] > boxes[j, 3]) | (boxes[j, 0] > boxes[i, 3])
     y = (boxes[i, 1] > boxes[j, 4]) | (boxes[j, 1] > boxes[i, 4])
     z = (boxes[i, 2] > boxes[j, 5]) | (boxes[j, 2] > boxes[i, 5])
@@ -57,7 +57,7 @@ def last_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
 
 @kernel
 def cells_around(boxes: Boxes, memory: SweepMemory, b: int) -> float:
-    """Number of cells that a search for the partners of box b looks into; inf if there are too many to tell them apart."""
+    """Number of cells that a query of box b visits; inf if there are more than keys can distinguish."""
     cells = 0.0
     for level in range(memory.used[LOWEST_USED], min(memory.used[HIGHEST_USED] + 1, LEVELS)):
         if memory.used[ON_LEVEL + level] > 0:
@@ -86,7 +86,7 @@ def partners(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, foun
         if memory.used[ON_LEVEL + level] == 0:
             continue
         if level == BEYOND:
-            looked[many, 0], looked[many, 1] = EVERYBODY, memory.head[table]
+            looked[many, 0], looked[many, 1] = ALL, memory.head[table]
             many += 1
             break
         x0, x1 = first_cell(boxes, b, 0, level), last_cell(boxes, b, 0, level)
@@ -107,12 +107,12 @@ def partners(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, foun
 def look(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, many: int, found: int) -> int:
     """Add the pairs of body b with those in the ``many`` cells of ``memory.looked``.
 
-    Apart from the search for the chains, so that the processor waits for all of these at once and not for one after the other.
+    Separate from the look-up of the chains, so that the memory latencies of these overlap.
     """
     for c in range(many):
         key, k = memory.looked[c, 0], memory.looked[c, 1]
         while k >= 0:
-            if memory.body[KEY, k] == key or key == EVERYBODY:
+            if memory.body[KEY, k] == key or key == ALL:
                 found = consider(boxes, wanted, memory, b, k, found)
             k = memory.body[BEHIND, k]
     return found

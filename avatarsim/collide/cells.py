@@ -1,7 +1,7 @@
-"""Cells that boxes are kept in, so that a box finds its neighbours without looking at all others.
+"""Hierarchical hash grid of the broad phase (Ericson 2005, chapter 7).
 
-A hierarchical grid: a box lies in one cell, the one of its low corner, on the level whose cells are 2 to 8 times as long as the
-box. The cells of all levels share one hash table of chains.
+A box lies in one cell, that of its low corner, on the level whose cells are 2 to 8 times as long as the box. The cells of all
+levels share one hash table with chaining.
 """
 
 from math import frexp
@@ -23,22 +23,22 @@ from avatarsim.collide.sweep_memory import (
     ON_LEVEL,
     SweepMemory,
 )
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Boxes = NDArray[np.float64]
 """(nb, 6): lowest x y z, highest x y z [m]."""
 
 FARTHEST = 2.0**40
-"""Boxes that reach beyond this [m] are in no cell but in one chain that everybody looks through. Larger: cell numbers of small
-boxes no longer fit 64 bits."""
+"""Boxes that reach beyond this [m] are in no cell but in one chain that every query searches. Larger: cell numbers of small boxes
+no longer fit 64 bits."""
 
 PER_METRE = 2.0 ** -(LOWEST + 2.0 * np.arange(LEVELS + 1.0))
 """Half cells per metre on each level."""
 
 AXIS_BITS = 19
 AXIS_MASK = (1 << AXIS_BITS) - 1
-"""Bits of a cell number that the key keeps per axis. Cells that far apart share a key, which costs a look and finds nothing
-wrong, as long as one search does not span so many."""
+"""Bits of a cell number that the key keeps per axis. Cells that far apart share a key, which costs time and gives no wrong pair,
+as long as one search does not span so many."""
 
 SPREAD = 0x9E3779B97F4A7C1
 POSITIVE = 2**62 - 1

@@ -1,14 +1,14 @@
-"""Distances of the simplest cores without iterations: two segments or points, and a point and a box.
+"""Closed-form distances of the simplest cores: two segments or points, and a point and a box (Ericson 2005, chapter 5).
 
-A sphere is a point and a capsule a segment, swept by their radii, which are left out here. What these formulas cannot
-answer with certainty (cores that touch, boxes bent by rounding) is left to GJK and EPA.
+A sphere is a point and a capsule a segment, swept by their radii, which are left out here. Pairs that these formulas cannot
+answer with certainty (cores that touch, boxes bent by rounding) are left to GJK and EPA.
 """
 
 from math import inf
 
 from avatarsim.collide.gjk import ACCEPTED, CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING
 from avatarsim.collide.simplex import Share2, closest_on_triangle
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
@@ -34,7 +34,7 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 def form(shapes: Shapes, a: int, b: int) -> int:
     """Which formula there is for shapes a and b.
 
-    The queries ask this and call the formula themselves: a call less, for pairs that take as long as a few calls.
+    The queries call the formula themselves, which saves a call for pairs that take as long as a few calls.
     """
     if shapes[a].kind != POINTS or shapes[b].kind != POINTS:
         return NONE

@@ -1,9 +1,9 @@
-"""THE query again, for a pair that was asked about a frame ago: it starts from what made the last answer.
+"""Warm-started signed distance (temporal coherence): a query starts from the simplex, polytope or feature of the pair's last one.
 
-Apart: GJK goes on from the last simplex. Overlapping: EPA goes on from the whole last surface around the origin. With
-an ellipsoid: Newton goes on from the last normal and feature. If nothing new happened, one support proves the answer,
-by the same test that ends the cold algorithms: they accept any points of A - B, so the memory cannot make an answer
-wrong. Whatever it does not lead to is asked cold.
+Apart: GJK continues from the last simplex. Overlapping: EPA continues from the whole last polytope around the origin. With an
+ellipsoid: Newton's method continues from the last normal and feature. If the features are unchanged, one pair of supports proves
+the answer, by the same test that ends the cold algorithms: they accept any points of A - B, so a wrong cache cannot make a wrong
+answer. A query that the cache does not lead to an answer starts cold.
 """
 
 from math import inf
@@ -42,23 +42,23 @@ from avatarsim.collide.smooth_depth import FEATURE
 from avatarsim.collide.smooth_distance import same_feature
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 
 CLEARLY_DEEP = 1e-9
-"""Relative to the shapes' size: depths below this are asked cold, where GJK has a say too. Smaller: rounding decides on
-which side of a remembered face the origin is."""
+"""Relative to the shapes' size: below this depth a query starts cold, with GJK first. Smaller: rounding decides on which side of
+a cached face the origin is."""
 
 
 @kernel
 def signed_distance_coherent(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, scratch: Scratch, memory_out: PairMemory, pair: int
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """As `signed_distance_up_to`, in less time if shapes a and b lie much as when this was last asked.
+    """As `signed_distance_up_to`, faster if the relative pose of shapes a and b has changed little since the last call.
 
     Args:
-        margin: stop as soon as a gap > margin [m] is proved; inf asks for the exact distance.
+        margin: stop as soon as a gap > margin [m] is proved; inf: the exact distance.
         memory_out: read and updated at number ``pair``, which is the caller's name for the ordered pair (a, b). Any
             content only costs time.
     """
@@ -83,14 +83,14 @@ def signed_distance_coherent(
 def core_distance_coherent(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """As `core_distance`, from what the memory of the pair holds as far as it leads."""
+    """As `core_distance`, warm-started from the cache of the pair where that gives an answer."""
     smooth, used = shapes[a].kind != POINTS or shapes[b].kind != POINTS, memory_out.used[0]
     if used > FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, memory_out)
         if known:
             return CONVERGED, distance, n, on_a, on_b
     if used == 0 and are_boxes(shapes, a, b):
-        # Nothing is kept of boxes that overlapped: their formula takes less time than to look at a surface.
+        # Overlapping boxes have no cache: their closed form is faster than the check of a polytope.
         known, distance, n, on_a, on_b = box_depth(vertices, shapes, a, b)
         if known:
             keep_axis(n, memory_out)
@@ -115,7 +115,7 @@ def core_distance_coherent(
         return CONVERGED, distance, n, on_a, on_b
     status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, seed, margin, scratch)
     if status != CONVERGED and status != NOT_FINITE:
-        # A remembered direction may be one from which rounding keeps GJK or EPA from ending: it must not be the reason.
+        # From a cached direction rounding may keep GJK or EPA from converging: try once more without.
         status, distance, n, on_a, on_b, points, faces = core_distance(vertices, shapes, a, b, NOWHERE, margin, scratch)
     if status != CONVERGED:
         points, faces = 0, 0
@@ -130,7 +130,7 @@ def core_distance_coherent(
 def still_apart(
     vertices: Rows, shapes: Shapes, a: int, b: int, count: int, margin: float, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Distance of the cores by GJK from the ``count`` remembered points in the scratch; not known if they touch."""
+    """Distance of the cores by GJK from the ``count`` cached points in the scratch; not known if they touch."""
     _, v, count = closest_in_simplex(count, scratch)
     if not (0.0 < norm(v) < inf):
         return UNKNOWN
@@ -146,9 +146,9 @@ def still_apart(
 def same_simplex(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, memory: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Distance of the cores if the remembered 1 to 3 points of A - B, as they now lie, still hold its nearest point.
+    """Distance of the cores if the cached 1 to 3 points of A - B, at the present poses, still hold its nearest point.
 
-    What the first step of GJK finds, by the same test, in less time and without touching the simplex.
+    The result of the first step of GJK, by the same test, in less time and without writing the simplex.
     """
     first_a, first_b, last = shapes[a].start, shapes[b].start, memory.used[0] - 1
     i_a, i_b = number(memory.rows[0, 0]), number(memory.rows[0, 1])
@@ -183,7 +183,7 @@ def same_simplex(
 def same_facet(
     vertices: Rows, shapes: Shapes, a: int, b: int, scratch: Scratch, memory: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Depth of the cores if the remembered surface, as its corners now lie, proves it: its lowest face is one of A - B's.
+    """Depth of the cores if the cached polytope, at the present poses, proves it: its lowest face is one of A - B's.
 
     The proof is that of `expand`, in less time and without writing: two supports, and a surface around the origin without a
     lower face.
@@ -206,9 +206,9 @@ def same_facet(
 def still_overlapping(
     vertices: Rows, shapes: Shapes, a: int, b: int, count: int, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Depth of the cores by EPA from the remembered surface over the ``count`` points in the scratch.
+    """Depth of the cores by EPA from the cached polytope over the ``count`` points in the scratch.
 
-    Not known if the surface is none or does not hold the origin. The answer is proved by `expand` alone.
+    Not known if the polytope is not closed or does not hold the origin. The answer is proved by `expand` alone.
     """
     size = max(shapes.extent[a], shapes.extent[b])
     before = recall_faces(count, memory_out, scratch)

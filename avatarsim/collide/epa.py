@@ -1,9 +1,9 @@
-"""Signed expanding polytope: depth of two convex cores, as the origin's distance from the surface of A - B.
+"""Expanding polytope algorithm (van den Bergen 2003), signed: penetration depth of two convex cores.
 
-The polytope grows inside A - B; always the face with the smallest *signed* distance from the origin is pushed
-out to the support along its normal, until the support lies on the face. Signed, because then the first
-tetrahedron need not contain the origin, and an origin that GJK could not place gets its sign here. Every
-support is itself an upper bound: moving by it separates.
+The depth is the origin's distance from the surface of A - B. The polytope grows inside A - B; always the face with the smallest
+*signed* distance from the origin is pushed out to the support along its normal, until the support lies on the face. Signed, so
+that the first tetrahedron need not contain the origin, and an origin that GJK could not place gets its sign here. Every support
+is itself an upper bound: moving by it separates.
 """
 
 from math import inf
@@ -14,7 +14,7 @@ from avatarsim.collide.scratch import POINTS_CAP, Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.tetrahedron import grow_tetrahedron
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -1,8 +1,7 @@
-"""Gilbert-Johnson-Keerthi: distance of two convex cores, as the distance of A - B from the origin.
+"""GJK (Gilbert, Johnson and Keerthi 1988): distance of two convex cores, as the distance of A - B from the origin.
 
-GJK proposes and the support function decides: a distance is returned only when two supports along the final
-direction prove that the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa`
-finds the sign.
+GJK proposes and the support function decides: a distance is returned only when two supports along the final direction prove that
+the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa` finds the sign.
 """
 
 from math import inf
@@ -11,7 +10,7 @@ from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import closest_on_segment, closest_on_tetrahedron, closest_on_triangle
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
 from avatarsim.collide.support import reach, support
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 
@@ -138,7 +137,7 @@ def gjk(
         vertices: (nv, 3) world coordinates [m].
         seed: first direction to try, out of b into a, any length; the last normal of the pair is the best.
             Zero: none known.
-        margin: stop as soon as a distance > margin [m] is proved; inf asks for the exact distance.
+        margin: stop as soon as a distance > margin [m] is proved; inf: the exact distance.
 
     Returns:
         (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or

@@ -1,4 +1,4 @@
-"""Eq. 1: one penetration depth for two bodies made of several convex pieces."""
+"""Global penetration depth of two bodies of several convex pieces (Schmidl and Lin 2004, eq. 1)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,7 +7,7 @@ from avatarsim.collide.gjk import NOWHERE
 from avatarsim.collide.scratch import PIECES_CAP, Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, norm, put_row, row, scale
 from avatarsim.world.shapes import Shapes
 

@@ -1,7 +1,7 @@
-"""What is kept of a pair of shapes from one frame to the next: which vertices made the last answer.
+"""Warm-start cache of the signed distance of a pair: last normal, and the simplex of GJK or the polytope of EPA.
 
-Vertices are kept by number, so they move with the shapes: the simplex of a pair that was apart, or the whole surface
-around the origin of a pair that overlapped. A memory is a hint. It is checked when it is read, whatever is in it.
+Vertices are kept by number, so they move with the shapes: the simplex of a pair that was apart, or the whole polytope around the
+origin of a pair that overlapped. The cache is a hint: it is checked when it is read, whatever it holds.
 """
 
 from math import inf, sqrt
@@ -14,13 +14,13 @@ from avatarsim.collide.gjk import NOWHERE
 from avatarsim.collide.polytope import corners, set_plane
 from avatarsim.collide.scratch import Scratch, number
 from avatarsim.collide.simplex import closest_on_triangle, upright
-from avatarsim.kernel import kernel
-from avatarsim.record import table_of
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import known_as_table
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, put_row, row, scale, sub
 from avatarsim.world.shapes import Shapes
 
 POINTS_KEPT = 64
-"""Corners of a remembered surface. Two hulls of 52 vertices, concentric, need under 50; a surface with more is forgotten,
+"""Most corners of a cached polytope. Two hulls of 52 vertices, concentric, need under 50; a polytope with more is not cached,
 and the next query starts cold."""
 
 FACES_KEPT = 2 * POINTS_KEPT - 4
@@ -40,11 +40,11 @@ PAIR = np.dtype(
     ],
     align=True,
 )
-"""One row of PairMemory, about 2 kB; whole words, as an arena wants them."""
+"""One row of PairMemory, about 2 kB; whole words, as arenas require."""
 
 
 class PairRecord(np.record):  # type: ignore[misc]  # numpy calls it final, and its manual derives from it
-    """What is kept of one pair. All zero: nothing known."""
+    """Cache of one pair; all zero: empty."""
 
     axis: NDArray[np.float64]
     """(3,) the last normal, out of B into A."""
@@ -74,13 +74,12 @@ def make_pair_memory(pairs: int) -> PairMemory:
     return np.zeros(pairs, PAIR).view(PairMemory)
 
 
-pair_memory_in = table_of(PairMemory, PAIR)
-"""The PairMemory in these words, in a tuple of one."""
+known_as_table(PairMemory, PAIR)
 
 
 @kernel
 def recall_axis(memory: PairRecord) -> Vec3:
-    """The last normal, or zero if what is kept is no unit vector."""
+    """The last normal, or zero if the cached one is no unit vector."""
     axis = (memory.axis[0], memory.axis[1], memory.axis[2])
     square = dot(axis, axis)
     return axis if 0.5 < square < 2.0 else (0.0, 0.0, 0.0)
@@ -94,7 +93,7 @@ def keep_axis(n: Vec3, memory_out: PairRecord) -> None:
 
 @kernel
 def recall_points(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRecord, scratch: Scratch) -> int:
-    """Put the points kept, as the vertices now lie, into the scratch; how many, 0 if a number is none of a vertex."""
+    """Put the cached points, at the present poses, into the scratch; returns how many, 0 if one is no number of a vertex."""
     count: int = memory.used[0]
     if not (0 < count <= POINTS_KEPT):
         return 0

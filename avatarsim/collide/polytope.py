@@ -1,14 +1,14 @@
-"""A closed surface of triangles in the scratch, to which one point at a time is added.
+"""Polytope of EPA: a closed triangulated surface with adjacency, grown by one point at a time (horizon walk).
 
-Every face knows its outward plane and the face beyond each edge, so the faces that a new point can see are
-found by walking from one of them, and the rim of that patch, the horizon, is where the new faces begin.
+Every face has its outward plane and the face beyond each edge, so the faces visible from a new point are found by walking from
+one of them; the new faces connect the rim of that patch, the horizon, with the point.
 """
 
 from math import inf
 
 from avatarsim.collide.scratch import FACES_CAP, Scratch, number
 from avatarsim.collide.simplex import upright
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 
 

@@ -1,22 +1,22 @@
-"""Bodies that come and go while sweep and prune runs: places of fixed arrays that are taken and freed, in constant time."""
+"""Insertion and removal of bodies in the broad phase, in constant time: slots of fixed arrays are taken and freed."""
 
 from math import inf
 
 from avatarsim.collide.cells import unlink
 from avatarsim.collide.sweep_memory import PRESENT, STALE, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 
 @kernel
 def forget(memory: SweepMemory, b: int) -> None:
-    """Let the next sweep look for the pairs of body b anew, because the pair filter has changed for it."""
+    """Drop the fat box of body b, so that the next broad phase searches its pairs anew: its pair filter has changed."""
     for k in range(3):
         memory.fat[b, k], memory.fat[b, 3 + k] = inf, -inf
 
 
 @kernel
 def insert(memory: SweepMemory, b: int) -> None:
-    """From the next sweep on place b holds a body; nothing happens if it does already."""
+    """Mark slot b as taken from the next broad phase on; no effect if it is already."""
     if memory.body[PRESENT, b] == 0:
         memory.body[PRESENT, b] = 1
         forget(memory, b)
@@ -24,7 +24,7 @@ def insert(memory: SweepMemory, b: int) -> None:
 
 @kernel
 def remove(memory: SweepMemory, b: int) -> None:
-    """From the next sweep on place b holds nobody and its box is not read; nothing happens if it does not already."""
+    """Mark slot b as free from the next broad phase on, so that its box is not read; no effect if it is already."""
     if memory.body[PRESENT, b] == 1:
         unlink(memory, b)
         memory.body[PRESENT, b], memory.known[b] = 0, False

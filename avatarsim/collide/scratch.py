@@ -7,10 +7,8 @@ tuple of these fifteen arrays the calls within the narrow phase copied more than
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
-from avatarsim.record import pointed_at
-from avatarsim.world.arena import Opening, index_line
-from avatarsim.world.view import opened
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import known_by_pointer
 
 POINTS_CAP = 768
 """Vertices of the growing polytope. Two hulls of 60 vertices need under 100, of 300 under 200. Nearly round ellipsoids about
@@ -37,8 +35,8 @@ class Scratch(np.record):  # type: ignore[misc]  # numpy calls it final, and its
     share: NDArray[np.float64]
     """(4,) barycentric coordinates of the closest point in the simplex."""
     corner: NDArray[np.uint32]
-    """(FACES_CAP, 3) points of a face, counter-clockwise from outside. No number of a face or point is negative, and numba has to
-    ask so of every index unless its type says it."""
+    """(FACES_CAP, 3) points of a face, counter-clockwise from outside. Unsigned, so that numba does not test every index for a
+    negative value."""
     across: NDArray[np.uint32]
     """(FACES_CAP, 3) the face beyond edge i (from corner i to corner i + 1)."""
     normal: NDArray[np.float64]
@@ -89,8 +87,7 @@ SCRATCH = np.dtype(
 )
 """The record's layout; aligned, or the compiler may not load two numbers at once."""
 
-scratch_at = pointed_at(Scratch, SCRATCH)
-"""The Scratch that lies in these words."""
+known_by_pointer(Scratch, SCRATCH)
 
 
 def make_scratch() -> Scratch:
@@ -103,9 +100,3 @@ def make_scratch() -> Scratch:
 def number(stored: np.uint32) -> int:
     """The number of a face or point as any other integer; that it is not negative is known to the compiler all the same."""
     return np.int64(stored)  # type: ignore[return-value]  # to Python it is one
-
-
-@opened
-def opened_scratch(o: Opening) -> Scratch:
-    """The next Scratch of an arena."""
-    return scratch_at(index_line(o)[0])

@@ -1,7 +1,7 @@
-"""THE query: how far apart, or how deep, two convex shapes are, which way, and where.
+"""Signed distance of two convex shapes, with normal and witness points: GJK where apart, EPA where they overlap.
 
-With rounding: swept by radii r_A and r_B the distance of the cores shrinks by r_A + r_B and the depth grows
-by as much, along the same normal, so cores are all that the algorithms see, and spheres and capsules are exact.
+Shapes may be cores swept by balls of radii r_A and r_B: the distance of the cores shrinks by r_A + r_B and the depth grows by as
+much, along the same normal. So the algorithms see cores only, and spheres and capsules are exact.
 """
 
 from math import inf, nan
@@ -23,7 +23,7 @@ from avatarsim.collide.gjk import NOWHERE, WHOLE, closest_points, gjk
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.smooth_distance import smooth_distance
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -1,8 +1,8 @@
-"""The point of a segment, triangle or tetrahedron closest to the origin, and its barycentric coordinates."""
+"""Distance subalgorithm of GJK: point of a segment, triangle or tetrahedron closest to the origin, in barycentric coordinates."""
 
 from math import inf, sqrt
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, neg, scale, sub
 
 Share2 = tuple[float, float]
@@ -135,8 +135,7 @@ def closest_on_tetrahedron(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[bool, Ve
     """Whether the origin is strictly inside the tetrahedron; else the closest point to it, and its four
     shares.
 
-    Inside, the shares are those of the origin itself. A face is looked at if the origin is not certainly on its inner
-    side.
+    Inside, the shares are those of the origin itself. A face is tested if the origin is not certainly on its inner side.
     """
     ab, ac, ad = sub(b, a), sub(c, a), sub(d, a)
     over_d, over_b, over_c = cross(ab, ac), cross(ac, ad), cross(ad, ab)

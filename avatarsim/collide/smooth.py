@@ -1,4 +1,4 @@
-"""The nearest point of A - B to the origin where an ellipsoid makes it smooth: Newton's method on the unit normal.
+"""Newton's method on the unit normal: nearest point of A - B to the origin where an ellipsoid makes its surface smooth.
 
 Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if
 positive, minus a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature:
@@ -10,7 +10,7 @@ from math import inf, sqrt
 
 from avatarsim.collide.gjk import NOWHERE, ROUNDING
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, row, scale, sub, unit
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -1,8 +1,8 @@
-"""Depth of two overlapping cores of which one is an ellipsoid: EPA says where to look, Newton's method looks.
+"""Depth of two overlapping cores, one of them an ellipsoid: branch and bound with EPA's facets and Newton's method.
 
-EPA alone approaches a smooth surface facet by facet. Here a facet is left alone once a stationary point that Newton found
-near it explains it: around that point the support function is proved to be nowhere lower, and the facet cannot hide
-anything outside that cone. What is left when every facet is high enough or explained is the shortest way out of all.
+EPA alone approaches a smooth surface facet by facet. Here a facet is excluded once a stationary point that Newton's method found
+near it explains it: in a cone around that point the support function is proved to be nowhere lower, and the facet cannot hide a
+direction outside that cone. When every facet is high enough or excluded, the lowest stationary point is the global depth.
 """
 
 from math import inf, nan, sqrt
@@ -14,7 +14,7 @@ from avatarsim.collide.scratch import FACES_CAP, POINTS_CAP, Scratch, number
 from avatarsim.collide.smooth import polish
 from avatarsim.collide.smooth_proof import bends_out, least_cosine, proves_itself
 from avatarsim.collide.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
 from avatarsim.world.shapes import POINTS, Shapes
 
@@ -29,7 +29,7 @@ FEATURE = 3
 """Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""
 
 MINIMA_KEPT = 24
-"""Stationary points remembered in one query, in the last slots of the scratch. Fewer: symmetric pairs end slowly."""
+"""Stationary points kept in one query, in the last slots of the scratch. Fewer: symmetric pairs converge slowly."""
 
 SAME = 1e-9
 """One minus the cosine of two normals that are the same stationary point."""

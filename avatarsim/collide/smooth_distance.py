@@ -1,4 +1,4 @@
-"""Signed distance of two cores of which one is an ellipsoid: GJK or EPA until Newton's method can finish, with a proof."""
+"""Signed distance of two cores, one of them an ellipsoid: GJK or EPA first, then Newton's method, whose result is proved."""
 
 from math import nan
 
@@ -9,7 +9,7 @@ from avatarsim.collide.smooth import polish
 from avatarsim.collide.smooth_depth import FEATURE, START, smooth_depth
 from avatarsim.collide.smooth_proof import proves_itself, rolling_radius
 from avatarsim.collide.status import CONVERGED, NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
 from avatarsim.world.shapes import POINTS, Shapes
 
@@ -18,7 +18,7 @@ from avatarsim.world.shapes import POINTS, Shapes
 def same_feature(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, scratch: Scratch) -> Answer:
     """Newton from normal n (out of b into a) and the feature whose rows are in the first three points of the scratch.
 
-    Known is what is proved.
+    The answer counts as known only if it is proved.
     """
     side = 0 if shapes.kind[a] == POINTS else 1
     i, j, k = scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side]
@@ -50,7 +50,7 @@ def smooth_distance(
         if status == NOT_FINITE:
             return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
         if distance > margin:
-            # Proved along n, however coarse GJK was asked to be.
+            # Proved along n, whatever the tolerance of GJK.
             return status, distance - rolled, n, NOWHERE, NOWHERE, 0, 0
         if not (distance > 0.0):
             return smooth_depth(vertices, shapes, a, b, seed, balls, count, scratch)

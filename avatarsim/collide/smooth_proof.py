@@ -1,4 +1,4 @@
-"""Which directions cannot be the shortest way out of two cores of which one is an ellipsoid, and which is proved to be it.
+"""Optimality proofs for the depth of two cores, one of them an ellipsoid: lower bounds of the support function of A - B.
 
 All bounds are of h, the support function of A - B on unit vectors, whose least value is the depth.
 """
@@ -7,7 +7,7 @@ from math import sqrt
 
 from avatarsim.collide.gjk import ROUNDING
 from avatarsim.collide.smooth import SLACK, curvature, gathered, stretched
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, norm, perpendicular, row, scale, unit
 from avatarsim.world.shapes import POINTS, Shapes
 

@@ -1,5 +1,4 @@
-"""How a collision kernel ended. Every kernel that can fail returns one of these, and callers never drop
-it."""
+"""Status codes of collision kernels. Every kernel that can fail returns one of these, and callers never drop it."""
 
 from typing import Final
 

@@ -1,10 +1,9 @@
-"""How far a convex shape reaches in a direction: all that the distance and depth algorithms know of a
-shape."""
+"""Support functions and support points of convex shapes: all that the distance and depth algorithms use of a shape."""
 
 from math import sqrt
 
-from avatarsim.collide.farthest import farthest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.simd import farthest
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, row
 from avatarsim.world.shapes import POINTS, Shapes
 

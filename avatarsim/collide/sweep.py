@@ -1,28 +1,28 @@
-"""Which bounding boxes meet, from candidates that are kept as long as bodies stay in their fat boxes (Algorithm 1, step 1)."""
+"""Broad phase (Algorithm 1, step 1): overlapping AABBs, from pairs that are cached while bodies stay in their fat AABBs."""
 
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.ascending import merge_ascending, sort_ascending
 from avatarsim.collide.cell_search import FEW, boxes_meet, partners
 from avatarsim.collide.cells import FARTHEST, Boxes, link
 from avatarsim.collide.present import forget
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep_memory import BORN, CALM, CANDIDATES, LISTED, PRESENT, ROOM, STALE, SWEEP, SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 __all__ = ["all_pairs", "boxes_meet", "forget", "sweep_and_prune"]
 
 STAY = 128.0
-"""Fat boxes have room for so many sweeps of a body's own pace, and up to twice that, by its number: else a crowd that sets out
-together would leave its boxes together. Larger: fewer searches, but more candidates for bodies that move."""
+"""A fat box has room for so many calls at the body's own speed, and up to twice that, by its number: else bodies that start to
+move together would leave their boxes together. Larger: fewer searches, but more candidates for bodies that move."""
 
 SLOW, SHARE = 2.0, 0.125
-"""So many times that for who is slow, as long as it is no more than this share of the most room that the body may have."""
+"""Factor on that room for slow bodies, up to this share of the most room that the body may have."""
 
 TIGHT, WIDE = 0.5, 64.0
 """Limits of the room to move on one side, as parts of what the box measures that way: so it takes the same share of candidates
@@ -36,8 +36,8 @@ LONELY, CROWD = 1, 4
 """Candidates found for a body: up to the one there is room to spare, from above the other on there is too much."""
 
 PATIENCE = 1024
-"""Sweeps for which nobody gets more room to move, once candidates had no room. Fewer: a crowd that moves fast takes more room and
-gives it up again and again, and each time everybody is searched for twice."""
+"""Calls during which no fat box is enlarged after the candidates did not fit. Fewer: fat boxes of a fast crowd grow and shrink
+again and again, and each time the pairs of all bodies are searched twice."""
 
 BACKWARD = 0.25
 """The room to move backward, as a part of that forward. Smaller: trembling bodies leave their boxes again and again."""
@@ -59,7 +59,7 @@ def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
 def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
     """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite.
 
-    Given arrays and not all of the memory: to hand that on takes as long as this for twenty boxes.
+    Takes arrays and not the whole memory, since passing that takes as long as testing twenty boxes.
     """
     count = 0
     for b in range(boxes.shape[0]):
@@ -74,7 +74,7 @@ def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
 
 @kernel
 def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
-    """Give body b a fat box with room for its pace so far, above all ahead; a new one has none, as it may be at rest."""
+    """Make the fat box of body b anew, with room by its speed so far, mostly ahead; none for a new body, which may be at rest."""
     fat, lead = memory.fat, memory.lead
     sweeps = memory.used[SWEEP] - memory.body[BORN, b]
     memory.body[BORN, b] = memory.used[SWEEP]
@@ -92,7 +92,7 @@ def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
             downwards = fat[b, k] - low + below(lead[b, k])
             upwards = high - fat[b, k + 3] + below(-lead[b, k])
             ahead = stay * max(downwards, upwards)
-            # half of the last lead at least: who turns round is slow for a moment only
+            # half of the last lead at least: a body that reverses its motion is slow for a moment only
             margin = min(max(ahead, min(SLOW * ahead, SHARE * most), 0.5 * abs(lead[b, k])), most)
             margin = margin if upwards > downwards else -margin
         lead[b, k] = margin
@@ -119,7 +119,7 @@ def drop_candidates(memory: SweepMemory) -> int:
 
 @kernel
 def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leavers: int) -> bool:
-    """Bring the candidates up to date for those that left; False if there is no room for them."""
+    """Update the candidates of the bodies that left their fat boxes; False if there is no room for them."""
     for n in range(leavers):
         b = memory.body[LISTED, n]
         memory.known[b] = False
@@ -147,7 +147,7 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
 
 @kernel
 def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """All pairs without candidates, for when these have no room; the next sweep begins afresh, with less room to move."""
+    """All pairs without candidates, where these do not fit; the next call starts anew, with smaller fat boxes."""
     memory.used[CANDIDATES], memory.used[CALM], found = 0, memory.used[SWEEP] + PATIENCE, 0
     memory.known[:] = False
     for b in range(boxes.shape[0]):
@@ -168,12 +168,12 @@ def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pai
 def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
     """Find all pairs of boxes that meet.
 
-    What is found depends on the boxes, the filter and who is there, and on nothing that was before. The time is that of one
-    look at every box, a search for each that left its fat box, and a look at each candidate.
+    The pairs depend on the boxes, the filter and the bodies present only, not on earlier calls. The cost is one test per box, one
+    search per body that left its fat box, and one test per candidate.
 
     Args:
         boxes: (nb, 6) lowest and highest coordinates [m]; those of absent bodies are not read.
-        wanted: pairs of interest. Whoever changes it for a body calls `forget` for that body.
+        wanted: pairs of interest. A change of it for a body must be followed by `forget` for that body.
         memory: of `make_sweep_memory`, kept by the caller from call to call, with at least as much room as ``pairs_out``.
         pairs_out: (cap, 2) the pairs, i < j, in ascending order of i, then of j.
 
@@ -202,7 +202,7 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
 
 @kernel
 def all_pairs(boxes: Boxes, wanted: PairFilter, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """The dumb twin of `sweep_and_prune` with everybody there: every pair is tried; the order is the same."""
+    """Reference of `sweep_and_prune` with all bodies present: every pair is tested; the order is the same."""
     count = 0
     for i in range(boxes.shape[0]):
         for j in range(i + 1, boxes.shape[0]):

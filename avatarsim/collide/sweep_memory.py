@@ -1,7 +1,7 @@
-"""What sweep and prune keeps from call to call.
+"""State of the broad phase between calls: fat AABBs, cells and candidate pairs.
 
-Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates,
-which are the pairs of bodies whose fat boxes meet, stay as they are. The pairs that a sweep finds do not depend on any of this.
+Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates, which
+are the pairs of bodies whose fat boxes overlap, stay valid. The pairs that a call returns do not depend on this state.
 """
 
 from typing import Final, NamedTuple
@@ -9,15 +9,17 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.layout import FlagLine, Grid, IndexGrid, IndexLine
+
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]
 
 LOWEST: Final = -20
-"""Level 0 holds boxes up to 2^-20 m (1 micrometre) long, each further one 4 times as long ones; a crowd of smaller ones would
-crowd its cells."""
+"""Level 0 holds boxes up to 2^-20 m (1 micrometre) long, each further one 4 times as long ones; many smaller ones would share
+cells."""
 
 LEVELS: Final = 32
-"""Levels of cells. A factor of 2 instead of 4 between them: twice as many cells to look into, fewer bodies in each."""
+"""Levels of cells. A factor of 2 instead of 4 between them: twice as many cells to visit, fewer bodies in each."""
 
 BEYOND: Final = LEVELS
 """The level of boxes that are too large or too far away for cells."""
@@ -32,14 +34,14 @@ the bodies that left their fat boxes in this sweep."""
 
 CANDIDATES, SWEEP, STALE, CALM, LOWEST_USED, HIGHEST_USED, ON_LEVEL = range(7)
 """Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; the sweep from
-which on bodies may get more room to move; the lowest and the highest level that anybody was ever on; from here on the number of
-bodies on each level."""
+which on bodies may get more room to move; the lowest and the highest level used so far; from here on the number of bodies on each
+level."""
 
 ROOM: Final = 3
 """Column of `SweepMemory.lead`: see there."""
 
 LOOKED: Final = 32
-"""Cells that are looked into at once. A box has 1 to 12 cells around it on its level; more are looked into in portions."""
+"""Cells that are visited together. A box has 1 to 12 cells around it on its level; more are visited in portions."""
 
 
 class SweepMemory(NamedTuple):
@@ -57,15 +59,15 @@ class SweepMemory(NamedTuple):
     used         (ON_LEVEL + LEVELS + 1) see CANDIDATES
     """
 
-    fat: Array
-    lead: Array
-    body: Index
-    known: NDArray[np.bool_]
-    head: Index
-    looked: Index
-    candidates: Index
-    fresh: Index
-    used: Index
+    fat: Grid
+    lead: Grid
+    body: IndexGrid
+    known: FlagLine
+    head: IndexLine
+    looked: IndexGrid
+    candidates: IndexLine
+    fresh: IndexLine
+    used: IndexLine
 
 
 def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:

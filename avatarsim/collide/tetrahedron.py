@@ -1,9 +1,9 @@
-"""Four independent points of A - B to start the expanding polytope from."""
+"""Initial tetrahedron of EPA: four affinely independent points of A - B."""
 
 from avatarsim.collide.gjk import Balls, add_support
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.simplex import upright
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import (
     Rows,
     Vec3,

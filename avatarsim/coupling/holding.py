@@ -1,7 +1,7 @@
-"""Who is held by something fixed hits nobody with a velocity that it does not have."""
+"""Velocities of driven links projected onto the non-penetration cone of active contacts with fixed bodies, before impacts."""
 
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import along, dot, put_row, row
 from avatarsim.world.dynamics import FIXED, Dynamics, Velocities
 from avatarsim.world.geometry import Geometry
@@ -15,8 +15,8 @@ leaves a quarter of that; fewer would leave a hand in a corner a velocity."""
 def hold(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
     """Take from the velocity of each link what goes into the fixed bodies that held it last; what goes along them stays.
 
-    A hand at a wall stands still while its user goes on; a ball that comes its way would be struck by what nobody sees. Who is
-    held by simulated bodies keeps all of it: that is how they are pushed.
+    A hand at a wall stands still while its user goes on: a ball that meets it must not be struck with the user's velocity. A link
+    held by simulated bodies keeps its velocity, by which it pushes them.
     """
     v = velocities_out.linear
     for _ in range(ROUNDS):

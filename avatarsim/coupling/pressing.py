@@ -1,14 +1,14 @@
-"""Who is held back by a simulated body presses on it: the spring of eq. 6 between where a link is and where it wants to be.
+"""Pressing of a link held back by a simulated body: the spring of eq. 6 between the link's pose and its displaced target.
 
 The lower loop lets no link into anything: one that a body holds lags behind the place that tracker and impulses gave it. Over
-a frame the spring turns this lag into velocity; the impact of the upper loop turns the velocity into an impulse. A lag that
-something fixed causes presses on nobody, and nothing is remembered of any lag: the way free, the link is back at once.
+a frame the spring turns this lag into velocity; the impact of the upper loop turns the velocity into an impulse. A lag caused by
+a fixed body presses on no body, and no lag is stored: once the link is free it returns at once.
 """
 
 from avatarsim.coupling.recoil import middle
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import SIMULATED, Array, Dynamics

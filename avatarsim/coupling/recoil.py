@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.symmetric import solved
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, row, sub
 from avatarsim.tolerances import REGULAR

@@ -2,7 +2,7 @@
 
 from math import cos, exp, sin, sqrt
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, along, scale
 
 NEARLY_CRITICAL = 1e-3

@@ -16,7 +16,8 @@ from avatarsim.coupling.pressing import press
 from avatarsim.coupling.recoil import recoil
 from avatarsim.coupling.spring import coupled
 from avatarsim.ik.state import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
@@ -42,22 +43,22 @@ class Springs(NamedTuple):
     offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press` added [m/s];
     mass (nl) [kg]; ease (nd) 1 / weight of a degree where joints share an offset; still (nd) no step; axes (nd, 3) of the
     tracker's posture, way (nd) the step by which its joints yield;
-    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only where
-    somebody asked for them.
+    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only of links
+    with an offset.
     """
 
     settings: CouplingSettings
-    offset: Array
-    rate: Array
-    pressed: Array
-    mass: Array
-    ease: Array
-    still: Array
-    axes: Array
-    way: Array
+    offset: Vectors
+    rate: Vectors
+    pressed: Vectors
+    mass: Line
+    ease: Line
+    still: Line
+    axes: Vectors
+    way: Line
     one: Poses
     other: Poses
-    turn: Index
+    turn: IndexLine
 
 
 @kernel
@@ -123,7 +124,7 @@ def root_of(skel: Skeleton, link: int) -> int:
 def give(skel: Skeleton, received: Array, inverse_mass: Array, pressed: Array, rate_out: Array) -> None:
     """Impulses (nb, 3) [N s] change the velocity of the coupled mass that took them: the link's own, as in eq. 9.
 
-    A link that pressed and met nobody has not moved: what pressing gave it, it loses.
+    A link that pressed and had no impact has not moved: it loses the velocity of pressing.
     """
     for link in range(skel.kind.shape[0]):
         j, b = row(received, skel.first + link), skel.first + link
@@ -145,7 +146,7 @@ def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out
 
 @kernel
 def place_displaced(geo: Geometry, skel: Skeleton, offset: Array, poses_out: Poses) -> None:
-    """Give the links that have an offset (nl, 3) their boxes: of nobody else does anybody ask where the middle is."""
+    """Update the boxes of the links that have an offset (nl, 3); only their middles are read."""
     for link in range(skel.kind.shape[0]):
         x = row(offset, link)
         if dot(x, x) > 0.0:
@@ -212,7 +213,7 @@ def make_springs(
 
 
 def no_springs(poses: Poses, settings: CouplingSettings) -> Springs:
-    """For a scene in which nothing can be struck: nothing is allocated that nobody calls for."""
+    """For a scene in which nothing can be struck: empty arrays."""
     none, rows = np.zeros(0), np.zeros((0, 3))
     nowhere = Poses(*(array[:0].copy() for array in poses))
     return Springs(settings, rows, rows, rows, none, none, none, rows, none, nowhere, nowhere, np.zeros(1, dtype=np.int64))

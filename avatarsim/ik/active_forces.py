@@ -3,7 +3,7 @@ Lagrangian."""
 
 from avatarsim.ik.objective import stretch
 from avatarsim.ik.state import Avatars, ConstraintRows, IkState, RowKind
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import add, put_row, row, scale
 from avatarsim.world.geometry import Geometry
 from avatarsim.world.skeleton import Skeleton

@@ -8,7 +8,7 @@ come no nearer for dozens of sweeps; a step that breaks its rows is then refused
 from math import sqrt
 
 from avatarsim.ik.state import MOST_PRESSED, ConstraintRows
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.tolerances import REGULAR
 
 CHANGES = 24

@@ -7,7 +7,7 @@ are the connected components (union by the least number).
 from math import inf
 
 from avatarsim.ik.state import ISLANDS, Avatars, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows as Boxes
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Skeleton

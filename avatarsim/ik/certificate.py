@@ -14,7 +14,7 @@ from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.support import gap_along
 from avatarsim.ik.pair_cache import axis_at, keep_axis, slot_of
 from avatarsim.ik.state import BAD_QUERIES, QUERIES, SUPPORTS, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale

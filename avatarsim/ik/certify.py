@@ -7,7 +7,7 @@ from avatarsim.ik.certificate import certify_pair
 from avatarsim.ik.constraints import add_failed_pair
 from avatarsim.ik.joint_limits import check_limits
 from avatarsim.ik.state import PAIRS, Avatars, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
 from avatarsim.world.geometry import Geometry, Poses

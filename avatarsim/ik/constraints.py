@@ -7,7 +7,7 @@ from avatarsim.collide.support import support
 from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
 from avatarsim.ik.pair_cache import axis_at, slot_of
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, put_row, row, sub
 from avatarsim.tolerances import least_gap, wedged_gap

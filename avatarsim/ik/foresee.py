@@ -11,7 +11,7 @@ from avatarsim.ik.joint_limits import check_limits
 from avatarsim.ik.kinematics import carry_avatar
 from avatarsim.ik.pair_cache import slot_of
 from avatarsim.ik.state import SUPPORTS, Avatars, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub

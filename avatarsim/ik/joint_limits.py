@@ -6,7 +6,7 @@ Hinges need none, their limits are bounds of the step. The geometry of the limit
 from math import atan2
 
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, IkScratch, RowKind
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale
 from avatarsim.world.limits import SURELY, cone_excess, has_cone, limb_of, surely_inside, swing_and_twist

@@ -1,7 +1,7 @@
 """Trial and step of one avatar: forward kinematics and the tangent space of its posture (see `world.kinematics`)."""
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, step_between
 from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 from avatarsim.world.geometry import Array, Geometry, Poses, place

@@ -9,7 +9,7 @@ from math import inf
 
 from avatarsim.ik.kinematics import longest_part, parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Array
 from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton

@@ -1,8 +1,8 @@
 """Poses of the bodies that are no links, taken over into the trial as a frame begins: they stand still while the avatars move."""
 
 from avatarsim.ik.state import IkScratch
-from avatarsim.kernel import kernel
-from avatarsim.world.arena import Index
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Skeleton
 

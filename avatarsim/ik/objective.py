@@ -13,7 +13,7 @@ from math import sqrt
 
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Array, Poses

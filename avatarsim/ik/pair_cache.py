@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.spatial.vec3 import Vec3, put_row, row
 
 Array = NDArray[np.float64]
@@ -29,16 +30,16 @@ class PairCache(NamedTuple):
     axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap at the shown state, right if gap_step (n)
     is the present one; step (1): number of the present step; pieces (1): how many there are."""
 
-    key: Index
-    used: Index
-    axis: Array
-    axis_gap: Array
-    axis_step: Index
-    normal: Array
-    gap: Array
-    gap_step: Index
-    step: Index
-    pieces: Index
+    key: IndexLine
+    used: IndexLine
+    axis: Vectors
+    axis_gap: Line
+    axis_step: IndexLine
+    normal: Vectors
+    gap: Line
+    gap_step: IndexLine
+    step: IndexLine
+    pieces: IndexLine
 
 
 def make_pair_cache(driven: int, pieces: int) -> PairCache:

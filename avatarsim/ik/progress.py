@@ -2,7 +2,7 @@
 
 from avatarsim.ik.objective import LOSS_RADIUS, value_of
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Skeleton

@@ -13,7 +13,7 @@ from avatarsim.ik.constraints import along_row, clear_row
 from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import solve_down, solve_up
 from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.tolerances import NOTHING
 from avatarsim.world.skeleton import FREE, Skeleton
 

@@ -5,10 +5,10 @@ from avatarsim.ik.notice import notice_bodies
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Index
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
-from avatarsim.world.arena import Index
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton
 

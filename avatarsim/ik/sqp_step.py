@@ -32,7 +32,7 @@ from avatarsim.ik.state import (
     RowKind,
 )
 from avatarsim.ik.target import largest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.tolerances import least_gap

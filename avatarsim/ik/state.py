@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import Scratch
 from avatarsim.ik.pair_cache import PairCache
-from avatarsim.record import table_of
+from avatarsim.jit.layout import Cube, FlagLine, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.record import known_as_table
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import Posture
 
@@ -107,8 +108,7 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """1 if the last step ended at the tracker's posture."""
 
 
-tracking_in = table_of(Tracking, TRACKING)
-"""The Tracking in these words, in a tuple of one."""
+known_as_table(Tracking, TRACKING)
 
 
 class Avatars(NamedTuple):
@@ -116,34 +116,34 @@ class Avatars(NamedTuple):
     the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared
     angle, 0 for translations."""
 
-    first_link: Index
-    first_dof: Index
-    avatar: Index
-    joint_of: Index
-    path: Index
-    depth: Index
-    turn_weight: Array
+    first_link: IndexLine
+    first_dof: IndexLine
+    avatar: IndexLine
+    joint_of: IndexLine
+    path: IndexGrid
+    depth: IndexLine
+    turn_weight: Line
 
 
 class Budget(NamedTuple):
     """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what
     was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
 
-    turn: Array
-    move: Array
-    turned: Array
-    moved: Array
-    slack: Array
+    turn: Line
+    move: Line
+    turned: Line
+    moved: Line
+    slack: Line
 
 
 class Contacts(NamedTuple):
     """The active contacts of the last solved step: used (1) how many; pair (m, 2) pieces; normal (m, 3), out of the second into
     the first; multiplier (m) [m], how hard the objective presses."""
 
-    used: Index
-    pair: Index
-    normal: Array
-    multiplier: Array
+    used: IndexLine
+    pair: IndexGrid
+    normal: Vectors
+    multiplier: Line
 
 
 def make_contacts(room: int) -> Contacts:
@@ -156,9 +156,9 @@ class Touching(NamedTuple):
     """Pairs that were in contact lately, and so have a row in the next step before anything fails: used (1) how many; pair (m, 2)
     pieces; age (m) steps since the row was last active."""
 
-    used: Index
-    pair: Index
-    age: Index
+    used: IndexLine
+    pair: IndexGrid
+    age: IndexLine
 
 
 class IkState(NamedTuple):
@@ -170,15 +170,15 @@ class IkState(NamedTuple):
     tracking: Tracking
     before: Posture
     own: Posture
-    force: Array
-    bend: Array
+    force: Vectors
+    bend: Line
     contacts: Contacts
     touching: Touching
     pairs: PairCache
-    near: Index
-    near_count: Index
-    near_box: Array
-    axes: Array
+    near: IndexGrid
+    near_count: IndexLine
+    near_box: Grid
+    axes: Vectors
     budget: Budget
 
 
@@ -189,21 +189,21 @@ class Objective(NamedTuple):
     (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of
     the metric; newton (nd) the step to the least of the model."""
 
-    origin: Array
-    frame: Array
-    aim: Array
-    error: Array
-    own: Array
-    number: Array
-    inertia: Array
-    first: Array
-    pull: Array
-    load: Array
-    second: Array
-    twist: Array
-    motion: Array
-    factor: Array
-    newton: Array
+    origin: Vectors
+    frame: Matrices
+    aim: Vectors
+    error: Line
+    own: Line
+    number: Line
+    inertia: Line
+    first: Vectors
+    pull: Vectors
+    load: Vectors
+    second: Matrices
+    twist: Matrices
+    motion: Grid
+    factor: Grid
+    newton: Line
 
 
 class ConstraintRows(NamedTuple):
@@ -214,31 +214,31 @@ class ConstraintRows(NamedTuple):
     whether the sweeps came to an end; active (a) the active rows, factor (a, a) of
     their Gram matrix, change (a) of their multipliers."""
 
-    used: Index
-    ready: Index
-    kind: Index
-    pair: Index
-    owner: Index
-    jacobian: Array
-    weighted: Array
-    bound: Array
-    multiplier: Array
-    residual: Array
-    before: Array
-    normal: Array
-    arm: Array
-    gram: Array
-    is_solved: Flags
-    factor: Array
-    active: Index
-    change: Array
+    used: IndexLine
+    ready: IndexLine
+    kind: IndexLine
+    pair: IndexGrid
+    owner: IndexGrid
+    jacobian: Grid
+    weighted: Grid
+    bound: Line
+    multiplier: Line
+    residual: Line
+    before: Line
+    normal: Vectors
+    arm: Grid
+    gram: Grid
+    is_solved: FlagLine
+    factor: Grid
+    active: IndexLine
+    change: Line
 
 
 class Failed(NamedTuple):
     """Pairs that failed at the last trial: used (1) how many, pair (m, 2)."""
 
-    used: Index
-    pair: Index
+    used: IndexLine
+    pair: IndexGrid
 
 
 class IkScratch(NamedTuple):
@@ -250,22 +250,22 @@ class IkScratch(NamedTuple):
 
     target: Posture
     trial: Poses
-    axes: Array
-    swept: Array
-    swept_links: Array
-    swept_avatars: Array
-    low: Array
-    high: Array
-    step: Array
-    still: Array
-    members: Index
-    is_active: Index
+    axes: Vectors
+    swept: Grid
+    swept_links: Grid
+    swept_avatars: Grid
+    low: Line
+    high: Line
+    step: Line
+    still: Line
+    members: IndexLine
+    is_active: IndexLine
     objective: Objective
     rows: ConstraintRows
     failed: Failed
     narrow: Scratch
-    counts: Index
-    trail: Array
+    counts: IndexLine
+    trail: Cube
 
 
 COUNT_NAMES = (

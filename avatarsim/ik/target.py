@@ -5,7 +5,7 @@ from math import exp
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row

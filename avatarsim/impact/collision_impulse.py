@@ -1,13 +1,13 @@
-"""Equation 9: the size of the impulse that turns an approach into a rebound."""
+"""Normal impulse of a collision with restitution (eq. 9; Newton's law of restitution)."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, turned
 from avatarsim.spatial.vec3 import Vec3, cross, dot
 
 
 @kernel
 def turning_term(inverse_inertia: Columns, arm: Vec3, n: Vec3) -> float:
-    """A or B of eq. 9 [1/kg]: n . ((I^-1 (r x n)) x r), how much easier a body yields because it can turn.
+    """A or B of eq. 9 [1/kg]: n . ((I^-1 (r x n)) x r), the rotational part of the inverse effective mass.
 
     ``inverse_inertia`` is in world axes; all zero for a body that cannot turn.
     """

@@ -1,6 +1,8 @@
-"""Impulses of many contacts at once: normals push only and reach their target, friction stays in its disc.
+"""Contact solver: projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients.
 
-Projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients over whole double sweeps.
+Normal impulses are not negative and reach their target velocities; friction impulses are projected onto their disc. The conjugate
+gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back over the contacts; compare Silcowitz, Niebe and
+Erleben 2010.
 """
 
 from math import inf, sqrt
@@ -9,51 +11,48 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, speed_along
-from avatarsim.impact.fours import lay_out_fours, take_fours
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_all
 from avatarsim.impact.solver_rows import lay_out, take_motion
 from avatarsim.impact.visit import go_on_along, visit_all
-from avatarsim.impact.visit_fours import go_on_fours, visit_fours
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, row
 
 Array = NDArray[np.float64]
 
 FIRST_TRY = 25
-"""Double sweeps before normals are solved alone. Single bodies and sliding boxes end within them."""
+"""Double sweeps before normals are solved alone. Single bodies and sliding boxes converge within them."""
 
 PATIENCE = 150
-"""Double sweeps in which the best residual must halve. Four corners of a face carry a load in many ways; when rounding alone
-prefers one of them, the load would wander there for thousands of sweeps while no velocity changes that one could measure. Fewer,
-and tall stacks are given up while they still converge."""
+"""Double sweeps in which the best residual must halve. Impulses of four corners of a face are not unique: rounding may shift load
+between them for thousands of sweeps without a measurable change of velocities. Fewer: tall stacks are given up while they still
+converge."""
 
 POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
-"""The same for so few points as one face has: nothing makes them slow but a load that wanders between corners. Not where impacts
-are solved for to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
+"""The same for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
+are solved to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2e-6, 10
-"""Double sweeps in a row that bring the solution no nearer, below so small a change [m/s], after which the load only wanders:
-points of one face that ask for velocities that no rigid body can have at once (one is a nanometre higher than the others) hand it
-on from sweep to sweep, millions of times, until one of them is empty."""
+"""Double sweeps in a row without progress, below this change [m/s], after which the load only wanders. Points of one face whose
+target velocities no rigid body can have at once (one is a nanometre higher) pass it on for millions of sweeps."""
 
 
 ROUGH, STALE, SHRINKS, STALE_BELOW = 1e-7, 12, 0.8, 5e-5
-"""Where no more than the first accuracy [m/s] is asked for: so many double sweeps in which the change does not fall below this
-part of the least so far, and that is below the last velocity [m/s], mean that only the load wanders. Corners of one face at
-different heights ask bodies in motion for velocities that no rigid body can have, at micrometres a second."""
+"""Stop rule for tolerances of at least ROUGH [m/s]: after STALE double sweeps whose change stays above SHRINKS times the least so
+far, and that below STALE_BELOW [m/s], only the load wanders. Corners of one face at different heights ask bodies in motion for
+velocities that no rigid body can have, at micrometres a second."""
 
 
 @kernel
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
-    """What contact k would like its normal impulse to be, everybody else's held."""
+    """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
     return float(max(0.0, contacts.impulse[k, 0] - short / contacts.ease[k, 0]))
 
 
 @kernel
 def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, angular: Array) -> tuple[float, float]:
-    """What contact k would like its friction to be under that normal impulse: a projected step."""
+    """Friction impulse of contact k that ends its slip, projected onto the friction disc of that normal impulse."""
     limit = contacts.friction[k] * normal
     if limit == 0.0:
         return 0.0, 0.0
@@ -75,7 +74,7 @@ def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, a
 
 @kernel
 def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: Array) -> float:
-    """Largest change [m/s] that any contact first <= k < last still wants."""
+    """Residual [m/s]: largest change of any contact first <= k < last in another sweep."""
     worst = 0.0
     for k in range(first, last):
         if contacts.target[k] != -inf:
@@ -95,44 +94,17 @@ def sweeps(
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
-    fours = laid_out(contacts, masses, first, last, linear, angular)
-    worst, ended = passes(contacts, first, last, fours, tolerance, cap, grip, before, direction)
-    taken(contacts, first, last, fours, linear, angular)
+    lay_out(contacts, masses, first, last, linear, angular)
+    worst, ended = passes(contacts, first, last, tolerance, cap, grip, before, direction)
+    take_motion(contacts, first, last, linear, angular)
     return worst, ended
 
 
 @kernel
-def laid_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array) -> int:
-    """Lay contacts out for `passes`, in fours if they are of balls; returns how many fours, 0 if they go one by one."""
-    fours = lay_out_fours(contacts, masses, first, last, linear, angular)
-    if fours == 0:
-        lay_out(contacts, masses, first, last, linear, angular)
-    return fours
-
-
-@kernel
-def taken(contacts: Contacts, first: int, last: int, fours: int, linear: Array, angular: Array) -> None:
-    """Take over what `passes` left."""
-    if fours > 0:
-        take_fours(contacts, fours, linear, angular)
-    else:
-        take_motion(contacts, first, last, linear, angular)
-
-
-@kernel
-def one_way(contacts: Contacts, first: int, last: int, fours: int, back: bool, grip: bool, before: Array) -> tuple[float, float]:
-    """A pass over contacts as they are laid out: see `visit_all`."""
-    if fours > 0:
-        return visit_fours(contacts, fours, back, grip)
-    return visit_all(contacts, first, last, back, grip, before)
-
-
-@kernel
 def passes(
-    contacts: Contacts, first: int, last: int, fours: int, tolerance: float, cap: int, grip: bool, before: Array,
-    direction: Array,
+    contacts: Contacts, first: int, last: int, tolerance: float, cap: int, grip: bool, before: Array, direction: Array,
 ) -> tuple[float, bool]:
-    """`sweeps` of contacts that are `laid_out`."""
+    """`sweeps` of contacts that are laid out."""
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
     least, stale = inf, 0
     for k in range(first, last):
@@ -141,7 +113,7 @@ def passes(
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        worst, _ = one_way(contacts, first, last, fours, False, grip, before)
+        worst, _ = visit_all(contacts, first, last, False, grip, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
@@ -155,15 +127,12 @@ def passes(
             if not (best < 0.5 * earlier):
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        _, square = one_way(contacts, first, last, fours, True, grip, before)
+        _, square = visit_all(contacts, first, last, True, grip, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0
         last_square = square
-        if fours > 0:
-            go_on_fours(contacts, fours, beta, grip)
-        else:
-            go_on_along(contacts, first, last, beta, before, direction)
+        go_on_along(contacts, first, last, beta, before, direction)
     return worst, False
 
 
@@ -174,8 +143,8 @@ def solve_contacts(
 ) -> float:
     """Solve contacts first <= k < last together, starting from the impulses they hold (velocities include them).
 
-    If a few sweeps do not do it, normals come first, without friction: that is a convex problem which converges far faster,
-    and what just stands needs no friction at all.
+    If the first sweeps do not converge, normals are solved first, without friction: a convex problem that converges far faster,
+    and bodies that merely stand need no friction.
 
     Args:
         linear, angular: (nb, 3), changed.
@@ -202,13 +171,13 @@ def solve_roughly(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, tries: int,
     cap: int, before: Array, direction: Array,
 ) -> float:
-    """As `solve_contacts`, in a hurry: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
+    """As `solve_contacts`, cheaper: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
 
     Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
     """
-    fours = laid_out(contacts, masses, first, last, linear, angular)
-    worst, ended = passes(contacts, first, last, fours, tolerance, tries, True, before, direction)
+    lay_out(contacts, masses, first, last, linear, angular)
+    worst, ended = passes(contacts, first, last, tolerance, tries, True, before, direction)
     if not ended:
-        worst, _ = passes(contacts, first, last, fours, tolerance, cap, False, before, direction)
-    taken(contacts, first, last, fours, linear, angular)
+        worst, _ = passes(contacts, first, last, tolerance, cap, False, before, direction)
+    take_motion(contacts, first, last, linear, angular)
     return worst

@@ -1,4 +1,4 @@
-"""When the surfaces of an impact really meet: bodies stop a stand-off earlier, and the recorded time makes up for it."""
+"""Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped."""
 
 from math import inf, sqrt
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, axis, velocity_at
 from avatarsim.impact.relative_velocity import normal_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import add, cross, dot, row, sub
 
 Array = NDArray[np.float64]

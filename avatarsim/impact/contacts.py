@@ -1,4 +1,4 @@
-"""The points where bodies touch at one instant, and how fast their bodies move there."""
+"""Contact points of one instant: frames, lever arms, inverse effective masses and relative velocities (contact Jacobian)."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import point_velocity, relative_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row
 
@@ -16,11 +17,11 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 ROOM = 2048
-"""Contact points held at once at least. A wall of 100 boxes has about 1000; more is reported as a status, never dropped."""
+"""Least room for contact points. A wall of 100 boxes has about 1000; too many are told by a status, never dropped silently."""
 
 ROOM_PER_BODY = 16
-"""Contact points held at once for every simulated body, if that is more: a box in the middle of a wall touches others with 24
-corners, each of which belongs to two."""
+"""Room for contact points per simulated body, if that is more: a box in the middle of a wall touches others with 24 corners, each
+of which belongs to two bodies."""
 
 POINTS_OF_PAIR = 16
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
@@ -28,17 +29,14 @@ POINTS_OF_PAIR = 16
 ROW, MOTION = 104, 8
 """Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""
 
-LANE, COLOURS = 5, 62
-"""Numbers that name a contact and its bodies where four are taken at once, and most contacts of a ball there: one bit each."""
-
 EARTH = 9.8
-"""Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are to the bit as stated."""
+"""Gravity [m/s^2] that slow speeds are stated for. A little below that on Earth, so that there they are exactly as stated."""
 
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
-"""Which body of a contact follows the user: its path is given, and it does not move while simulated bodies do."""
+"""Driven body of a contact: its path is given, and it does not move while simulated bodies do."""
 
 SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
-"""What is smooth where two shapes touch, as a sum: nothing, A, B; that the normal is that of a third body's face, which does not
+"""Flags of smoothness at a contact: neither surface, A's, B's, and that the normal is that of a third body's face, which does not
 turn. Or, alone, that both bodies are balls."""
 
 
@@ -48,75 +46,69 @@ class Contacts(NamedTuple):
     body (cap, 2) A and B; key (cap) names the point from one segment to the next; driven (cap) one of the above;
     face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
-    gap (cap) [m]; restitution, friction (cap); bend (cap, 3) acceleration of A's point seen from B's that needs no force [m/s^2];
-    ease (cap, 2) velocity per impulse along the normal, and largest across it [1/kg]; unease (cap, 2) one over it [kg];
+    gap (cap) [m]; restitution, friction (cap); bend (cap, 3) bias acceleration: relative one of the points at zero force [m/s^2];
+    ease (cap, 2) inverse effective mass along the normal, and largest across it [1/kg]; unease (cap, 2) effective mass [kg];
     drag (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
-    lever_a, lever_b (cap, 3, 3) arm x axis, for each axis of the frame: its dot product with the angular velocity is what that
-    adds to the point's velocity along the axis; turn_a, turn_b (cap, 3, 3) angular velocity [rad/s] per impulse [N s] along
-    each axis;
-    target (cap) least normal velocity asked for [m/s], -inf where a point takes no part;
-    slide (cap, 2) velocity along the tangents at which friction has nothing to do [m/s];
-    drift (cap, 2) how much of the velocity along the tangents is the user's alone, and nobody sees [m/s]: see `loops.rubbing`;
+    lever_a, lever_b (cap, 3, 3) angular rows of the contact Jacobian: arm x axis for each axis of the frame; turn_a, turn_b
+    (cap, 3, 3) angular rows of M^-1 J^T: angular velocity [rad/s] per impulse [N s] along each axis;
+    target (cap) least normal velocity asked for (bias velocity) [m/s], -inf where a point takes no part;
+    slide (cap, 2) velocity along the tangents at which friction is zero [m/s];
+    drift (cap, 2) part of the user's velocity along the tangents that is not displayed [m/s]: see `loops.rubbing`;
     impulse (cap, 3) along the rows of frame [N s];
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
-    visits (1) points looked at by the solver since somebody set it to 0, which is most of its work;
+    visits (1) points visited by the solver since the count was last set to 0, a measure of its work;
     edge_a, edge_b (cap, 3) directions of the edges where two edges cross or one touches what is smooth, of any length, or zero;
-    sway_a, sway_b (cap, 3) rates of the arms [m/s], zero where a body is driven;
+    sway_a, sway_b (cap, 3) rates of the lever arms [m/s], zero where a body is driven;
     smooth (cap) see above; radii_a, radii_b (cap, 3, 3) radii of curvature [m]: how far the point of a smooth surface moves per
     turn of its normal; zero for corners, without meaning along an edge;
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
-    pace (1): what speeds that count as slow are multiplied by, see `pace_of`;
+    pace (1): factor on speeds that count as slow, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW), motion (bodies + 2, MOTION): what a pass of the solver reads, see `impact.solver_rows`;
-    lanes (cap, LANE), colour (cap), many (2 COLOURS), worn (bodies): who goes with whom, see `impact.fours`.
+    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `impact.solver_rows`.
     """
 
-    used: Index
-    body: Index
-    key: Index
-    driven: Index
-    face: Index
-    frame: Array
-    arm_a: Array
-    arm_b: Array
-    gap: Array
-    restitution: Array
-    friction: Array
-    bend: Array
-    ease: Array
-    lever_a: Array
-    lever_b: Array
-    turn_a: Array
-    turn_b: Array
-    target: Array
-    slide: Array
-    drift: Array
-    impulse: Array
-    standing: Index
-    visits: Index
-    edge_a: Array
-    edge_b: Array
-    sway_a: Array
-    sway_b: Array
-    smooth: Index
-    radii_a: Array
-    radii_b: Array
-    turns: Array
-    unease: Array
-    drag: Array
-    pace: Array
-    approach: Array
-    rows: Array
-    motion: Array
-    lanes: Index
-    colour: Index
-    many: Index
-    worn: Index
+    used: IndexLine
+    body: IndexGrid
+    key: IndexLine
+    driven: IndexLine
+    face: IndexLine
+    frame: Matrices
+    arm_a: Vectors
+    arm_b: Vectors
+    gap: Line
+    restitution: Line
+    friction: Line
+    bend: Vectors
+    ease: Grid
+    lever_a: Matrices
+    lever_b: Matrices
+    turn_a: Matrices
+    turn_b: Matrices
+    target: Line
+    slide: Grid
+    drift: Grid
+    impulse: Vectors
+    standing: IndexLine
+    visits: IndexLine
+    edge_a: Vectors
+    edge_b: Vectors
+    sway_a: Vectors
+    sway_b: Vectors
+    smooth: IndexLine
+    radii_a: Matrices
+    radii_b: Matrices
+    turns: Grid
+    unease: Grid
+    drag: Grid
+    pace: Line
+    approach: Line
+    rows: Grid
+    motion: Grid
 
 
 def pace_of(gravity: Array) -> float:
-    """Part of the slow speeds of this engine that are slow under a gravity (3) [m/s^2]: a body that leaves a floor with one of
-    them rises as high as it does on Earth. Without gravity, and under a stronger one, they are what they are."""
+    """Factor on the slow speeds of this engine under a gravity (3) [m/s^2], at most 1: with it a body that leaves a floor rises
+    as high as on Earth. 1 without gravity, and under a stronger one."""
     pull = float(np.linalg.norm(gravity))
     return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
 
@@ -135,9 +127,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
-        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies + 2, MOTION)),
-        lanes=np.zeros((cap, LANE), np.int64), colour=np.zeros(cap, np.int64), many=np.zeros(2 * COLOURS, np.int64),
-        worn=np.zeros(bodies, np.int64),
+        pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
     )
 
 
@@ -221,8 +211,8 @@ def turning(contacts: Contacts, k: int, i: int, j: int) -> float:
 def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
     """v_ab [m/s] at contact k.
 
-    For equations 7 to 10 it is the true one, less what drifts. For paths (``standing``) a driven body that recedes counts as
-    standing still along the normal: its pose does not change before the next frame, and whoever followed it would be inside it.
+    For equations 7 to 10 it is the true one, less the drift. For paths (``standing``) a driven body that recedes counts as
+    standing still along the normal: its pose does not change before the next frame, and a body that followed it would overlap it.
     """
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     on_a = point_velocity(row(linear, a), row(angular, a), row(contacts.arm_a, k))

@@ -1,4 +1,4 @@
-"""Energy of the simulated bodies: what an audit compares before and after, and how it takes back a gain."""
+"""Energy of simulated bodies for the energy audit, and the scaling of velocities that takes a gain back."""
 
 from math import sqrt
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import dot, row
 

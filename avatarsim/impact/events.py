@@ -1,11 +1,12 @@
-"""What happened inside a frame: the whole state right before and right after each impact."""
+"""Recorded events of a frame: the state of all bodies right before and right after each impact."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line, Stack
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 
@@ -23,14 +24,14 @@ class Events(NamedTuple):
     Poses are those at which the impact is resolved, with the stand-off still open. It takes the time gap / speed to close, so the
     last impact of a frame may be a few nanoseconds past its end, and slow impacts may overtake fast ones of other pairs."""
 
-    kept: Index
-    time: Array
-    kind: Index
-    pair: Index
-    position: Array
-    rotation: Array
-    linear: Array
-    angular: Array
+    kept: IndexLine
+    time: Line
+    kind: IndexLine
+    pair: IndexGrid
+    position: Cube
+    rotation: Stack
+    linear: Cube
+    angular: Cube
 
 
 def make_events(bodies: int, cap: int = 64) -> Events:

@@ -1,6 +1,6 @@
-"""Equation 10: Coulomb friction in an impact, as printed and limited to what it takes to stick."""
+"""Coulomb friction in an impact (eq. 10), as printed, and limited to the impulse that ends the slip."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, norm, scale
 
 NO_SLIP = 1e-300

@@ -1,4 +1,4 @@
-"""Impacts at one instant: the fastest approach first, one block of impulses per pair of bodies (eqs 7 to 10)."""
+"""Sequential impacts at one instant (eqs 7 to 10): the fastest approach first, one block of impulses per pair of bodies."""
 
 from math import inf
 
@@ -11,7 +11,7 @@ from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, axis, impu
 from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import normal_velocity, tangential_velocity, velocity_after
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row
 
@@ -32,10 +32,10 @@ BLOCK_SWEEPS = 3000
 """Double sweeps per block; a box face needs about 25."""
 
 BLOCK_VISITS = 48000
-"""Most contact points that one block looks at in each stage of its solve; where a wall lands at once that is fewer sweeps."""
+"""Most contact points that each stage of the solve of one block visits; where a wall lands at once that is fewer sweeps."""
 
 ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
-"""The same where many blocks follow each other at one instant: what is left of an approach is looked at again anyway."""
+"""The same where many blocks follow each other at one instant: the approach that is left is resolved by a later block."""
 
 NOTHING = -1
 """No contact."""
@@ -58,10 +58,10 @@ def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple
 
 @kernel
 def head_of_queue(contacts: Contacts) -> tuple[int, float]:
-    """`fastest_approach` by the velocities last seen."""
+    """`fastest_approach` by the velocities in ``contacts.approach``."""
     v, count = contacts.approach, contacts.used[0]
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    # four side by side, so that nobody waits for the last comparison
+    # four minima side by side, so that no comparison depends on the one before
     for k in range(0, count - count % 4, 4):
         a = v[k] if v[k] < a else a
         b = v[k + 1] if v[k + 1] < b else b
@@ -90,7 +90,7 @@ def line_up(contacts: Contacts, masses: Masses, newest: Index, older: Index) -> 
     for k in range(contacts.used[0]):
         for side in range(2):
             b = contacts.body[k, side]
-            # what nothing moves is beneath many
+            # fixed bodies carry many contacts and never move
             if masses.inverse_mass[b] > 0.0:
                 older[k, side], newest[b] = newest[b], k
 
@@ -99,7 +99,7 @@ def line_up(contacts: Contacts, masses: Masses, newest: Index, older: Index) -> 
 def next_approach(
     contacts: Contacts, first: int, last: int, linear: Array, angular: Array, newest: Index, older: Index
 ) -> tuple[int, float]:
-    """`fastest_approach` after the block first <= k < last was resolved: only who touches a body that was hit is looked at again.
+    """`fastest_approach` after the block first <= k < last was resolved; updates the contacts of bodies in the block only.
 
     ``newest``, ``older``: of `line_up`.
     """
@@ -123,7 +123,7 @@ def same_pair(contacts: Contacts, i: int, k: int) -> bool:
 
 @kernel
 def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
-    """Set targets (eq. 8) for all points of all pairs that tie with the fastest by the velocities last seen.
+    """Set targets (eq. 8) for all points of all pairs that tie with the fastest by the velocities in ``contacts.approach``.
 
     Returns (first, last, number of points): the block lies within first <= k < last, where the target of all others is -inf.
     """
@@ -275,7 +275,7 @@ def settle(
     angular: Array,
     linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
 ) -> float:
-    """Take away what approach is left, all contacts together and without rebound; returns the residual [m/s].
+    """End the approach that is left, all contacts together and without rebound; returns the residual [m/s].
 
     No energy is added, even if the solver stops half way.
     """

@@ -1,11 +1,12 @@
-"""How easily each body yields, in world axes, at the present instant."""
+"""Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Line, Matrices
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, cross
 
@@ -13,10 +14,10 @@ Array = NDArray[np.float64]
 
 
 class Masses(NamedTuple):
-    """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for what does not yield."""
+    """inverse_mass (nb) [1/kg] and inverse_inertia (nb, 3, 3) in world axes; zero for bodies that do not yield."""
 
-    inverse_mass: Array
-    inverse_inertia: Array
+    inverse_mass: Line
+    inverse_inertia: Matrices
 
 
 @kernel

@@ -1,11 +1,11 @@
-"""What an impulse at a contact does to its two bodies."""
+"""Application of an impulse at a contact to its two bodies: velocities change by M^-1 J^T times the impulse."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, put_row, row, sub
 
@@ -26,7 +26,7 @@ def push(contacts: Contacts, masses: Masses, k: int, j: Vec3, linear: Array, ang
 
 @kernel
 def push_along(contacts: Contacts, masses: Masses, k: int, i: int, d: float, linear: Array, angular: Array) -> None:
-    """Apply the impulse d [N s] along axis i of contact k to A and -d to B, by the turns that `weigh` left."""
+    """Apply the impulse d [N s] along axis i of contact k to A and -d to B, by the rows of M^-1 J^T from `weigh`."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
     on_a, on_b = d * masses.inverse_mass[a], d * masses.inverse_mass[b]

@@ -1,6 +1,6 @@
-"""Equations 7 and 8: how fast two bodies approach at a contact, and how fast they part after an impact."""
+"""Relative velocity at a contact (eq. 7) and its normal part after an impact (eq. 8, Newton's law of restitution)."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, sub
 
 

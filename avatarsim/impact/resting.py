@@ -1,4 +1,7 @@
-"""Contact forces that are constant over a stretch of time: what holds, slows and stops bodies that stay in touch."""
+"""Resting contact forces (Baraff 1994), constant over a segment of time: for bodies that stay in contact, at rest or sliding.
+
+Unlike there the forces reach velocities at the end of the segment, and come from the contact solver (projected Gauss-Seidel).
+"""
 
 from math import inf
 from typing import NamedTuple
@@ -11,7 +14,7 @@ from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh_after
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_along
 from avatarsim.impact.slipping import end_of_slip, slip_on
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, put_row, row, sub
 
@@ -23,9 +26,9 @@ STAND_OFF = 2e-8
 hundred roundings of a coordinate, see `motion.time_of_impact`."""
 
 LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
-"""Stand-offs up to which a held point stays at the height at which it is; from higher up it comes down to the first. Among more
-points than the last it is the second: a body may have more of them than it needs, and the corners of one face, a nanometre apart,
-would ask for velocities that no rigid body can have at once."""
+"""Heights in stand-offs: a held point below LEVEL stays at its height, a higher one is brought down to LEVEL. Among more than
+DETERMINED points it may stay up to HOVER: a body may have more of them than it needs, and the corners of one face, a nanometre
+apart in height, would ask for velocities that no rigid body can have at once."""
 
 PARTING = 5e-4
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
@@ -36,12 +39,12 @@ HOP = 1e-6
 rocks from corner to corner by nanometres, thousands of times."""
 
 LIFT = 2e-4
-"""Speed [m/s] at which a dip is lifted again, by those who can pay for it: within 3 ms, and a flight of 2e-9 m when that
-ends. Lifting by correcting positions instead feeds rocking bodies with potential energy, and they never rest."""
+"""Speed [m/s] at which a dip is lifted, if the body has the energy for it (`can_pay`): within 3 ms, and a flight of 2e-9 m at its
+end. Lifting by position projection instead would feed rocking bodies with potential energy, and they would never rest."""
 
 PAYS = 400.0
-"""A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times what the lift costs on Earth. What is slower
-stays in its dip; to lift it would make energy of nothing."""
+"""A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times the cost of the lift on Earth. Slower bodies
+stay in their dip, since lifting them would add energy."""
 
 SOLVED = 1e-9
 """Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times
@@ -51,10 +54,10 @@ SWEEPS = 600
 """Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
 
 GUESSES = 8
-"""Times normals and the friction of those who slip are set in turn, before all is solved together."""
+"""Rounds in which normals are solved and the friction of slipping contacts is set in turn, before all are solved together."""
 
 ALONE = 32
-"""Most contact points for which that is done. Among more, some slip and some stick, and it leads nowhere."""
+"""Most contact points for which that is done. Among more, some slip and some stick, and it does not converge."""
 
 ATTEMPTS = 6
 """Times one segment may be shortened because a slip ends inside it."""
@@ -72,14 +75,14 @@ class Care(NamedTuple):
 
 @kernel
 def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
-    """Whether a body of contact k is fast enough for the energy of lifting it by ``dip`` [m] to be taken from its motion."""
+    """Whether the kinetic energy of a body of contact k can pay for lifting it by ``dip`` [m]."""
     v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
     return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * contacts.pace[0] * contacts.pace[0] * dip)
 
 
 @kernel
 def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
-    """How far [m] contact k is to close, or, below 0, to open: not at all if that is lifting nobody can pay for."""
+    """Distance [m] by which contact k is to close, or, below 0, to open; 0 where neither body has the energy for the lift."""
     gap = contacts.gap[k]
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
@@ -88,17 +91,17 @@ def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
 
 @kernel
 def known_bend(contacts: Contacts, k: int, angular: Array) -> Vec3:
-    """The part [m/s^2] of the bend of contact k that comes from its arms, which turn: arms of the middle know half of it."""
+    """Part [m/s^2] of the bias acceleration of contact k due to its turning lever arms; midpoint arms include half of it."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     return sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
 
 
 @kernel
 def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
-    """Set the velocities that each contact must have after h seconds of constant force, from velocities at the start.
+    """Set the bias velocities of all contacts after h seconds of constant force, from velocities at the start.
 
-    Velocities at the end are judged with the arms of the middle, so the bend of the path is added to what is asked for, but for
-    the half of the arms' own part that the middle knows already.
+    Velocities at the end are taken with the lever arms of the midpoint, so the bias acceleration is added to the target, less the
+    half of `known_bend` that those arms include already.
     """
     for k in range(contacts.used[0]):
         v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
@@ -116,10 +119,10 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
 
 @kernel
 def aim_at_once(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
-    """Set the least velocities that each contact may have for all of h seconds: so that none is closed at their end.
+    """Set the bias velocities of all contacts over all of h seconds, on straight paths: so that no gap is closed at their end.
 
-    Their paths are straight, so half of the bend of each is added, less what the arms of the middle know of it. What bends apart
-    would dip on its way; it comes apart instead.
+    Half of the bias acceleration is added, less the part in the midpoint arms. A contact that would open at the end would dip
+    midway; it opens at once instead.
     """
     for k in range(contacts.used[0]):
         way = way_to_go(contacts, k, linear)
@@ -171,7 +174,7 @@ def hold(
     residual = 0.0
     for attempt in range(care.attempts):
         count = contacts.used[0]
-        # forces that act at the arms of the middle do the work of a path that bends, to second order
+        # forces at the lever arms of the midpoint do the work along the curved path to second order
         weigh_after(contacts, masses, 0.5 * h)
         if at_once:
             aim_at_once(contacts, h, linear, angular)
@@ -183,7 +186,7 @@ def hold(
                 push_along(contacts, masses, k, i, contacts.impulse[k, i], linear_end, angular_end)
         residual = unsolved(contacts, 0, count, linear_end, angular_end)
         for _ in range(GUESSES if attempt > 0 and count <= ALONE else 0):
-            # where a slip is just about to end, friction is where the solver is slowest, and known
+            # shortly before a slip ends the solver converges slowest in friction, which is known there
             if not (residual > 10.0 * care.tolerance):
                 break
             slip_on(contacts, masses, h, linear, angular, linear_end, angular_end)
@@ -201,7 +204,7 @@ def hold(
                     direction,
                 )
             if not (residual <= 10.0 * care.tolerance):
-                # the end of a slip cannot be found with forces that are not known
+                # the end of a slip cannot be found from forces that have not converged
                 break
         shorter = end_of_slip(contacts, masses, h, linear, angular, linear_end, angular_end)
         if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == care.attempts - 1:

@@ -1,4 +1,4 @@
-"""How contact points move on smooth surfaces: what rolls leaves its contact point where it is, whatever its surface does.
+"""Kinematics of rolling contact (Montana 1988): how contact points move on smooth surfaces, by their radii of curvature.
 
 A's surface has the outward normal -n where it touches, B's has n. A turn of a normal q against its body moves the point of the
 surface that has it by the radii of curvature there, H: r' = w x r + H (q' - w x q). A corner has H = 0 and stays with its body;
@@ -20,7 +20,7 @@ from avatarsim.impact.contacts import (
     velocity_at,
 )
 from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, perpendicular, put_row, row, scale, sub
 
@@ -63,7 +63,7 @@ def normal_of_points(n: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
 def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[Vec3, Vec3, Vec3]:
     """(n' [1/s], rates of the arms of A and B [m/s]) at contact k, of which a side at least is smooth.
 
-    Both arms lead to one point for good, so that forces in their middle keep angular momentum.
+    Both arms lead to one point throughout, so that forces at their midpoints keep angular momentum.
     """
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     n, w_a, w_b = axis(contacts, k, 0), row(angular, a), row(angular, b)

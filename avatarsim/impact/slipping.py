@@ -1,4 +1,4 @@
-"""Contact points that slip: whether, until when within a stretch of constant forces, and with which friction meanwhile."""
+"""Sliding contacts within a segment of constant forces: which of them slip, when the first slip ends, their kinetic friction."""
 
 from math import hypot
 
@@ -9,7 +9,7 @@ from avatarsim.impact.contact_solver import change
 from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ PARALLEL = 1e-9
 
 @kernel
 def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
-    """Whether contacts i and k are of the same shapes, or of one body and a face that nobody moves, be it of several pieces."""
+    """Whether contacts i and k are of the same shapes, or of one body and one immovable face, which may be of several pieces."""
     if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
         return True
     if contacts.driven[i] != contacts.driven[k]:
@@ -39,8 +39,8 @@ def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
 def remainder(contacts: Contacts, k: int, h: float, angular: Array, angular_end: Array) -> float:
     """Speed [m/s] at which contact k may slip after a segment of h seconds that was to hold it.
 
-    Constant forces know the arms of the middle and how the path bends at the start; what is left is h^2 / 2 (w x r'' + w' x r'),
-    at most h^2 / 2 w (w^2 + 2 w') r. As a slip to be ended it would shorten the segments of a corner that pivots without end.
+    Constant forces include the lever arms of the midpoint and the bias acceleration of the start; the error is h^2 / 2 (w x r'' +
+    w' x r'), at most h^2 / 2 w (w^2 + 2 w') r. Ended as a slip, it would shorten the segments of a pivoting corner without end.
     """
     if contacts.smooth[k] != SHARP:
         return 0.0
@@ -57,7 +57,7 @@ def remainder(contacts: Contacts, k: int, h: float, angular: Array, angular_end:
 def slip_that_ends(
     contacts: Contacts, k: int, h: float, linear: Array, angular: Array, angular_end: Array
 ) -> tuple[Vec3, float]:
-    """(slip of contact k at the start of a segment of h seconds, its speed [m/s]); zero where its end is not looked for."""
+    """(slip velocity of contact k at the start of a segment of h seconds, its norm [m/s]); zero where its end is not searched."""
     u = tangential_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
     slip = norm(u)
     if slip * h > SLIPPED and slip > remainder(contacts, k, h, angular, angular_end):
@@ -71,10 +71,10 @@ def end_of_slip(
 ) -> float:
     """Time <= h at which the first slip ends.
 
-    Summed over the points of a face that slip at the start, because how they share the friction is not unique: less
-    friction than sliding gives means that the slip ended at that part of h; a slip that reversed went through zero on the way.
-    Whether it ended, strengths tell: under a box that spins the frictions point all around and cancel, and yet nothing sticks.
-    When it ended, power tells: frictions of many points strain against each other to no effect, and have no power together.
+    Summed over the points of a face that slip at the start, since their shares of the friction are not unique. Less friction than
+    sliding gives means that the slip ended at that part of h; a slip that reversed went through zero meanwhile. Whether it ended
+    follows from the sizes of the friction impulses: under a spinning box they cancel as vectors although no point sticks. When it
+    ended follows from their power: impulses of points that only strain against each other have none together.
     """
     soonest = h
     count, start = contacts.used[0], 0
@@ -110,7 +110,7 @@ def end_of_slip(
 def slip_on(
     contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
 ) -> None:
-    """Give all who slip at the start of a segment of h seconds the friction of those who slip all the time."""
+    """Set kinetic friction at all contacts that slip at the start of a segment of h seconds, as if they slipped throughout."""
     for k in range(contacts.used[0]):
         u, slip = slip_that_ends(contacts, k, h, linear, angular, angular_end)
         if contacts.driven[k] == NOT_DRIVEN and contacts.impulse[k, 0] > 0.0 and slip > 0.0:

@@ -1,7 +1,7 @@
-"""What a pass of the contact solver reads of a contact, in one row of memory and scaled so that little is left to multiply.
+"""Packed rows of the contact solver: Jacobian, M^-1 J^T, bias velocity and effective mass of a contact in one row of memory.
 
-A row has its numbers in fours, which a pass takes at a time (`impact.four_at_once`); what the normal alone needs comes first,
-since many contacts have no friction. Velocities lie in fours as well while passes go on.
+Numbers are packed in fours, for vector instructions, and scaled by the effective mass; those of the normal come first, since many
+contacts have no friction. Velocities are packed in fours as well during a solve.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, axis
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, put_row, row, scale
 
 Array = NDArray[np.float64]
@@ -18,23 +18,24 @@ LANES = 4
 """Numbers taken at a time; the last one of each four is zero."""
 
 GIFT, PARTS = 0, 4
-"""From here on, in so many parts of four: what an impulse along the normal adds to v and w of A and takes from v and w of B."""
+"""M^-1 J^T of the normal, in so many parts of four: added to v and w of A and taken from v and w of B per impulse."""
 
 WISH, WISH_SIZE = 16, 9
-"""From here on: the normal and its levers on A and on B, over the ease of the normal. Their products with the velocities are the
-impulse that would stop the point along it."""
+"""Jacobian of the normal (the normal, its levers on A and on B) times the effective mass: its product with the velocities is the
+impulse that would stop the point along the normal."""
 
 TARGET, EASE, FRICTION, SLIDE = 25, 26, 28, 29
-"""Target over the ease; eases along and across the normal; friction; slide along the tangents over the ease."""
+"""Bias velocity times effective mass; inverse effective masses along and across the normal; coefficient of friction; slide along
+the tangents times effective mass."""
 
 ALL_WISHES = 32
-"""From here on: the nine numbers of the normal's wish and of both tangents', the first of each, then the second of each."""
+"""The same nine numbers for the normal and both tangents, interleaved: the first of each, then the second of each."""
 
 SIDE_GIFT = 68
-"""From here on, for each tangent: its gift, as that of the normal."""
+"""M^-1 J^T of each tangent, packed as that of the normal."""
 
 DRAG = 100
-"""Impulses along the tangents that one along the normal costs."""
+"""Impulses along the tangents that balance the slip due to a unit impulse along the normal."""
 
 
 @kernel
@@ -54,7 +55,7 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
     """Fill ``contacts.rows`` of first <= k < last from what `weigh` left, and from targets, slides and frictions; and
     ``contacts.motion`` of their bodies from linear, angular (nb, 3).
 
-    Of what has no friction and no impulse along its tangents no pass reads what belongs to them, nor is it written.
+    The tangential part of a contact without friction and without tangential impulse is neither written nor read.
     """
     rows, motion = contacts.rows, contacts.motion
     for k in range(first, last):
@@ -86,7 +87,7 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
 
 @kernel
 def take_motion(contacts: Contacts, first: int, last: int, linear: Array, angular: Array) -> None:
-    """Write what passes made of ``contacts.motion`` of the bodies of first <= k < last to linear, angular (nb, 3)."""
+    """Copy the velocities in ``contacts.motion`` of the bodies of first <= k < last back to linear, angular (nb, 3)."""
     for k in range(first, last):
         for side in range(2):
             body = contacts.body[k, side]

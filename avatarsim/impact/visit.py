@@ -1,6 +1,6 @@
-"""One pass of the contact solver: every contact in turn takes what it wants, and velocities follow at once.
+"""One projected Gauss-Seidel sweep over contacts (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 
-Nearly all time of bodies in motion goes by here, so a pass is one kernel, which calls nobody.
+Nearly all time of bodies in motion is spent here, so a sweep is one flat kernel.
 """
 
 from math import inf, sqrt
@@ -9,18 +9,72 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts
-from avatarsim.impact.four_at_once import give, give_along_normal, wishes
-from avatarsim.impact.solver_rows import DRAG, EASE, FRICTION, LANES, SLIDE, TARGET, WISH, three
-from avatarsim.kernel import kernel
-from avatarsim.seldom import seldom
-from avatarsim.spatial.vec3 import add, dot, put_row, row, scale, sub
+from avatarsim.impact.solver_rows import (
+    ALL_WISHES,
+    DRAG,
+    EASE,
+    FRICTION,
+    GIFT,
+    LANES,
+    PARTS,
+    SIDE_GIFT,
+    SLIDE,
+    TARGET,
+    WISH,
+    put_three,
+    three,
+)
+from avatarsim.jit.kernel import kernel
+from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
 
 
 @kernel
+def wishes(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec3:
+    """Impulses that would stop contact k of bodies a and b along each axis of its frame, by the velocities ``motion``."""
+    u = sub(three(motion, a, 0), three(motion, b, 0))
+    w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
+    return wish(rows, k, 0, u, w_a, w_b), wish(rows, k, 1, u, w_a, w_b), wish(rows, k, 2, u, w_a, w_b)
+
+
+@kernel
+def wish(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
+    """The impulse along axis i, by the velocity u of A's centre relative to B's and both angular velocities."""
+    at, step = ALL_WISHES + i, LANES
+    straight = rows[k, at] * u[0] + rows[k, at + step] * u[1] + rows[k, at + 2 * step] * u[2]
+    on_a = rows[k, at + 3 * step] * w_a[0] + rows[k, at + 4 * step] * w_a[1] + rows[k, at + 5 * step] * w_a[2]
+    on_b = rows[k, at + 6 * step] * w_b[0] + rows[k, at + 7 * step] * w_b[1] + rows[k, at + 8 * step] * w_b[2]
+    return float(straight + (on_a - on_b))
+
+
+@kernel
+def give(rows: Array, k: int, d: Vec3, motion: Array, a: int, b: int) -> None:
+    """Apply the impulse d, in the frame of contact k, to bodies a and b."""
+    for part in range(PARTS):
+        g, x, y = three(rows, k, GIFT + LANES * part), SIDE_GIFT + LANES * part, SIDE_GIFT + LANES * (PARTS + part)
+        given = add(scale(g, d[0]), add(scale(three(rows, k, x), d[1]), scale(three(rows, k, y), d[2])))
+        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+
+
+@kernel
+def give_along_normal(rows: Array, k: int, d: float, motion: Array, a: int, b: int) -> None:
+    """`give` of an impulse d along the normal."""
+    for part in range(PARTS):
+        given = scale(three(rows, k, GIFT + LANES * part), d)
+        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+
+
+@kernel
+def take(motion: Array, body: int, at: int, given: Vec3, is_a: bool) -> None:
+    """Add a change of velocity to that of A, or subtract it from that of B."""
+    now = three(motion, body, at)
+    put_three(motion, body, at, add(now, given) if is_a else sub(now, given))
+
+
+@kernel
 def wish_along_normal(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
-    """Impulse that would stop contact k of bodies a and b along its normal: the first of `wishes`."""
+    """Impulse that would stop contact k of bodies a and b along its normal: the first that `wishes` returns."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
     return dot(three(rows, k, WISH), u) + (dot(three(rows, k, WISH + 3), w_a) - dot(three(rows, k, WISH + 6), w_b))
@@ -36,16 +90,16 @@ def wish_beside_driven(rows: Array, k: int, motion: Array, a: int, b: int, drive
 
 @kernel
 def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool, before: Array) -> tuple[float, float]:
-    """Contacts first <= k < last take what they want, normal first, friction if ``grip``; from the last to the first if ``back``.
+    """Sweep over contacts first <= k < last: normal impulse, then friction if ``grip``; from the last to the first if ``back``.
 
-    The slip after the push along the normal is the slip before it and what the push drags along, so nobody waits for the
-    velocities in between: `contact_solver.wanted_normal` and `wanted_friction` in one.
+    The slip after the normal impulse is computed from the slip before it (``drag``), without updating velocities in between:
+    `contact_solver.wanted_normal` and `wanted_friction` in one.
 
     Args:
         contacts: after `lay_out`; ``motion`` changes. before: (cap, 3) gets the impulses held on entry, unless ``back``.
 
     Returns:
-        (largest change [m/s], sum of squares of impulse - before, times the ease along the normal).
+        (largest change [m/s], sum of squares of impulse - before, times the inverse effective mass along the normal).
     """
     impulse, rows, motion, body, driven = contacts.impulse, contacts.rows, contacts.motion, contacts.body, contacts.driven
     standing, worst, square = contacts.standing[0], 0.0, 0.0
@@ -71,7 +125,7 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
             x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, DRAG] * dn
             y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, DRAG + 1] * dn
             limit, length = rough * normal, x * x + y * y
-            if seldom(length > limit * limit):
+            if length > limit * limit:
                 share = limit / sqrt(length)
                 x, y = x * share, y * share
             dx, dy = x - held[1], y - held[2]
@@ -92,7 +146,7 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
 
 @kernel
 def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: Array, direction: Array) -> None:
-    """All go on by ``beta`` times the way of last time; ``direction`` becomes that and the way since ``before``."""
+    """Conjugate-gradient step: impulses change by ``beta`` ``direction``, which becomes that plus the change since ``before``."""
     impulse, rows, motion, body = contacts.impulse, contacts.rows, contacts.motion, contacts.body
     for turn in range(last - first):
         k = max(0, first + turn)

@@ -17,10 +17,6 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from numba.core import sigutils
-from numba.core.caching import _Cache
-from numba.core.serialize import dumps
-
 from avatarsim.cache_entry import Damaged, read_entry, write_entry
 from avatarsim.cache_folder import Distrusted, make_private, say_distrust
 from avatarsim.jit import places
@@ -36,16 +32,25 @@ LATCH = ".compiling"
 """How the name of a lock file ends, which is there while a process compiles a kernel."""
 
 
-class KernelFiles(_Cache):  # type: ignore[misc]  # numba has no annotations here
-    """The entries of one kernel. `folder` is that of its source file within a place; `kind` tells compilations of it apart."""
+class KernelFiles:
+    """The entries of one kernel, as numba's dispatcher asks for them. `folder` is that of its source file within a place; `kind`
+    tells compilations of it apart."""
 
     def __init__(self, function: Callable[..., object], kind: str, folder: Path) -> None:
         self.folder, self.kind, self.module = folder, kind, function.__module__
         self.name = function.__qualname__.replace("<", "").replace(">", "")
         code = function.__code__
-        closure = dumps(tuple(cell.cell_contents for cell in function.__closure__)) if function.__closure__ else b""
+        closure = self.pickled(tuple(cell.cell_contents for cell in function.__closure__)) if function.__closure__ else b""
         self._code = code.co_firstlineno, hashlib.sha256(code.co_code).hexdigest(), hashlib.sha256(closure).hexdigest()
         self._held = ExitStack()
+
+    def pickled(self, tree: object) -> bytes:
+        """Bytes of what is kept; to be given by a subclass."""
+        raise NotImplementedError
+
+    def arguments(self, signature: Any) -> tuple[Any, ...]:
+        """Types of the arguments in a signature; to be given by a subclass."""
+        raise NotImplementedError
 
     def reduce(self, compiled: Any) -> Any:
         """What is kept of a compiled kernel; to be given by a subclass."""
@@ -79,7 +84,7 @@ class KernelFiles(_Cache):  # type: ignore[misc]  # numba has no annotations her
         Before that it waits for any other process that is compiling the same kernel, and looks again.
         """
         target_context.refresh()
-        arguments = tuple(sigutils.normalize_signature(sig)[0])
+        arguments = self.arguments(sig)
         found = self._found(arguments, target_context, places.current().read)
         base = None if found is not None else places.current().write
         if base is not None:
@@ -94,8 +99,8 @@ class KernelFiles(_Cache):  # type: ignore[misc]  # numba has no annotations her
         base = places.current().write
         if base is None or compiled.library.has_dynamic_globals:
             return
-        arguments = tuple(sigutils.normalize_signature(sig)[0])
-        data = dumps((arguments, self.reduce(compiled)))
+        arguments = self.arguments(sig)
+        data = self.pickled((arguments, self.reduce(compiled)))
         try:
             make_private(base / self.folder)
             write_entry(base / self.folder / self._file(arguments, compiled_for()), data)

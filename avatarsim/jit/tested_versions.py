@@ -16,7 +16,6 @@ TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
 
 PRIVATE = {
     "numba.core": ("cgutils", "compiler", "sigutils", "typed_passes", "types", "untyped_passes"),
-    "numba.core.caching": ("_Cache",),
     "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
     "numba.core.compiler": ("CompileResult", "compile_result"),
     "numba.core.compiler_lock": ("global_compiler_lock",),
@@ -25,7 +24,7 @@ PRIVATE = {
     "numba.core.datamodel.models": ("RecordModel",),
     "numba.core.datamodel.registry": ("register_default",),
     "numba.core.errors": ("new_error_context",),
-    "numba.core.extending": ("_Intrinsic", "intrinsic"),
+    "numba.core.extending": ("intrinsic",),
     "numba.core.imputils": ("lower_getattr_generic",),
     "numba.core.registry": ("CPUDispatcher",),
     "numba.core.serialize": ("dumps",),
@@ -33,7 +32,7 @@ PRIVATE = {
     "numba.core.types.misc": ("unliteral",),
     "numba.core.typing.templates": ("AttributeTemplate", "infer_getattr", "signature"),
 }
-"""Private parts of numba without which no kernel can be made; what only `quick_compiler` and `lean_code` change is not here."""
+"""Private parts of numba that the package uses."""
 
 
 def installed() -> dict[str, str]:

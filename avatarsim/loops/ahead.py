@@ -1,8 +1,8 @@
-"""Who would meet before a plastic step ends counts in it as touching already: free to come as near as that, and no nearer.
+"""Speculative contacts (Catto, Continuous Collision, GDC 2013) of balls in the inelastic fallback step.
 
-Without that the step sends bodies into one another and then stops them where they meet, and with them all who touch them.
-That is done for balls. Boxes, whose corners meet elsewhere than foreseen, stop more often with it than without: a struck stack
-would hang in the air.
+A pair that would meet before the step ends is given to the contact solver with its gap: it may close the gap, and no more.
+Without such contacts the step drives bodies into each other and stops them, and all bodies that touch them, where they meet.
+For balls only: the corners of boxes meet at other points than predicted, and a struck stack would stop in the air more often.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.touching import BROKEN, FOUND, NO_ROOM, find_points
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.time_of_impact import STAND_OFF
@@ -28,7 +28,7 @@ def look_ahead(
     """Append to ``memory.contacts`` the points of near pairs (count, 2) of a ball that do not touch, but will within h seconds.
 
     Forces of the step are not known yet: one of two may fall while the other is held. Such points have no friction, since they do
-    not touch yet. Who finds no room is not foreseen, and stops where it meets somebody.
+    not touch yet. A pair for which there is no room is left out, and its bodies stop where they meet.
 
     Returns an outcome as `find_contacts` does.
     """
@@ -78,7 +78,7 @@ def spin(velocities: Velocities, memory: Memory, b: int) -> float:
 
 @kernel
 def meets(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int, h: float) -> bool:
-    """Whether any contact from ``first`` on may be closed within h seconds, be it that one of its bodies falls alone."""
+    """Whether the gap of any contact from ``first`` on may close within h seconds, also if only one of its bodies falls."""
     contacts = memory.contacts
     for k in range(first, contacts.used[0]):
         n, v, g = axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular), dynamics.gravity
@@ -89,7 +89,7 @@ def meets(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int
 
 @kernel
 def of_balls(memory: Memory) -> bool:
-    """Whether whoever touches is a ball or touches one, and nobody touches a driven body."""
+    """Whether every contact is one of a ball, and none is one of a driven body."""
     contacts = memory.contacts
     for k in range(contacts.used[0]):
         if memory.ball[contacts.body[k, 0]] + memory.ball[contacts.body[k, 1]] == 0 or contacts.driven[k] != NOT_DRIVEN:

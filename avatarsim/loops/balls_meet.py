@@ -1,11 +1,11 @@
-"""When two balls first meet: `motion.time_of_impact` for bodies whose turning moves no surface, without their poses.
+"""Time of impact of two balls: conservative advancement (Mirtich 1996) on centres alone, since their rotation moves no surface.
 
-And whether two bodies cannot meet at all, because the balls around them do not.
+Also an early out for any two bodies: they cannot meet if their bounding balls do not.
 """
 
 from math import inf
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.path import STILL
 from avatarsim.motion.safe_step import earliest_touch
@@ -34,7 +34,7 @@ from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
     """Position, velocity and acceleration of the centre of body b, t seconds along its path."""
     if memory.paths.kind[b] == STILL:
-        # whoever stands or has stopped is where it was last looked at
+        # a body that stands or was stopped is at the pose of the last trial
         return row(memory.trial.position, b), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     x, v, a = row(memory.began.position, b), row(memory.islands.linear, b), row(memory.paths.linear, b)
     return along(along(x, t, v), 0.5 * t * t, a), along(v, t, a), a
@@ -42,8 +42,8 @@ def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
 
 @kernel
 def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, float]:
-    """Gap [m] between the balls around bodies a and b at t, and its rate and gain along where they are then; nan or inf if any
-    number is."""
+    """Gap [m] of the bounding balls of bodies a and b at t, its rate [m/s] and acceleration [m/s^2] along the line of centres;
+    nan or inf if any number is."""
     (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, t), motion_of(memory, b, t)
     d = sub(x_a, x_b)
     apart = norm(d)
@@ -55,8 +55,8 @@ def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, fl
 def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[int, float]:
     """First event of two balls on their paths from ``begin`` to h seconds: (outcome, time) as `time_of_impact` has them.
 
-    The plane between them stands still, so that the gap is at least what it is along the line of the centres: each round goes to
-    where that ends, and two or three find the impact.
+    The separating plane is fixed over a round, so the gap along its normal bounds the true one from below: each round advances to
+    the zero of that bound, and two or three find the impact.
     """
     t, target, event = begin, max(STAND_OFF, FAR_OUT * farthest(memory.began, a, b)), IMPACT
     spin = norm(row(memory.islands.angular, a)) + norm(row(memory.islands.angular, b))
@@ -82,16 +82,16 @@ def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[
 
 @kernel
 def farthest_along(v: float, a: float, h: float) -> float:
-    """How far [m], at least zero, somebody gets within h seconds who begins at v [m/s] and gains a [m/s^2]."""
+    """Farthest distance [m], at least zero, within h seconds at the initial velocity v [m/s] and acceleration a [m/s^2]."""
     most = max(0.0, v * h + 0.5 * a * h * h)
     return max(most, -0.5 * v * v / a) if a < 0.0 < v < -a * h else most
 
 
 @kernel
 def never_meet(memory: Memory, a: int, b: int, h: float) -> bool:
-    """Whether bodies a and b stay apart for h seconds, wherever on their paths either of them stops.
+    """Whether bodies a and b stay apart for h seconds, wherever on their paths either of them is stopped.
 
-    A plane across where their balls are nearest now stays between them, if both go as far towards each other as they ever do.
+    The plane between their bounding balls separates them throughout if it does at the farthest that each of them goes towards it.
     """
     (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, 0.0), motion_of(memory, b, 0.0)
     d = sub(x_a, x_b)

@@ -1,8 +1,8 @@
-"""Pairs that touch, do not approach where they touch, and yet cannot move: corners beyond the contact area block them.
+"""Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach.
 
-Over a plane that turns with one of the bodies no path is proved free when two edges cross at a small angle and slip: a corner
-that overhangs goes through the plane, past the other's face. For a while such corners count as contacts with that plane; the
-bodies then move as if the face were a little larger, instead of not at all.
+Two edges that cross at a small angle and slip: a corner beyond the contact area passes through the separating plane, which turns
+with one of the bodies, beside the other's face, so no motion is proved free. For some frames such corners count as contacts with
+that plane; the bodies then move as if the face were a little larger, instead of not at all.
 """
 
 from math import inf
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.support import reach as reach_along
 from avatarsim.impact.contacts import NOT_DRIVEN, Contacts, add_contact
 from avatarsim.impact.relative_velocity import point_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.time_of_impact import TOUCH
 from avatarsim.spatial.vec3 import Vec3, along, dot, neg, row, sub
 from avatarsim.world.dynamics import Velocities
@@ -31,7 +31,7 @@ MOST = 8
 
 @kernel
 def block(blocked: Index, a: int, b: int, frame: int) -> bool:
-    """Remember the pair as blocked; False if it was already, or if there is no room. ``blocked`` (room, 3): a, b, last frame."""
+    """Record the pair as blocked; False if it was already, or if there is no room. ``blocked`` (room, 3): a, b, last frame."""
     free = -1
     for k in range(blocked.shape[0]):
         if blocked[k, 2] >= frame:
@@ -47,7 +47,7 @@ def block(blocked: Index, a: int, b: int, frame: int) -> bool:
 
 @kernel
 def is_blocked(blocked: Index, a: int, b: int, frame: int) -> bool:
-    """Whether the pair is remembered."""
+    """Whether the pair is recorded as blocked in this frame."""
     for k in range(blocked.shape[0]):
         if blocked[k, 2] >= frame and blocked[k, 0] == a and blocked[k, 1] == b:
             return True
@@ -78,7 +78,7 @@ def corner_velocity(poses: Poses, velocities: Velocities, a: int, b: int, p: Vec
 def add_corners(
     geometry: Geometry, poses: Poses, velocities: Velocities, contacts: Contacts, sa: int, sb: int, n: Vec3
 ) -> bool:
-    """Add the corners of that one of two touching shapes that comes less near to the other's plane; False without room.
+    """Add as contacts the corners of that one of two touching shapes that approaches the other's plane less; False without room.
 
     ``n`` is the normal out of B into A; coefficients and keys of the points are left to the caller.
     """

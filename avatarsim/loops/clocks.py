@@ -1,4 +1,4 @@
-"""Bodies at different times of one frame: along a path to its end, back to an earlier time, and as others see them meanwhile."""
+"""Local times of bodies within a frame: advance along a path, roll back to an earlier time (timewarp: Mirtich 2000), sample."""
 
 from math import inf
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.events import Events, record
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.path import STILL, move_along
 from avatarsim.spatial.tangent import columns, put_columns
@@ -20,7 +20,7 @@ Index = NDArray[np.int64]
 
 @kernel
 def depart(poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float) -> None:
-    """Keep the state of the members as that in which their paths begin."""
+    """Save the state of the members as the start of their paths, to which `go_back` can return."""
     islands = memory.islands
     for m in range(members.shape[0]):
         b = members[m]
@@ -53,9 +53,9 @@ def arrive(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Mem
 
 @kernel
 def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float) -> None:
-    """Take body b back to ``now``, which lies on its last path. What it received since then is taken to be even in time.
+    """Roll body b back to ``now``, which lies on its last path; impulses of that path count as spread evenly over its time.
 
-    So is what changed its velocity at once: in between it then has no more energy than in the mean of both ends.
+    So does a change of velocity that the fallback step made at once: the energy in between is then at most the mean of both ends.
     """
     islands = memory.islands
     lasted, t = islands.due[b] - islands.begun[b], max(0.0, now - islands.begun[b])
@@ -73,7 +73,7 @@ def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Me
 
 @kernel
 def take_share(before: Array, b: int, share: float, after: Array) -> None:
-    """after[b] becomes before[b] and ``share`` of what came since."""
+    """after[b] becomes before[b] and ``share`` of the change since."""
     put_row(after, b, along(row(before, b), share, sub(row(after, b), row(before, b))))
 
 
@@ -82,7 +82,7 @@ def witness(
     geometry: Geometry, events: Events, kind: int, time: float, now: float, a: int, b: int, poses: Poses, velocities: Velocities,
     memory: Memory,
 ) -> None:
-    """Record an event of bodies a and b at ``now``, with all others where they are at that time."""
+    """Record an event of bodies a and b at ``now``, with all other bodies sampled on their paths at that time."""
     k, islands, paths = events.kept[0], memory.islands, memory.paths
     record(events, kind, time, a, b, poses.position, poses.rotation, velocities.linear, velocities.angular)
     if k >= events.time.shape[0]:

@@ -1,11 +1,11 @@
-"""When the paths of an island first lead to an event."""
+"""Earliest event of an island: the least time of impact over its near pairs, the likeliest pair searched first."""
 
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.balls_meet import ahead_of, balls_meet
 from avatarsim.loops.seams import depth_to_pass
 from avatarsim.loops.upper_memory import SEARCHES, WORK, Memory
@@ -23,7 +23,7 @@ rounds or none; of boxes that slide past each other's edges a hundred, and 300 s
 
 @kernel
 def out_of_reach(memory: Memory, a: int, b: int, begin: float, h: float) -> bool:
-    """Whether a plane stays between the balls around two bodies from ``begin`` to h seconds, across where they are."""
+    """Whether a fixed plane separates the bounding balls of two bodies from ``begin`` to h seconds."""
     gap, rate, gain = ahead_of(memory, a, b, begin)
     if not (TOUCH < gap < inf and abs(rate) + abs(gain) < inf):
         return False
@@ -70,8 +70,8 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
 def first_event(geometry: Geometry, memory: Memory, pairs: Index, h: float, likely: int) -> tuple[float, int]:
     """(time, pair) of the first event of any of these pairs (count, 2), at most h [s], with pair -1 if there is none before h.
 
-    The time is -1 if a pose is not finite. Pair ``likely``, if there is one of that number, is asked first: the sooner an early
-    event is known, the less of their paths the others are searched.
+    The time is -1 if a pose is not finite. Pair ``likely``, if there is one of that number, is searched first: an early event
+    shortens the search of all other pairs.
     """
     first, count = -1, pairs.shape[0]
     ahead = likely if 0 <= likely < count else 0

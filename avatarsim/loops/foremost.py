@@ -1,7 +1,7 @@
-"""Which corners of a shape are farthest in a direction, as far as that tells a corner from an edge and from a face."""
+"""Support feature of a shape along a direction: vertex, edge or face."""
 
 from avatarsim.collide.support import reach
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, dot, row
 from avatarsim.world.shapes import Shapes
 

@@ -1,43 +1,48 @@
-"""Method `default` as the frame sees it: the posture solver with the virtual coupling of its links (eq. 6)."""
+"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics with the virtual coupling (eq. 6)."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from avatarsim.coupling.opened import opened_springs
-from avatarsim.coupling.virtual_coupling import give, make_springs, no_springs, pull, strike
+from avatarsim.coupling.virtual_coupling import Springs, give, make_springs, no_springs, pull, strike
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.notice import notice_bodies
 from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.sound import state_is_sound
-from avatarsim.ik.state import ADOPTED, BAD_QUERIES, COUNT_NAMES, DROPPED, FOLLOWING, OUT_OF_WORK, PLANNING, WAITING, Mode
-from avatarsim.kernel import kernel
-from avatarsim.loops.opened_ik import opened_avatars, opened_ghost, opened_plan, opened_settings, opened_state, opened_working
+from avatarsim.ik.state import (
+    ADOPTED,
+    BAD_QUERIES,
+    COUNT_NAMES,
+    DROPPED,
+    FOLLOWING,
+    OUT_OF_WORK,
+    PLANNING,
+    WAITING,
+    Avatars,
+    IkScratch,
+    IkState,
+    Mode,
+)
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Array, Index
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.make import make_planner
-from avatarsim.planner.state import NODES, NONE, Phase, plan_is_sound
+from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan, plan_is_sound
 from avatarsim.planner.supervisor import drop_paths, supervise
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.spatial.random import MODULUS
 from avatarsim.tally import Tally
-from avatarsim.world.arena import Array, Index, opening, packed, yes
-from avatarsim.world.opened import (
-    opened_dynamics,
-    opened_geometry,
-    opened_poses,
-    opened_posture,
-    opened_skeleton,
-    opened_velocities,
-)
+from avatarsim.world.parts import TargetParts, WorldParts
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
 SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
-"""Places of the counts that a frame record says as statuses."""
+"""Indices of the counts that a frame record shows as statuses."""
 
 MOST = 2**60
 """Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
@@ -48,36 +53,42 @@ STEPS_KEPT = 64
 NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
 
+class IkParts(NamedTuple):
+    """What lies in the arena of the lower loop; `coupled`: whether the coupling acts."""
+
+    coupled: bool
+    springs: Springs
+    settings: PostureSettings
+    avatars: Avatars
+    state: IkState
+    working: IkScratch
+    plan: Plan
+    ghost: Ghost
+
+
 @kernel
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
-    Not answering: the coupling acts for dt [s], then `solve`. Answering to the upper loop: impulses `received` (nb, 3) [N s] go
-    into the coupling; what stood in the way may have moved on: then `solve` goes on within the budget of the frame. `moving`
-    (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each that calls `solve` compiles
-    all of it.
+    Unless `answers`: the coupling acts for dt [s], then `solve`. With `answers`, after the upper loop: impulses `received` (nb,
+    3) [N s] go into the coupling, and `solve` continues within the frame's motion budget, since bodies that blocked links may
+    have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each kernel
+    that calls `solve` compiles all of it.
     """
-    o = opening(world)
-    geometry, dynamics = opened_geometry(o), opened_dynamics(o)
-    poses, velocities = opened_poses(o), opened_velocities(o)
-    skeleton, posture = opened_skeleton(o), opened_posture(o)
-    tracker = opened_posture(opening(target))
-    o = opening(kept)
-    coupled, springs, settings = yes(o), opened_springs(o), opened_settings(o)
-    avatars, state, working = opened_avatars(o), opened_state(o), opened_working(o)
-    plan, ghost = opened_plan(o), opened_ghost(o)
+    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
+    springs, settings, avatars = own.springs, own.settings, own.avatars
+    state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
     if answers:
-        if coupled:
-            give(skeleton, received, dynamics.inverse_mass, springs.pressed, springs.rate)
+        if own.coupled:
+            give(skeleton, received, w.dynamics.inverse_mass, springs.pressed, springs.rate)
         if not moving.any() or state.contacts.used[0] == 0:
             return
         dt = 0.0
-    elif coupled:
-        pull(
-            geometry, skeleton, dynamics, poses, state.contacts, dt, tracker, velocities, springs
-        )
+    elif own.coupled:
+        pull(geometry, skeleton, w.dynamics, poses, state.contacts, dt, tracker, w.velocities, springs)
     elif springs.mass.shape[0] > 0:
-        strike(skeleton, tracker, dt, velocities, springs)
+        strike(skeleton, tracker, dt, w.velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
@@ -111,15 +122,15 @@ class IkLoop:
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
-        self._kept, (_, self.springs, _, self.avatars, self.state, self.working, self.plan, self.ghost) = packed(
-            (coupled, springs, settings, *solver, *planner)
-        )
+        self._kept, own = packed(IkParts(coupled, springs, settings, *solver, *planner))
+        self.springs, self.avatars, self.state, self.working = own.springs, own.avatars, own.state, own.working
+        self.plan, self.ghost = own.plan, own.ghost
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
         self._told = 0
         track(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._known)
-        # all bodies have been looked at once
+        # the first frame has checked all bodies
         self._known = self._moving
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
@@ -137,7 +148,7 @@ class IkLoop:
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:
-        """The same of the planner; asked first, since other fields are called `count` too."""
+        """The same of the planner; matched first, since other fields are called `count` too."""
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
@@ -160,7 +171,7 @@ class IkLoop:
         firsts = link, link, geo.shapes.start[piece], piece, link
         for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
             trial[first:] = shown[first:]
-        # what has not moved since is not looked at again
+        # bodies that have not moved since keep their cached axes
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
 
@@ -173,7 +184,7 @@ class IkLoop:
         track(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """The states after the steps of this frame that were taken since this was last asked, at `time` [s], if the frame is
+        """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
         told, self._told = self._told, self.working.counts.item(ADOPTED)
         return trail_snapshots(self.world, self.working.trail[told : self._told], time)

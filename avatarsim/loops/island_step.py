@@ -1,4 +1,7 @@
-"""One island from where it stands to its next event: the inner turn of the upper loop."""
+"""Step of one island to its next event: contacts, impacts, contact forces, time of impact.
+
+Once the work budget of the frame is spent, or an island has had too many segments, it takes the inelastic fallback step instead.
+"""
 
 from math import inf
 
@@ -8,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts
 from avatarsim.impact.events import Events
 from avatarsim.impact.masses import to_world
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.ahead import look_ahead, of_balls
 from avatarsim.loops.auditing import audit, energy_of, stay
 from avatarsim.loops.clocks import arrive, depart
@@ -43,23 +46,23 @@ SEGMENTS_CAP = 100
 """Segments of one island in a frame. A bouncing ball needs 2, a landing box 5 to 20; each costs a contact solve."""
 
 STALL_COSTS = 5
-"""A segment that stalls costs as many as so many of the budget."""
+"""Segments of the budget that a segment costs whose event comes at once (stalled advancement)."""
 
 UNDONE_COSTS = 50
-"""The same of a plastic step undone because its island changed: after four of them, islands follow from old velocities."""
+"""The same of a fallback step undone because its island changed; after four of them, islands follow from the old velocities."""
 
 WORK_CAP = 24000
-"""Work of a frame, see `upper_memory.WORK`, from which on islands end it with a plastic step; about two milliseconds."""
+"""Work of a frame, see `upper_memory.WORK`, after which islands end it with the fallback step; about two milliseconds."""
 
 PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
-"""Most plastic steps of a frame, and the work that they may take together; visits per contact point, and work per near pair."""
+"""Most fallback steps of a frame, and their work together; solver visits per contact point, and work per near pair."""
 
 CROWD = 100
-"""Contact points of which the first sweeps of one solve are as much work as a frame has."""
+"""Contact points for which the first sweeps of one solve take the work of a whole frame."""
 
 DEEPEST = -7e-7
-"""Gap [m] below which positions are corrected. Must be well below the dip of resting pairs (see `time_of_impact`): to lift a body
-that hardly moves makes energy of nothing. Must be above -1e-6, which is the most that may be shown."""
+"""Gap [m] below which positions are projected apart. Must be well below the dip of resting pairs (see `time_of_impact`): lifting
+a body that hardly moves adds energy. Must be above -1e-6, the deepest that may be shown."""
 
 
 @kernel
@@ -98,7 +101,7 @@ def step(
     now = islands.due[lead]
     left = dt - now
     memory.counts[SEGMENTS] += 1
-    # what an island that was given up had spent is no reason to hurry this one
+    # solver visits of an island that was given up count as work of the frame, not of this island
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0
     spend(memory, members, 1)
@@ -118,7 +121,7 @@ def step(
     if outcome == BROKEN:
         return NOT_FINITE
     status = OUT_OF_ROOM if outcome == NO_ROOM else status
-    # who touches nobody flies on at no cost
+    # a body without contacts flies on at no cost
     hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
     ends = hasty or is_late(memory, velocities, members)
     at_once = ends and of_balls(memory)
@@ -132,7 +135,7 @@ def step(
         longest = min(longest, dt / pieces_of(contacts, pairs))
     touching = contacts.used[0]
     if at_once:
-        # without room they are stopped later, as all were before
+        # pairs without room are stopped where they meet
         if look_ahead(geometry, dynamics, poses, velocities, pairs, memory, longest) == BROKEN:
             return NOT_FINITE
     h = segment(dynamics, velocities, memory, members, longest, ends, at_once)
@@ -140,7 +143,7 @@ def step(
         change_at_once(velocities, memory, members)
     until = h
     if not all_keep(poses, velocities, memory, members, h):
-        # new velocities follow from who is in the island, and islands from new velocities: that may change to and fro, for ever
+        # velocities follow from the members of the island, and members from velocities: without a cap that may alternate for ever
         old = at_once and islands.spent[lead] >= 2 * SEGMENTS_CAP
         if old:
             change_at_once(velocities, memory, members)
@@ -149,7 +152,7 @@ def step(
             return found
         status = found if found != DONE else status
         i = islands.label[lead]
-        # whoever joins or leaves makes it another island; who touched was near before, so contacts stay otherwise
+        # with the same members the contacts stay valid, since touching pairs were near before; else the island starts anew
         if islands.first[i + 1] - islands.first[i] != size or not still_those(memory, i):
             if at_once and not old:
                 change_back(velocities, memory)
@@ -202,10 +205,10 @@ def step(
 
 @kernel
 def is_late(memory: Memory, velocities: Velocities, members: Index) -> bool:
-    """Whether these are a crowd in motion that ran out of budget in the last frame, and will again.
+    """Whether this island, of many contacts and in motion, ran out of budget in the last frame, and so will again.
 
-    Its impacts are resolved as ever, and then it goes to the end of the frame at once. A segment before that would be as much
-    work, and get no farther than to the first event of them all, which is near.
+    Its impacts are resolved as ever, then it takes the fallback step at once. A segment before it would cost as much work, and
+    only reach the earliest event, which is near.
     """
     if memory.contacts.used[0] > CROWD and is_brisk(memory, velocities, members):
         for m in range(members.shape[0]):
@@ -216,7 +219,7 @@ def is_late(memory: Memory, velocities: Velocities, members: Index) -> bool:
 
 @kernel
 def note_lateness(memory: Memory, members: Index, touching: int) -> None:
-    """After a plastic step: the members are late if it stopped anybody, or kept anybody from meeting who did not touch."""
+    """After a fallback step: the members are late if it stopped a body, or if a speculative contact carried an impulse."""
     late = 0
     for k in range(touching, memory.contacts.used[0]):
         if memory.contacts.impulse[k, 0] > 0.0:
@@ -230,14 +233,14 @@ def note_lateness(memory: Memory, members: Index, touching: int) -> None:
 
 @kernel
 def pieces_of(contacts: Contacts, pairs: Index) -> int:
-    """In how many plastic steps an island goes to the end of a frame: small ones take several, to lose less time."""
+    """Number of fallback steps to the end of the frame: small islands take several, so that stopped bodies lose less of it."""
     work = SWEEPS_OF_STEP * contacts.used[0] + WORK_OF_PAIR * pairs.shape[0]
     return int(max(1, min(PIECES, PLASTIC_WORK // max(1, work))))
 
 
 @kernel
 def spend(memory: Memory, members: Index, segments: int) -> None:
-    """Charge the island with so many segments."""
+    """Charge so many segments to the budget of the island."""
     most = 0
     for m in range(members.shape[0]):
         most = max(most, memory.islands.spent[members[m]])
@@ -248,7 +251,7 @@ def spend(memory: Memory, members: Index, segments: int) -> None:
 
 @kernel
 def still_those(memory: Memory, i: int) -> bool:
-    """Whether island i consists of bodies whose contacts are those at hand: the ones charged last."""
+    """Whether island i consists only of bodies charged last: those whose contacts are in ``memory.contacts``."""
     islands = memory.islands
     for m in range(islands.first[i], islands.first[i + 1]):
         if islands.charged[islands.order[m]] != memory.counts[SEGMENTS]:
@@ -258,11 +261,11 @@ def still_those(memory: Memory, i: int) -> bool:
 
 @kernel
 def change_back(velocities: Velocities, memory: Memory) -> None:
-    """Undo `change_at_once` once islands are formed anew: ``members`` names others then, so who was charged pays."""
+    """Undo `change_at_once` for the bodies charged last: islands were formed anew, and ``members`` is of another one."""
     for b in range(memory.moving.shape[0]):
         if memory.islands.charged[b] == memory.counts[SEGMENTS]:
             memory.islands.spent[b] += UNDONE_COSTS
-            change_at_once(velocities, memory, memory.everybody[b : b + 1])
+            change_at_once(velocities, memory, memory.all_bodies[b : b + 1])
 
 
 @kernel

@@ -1,7 +1,8 @@
-"""Islands: bodies that may meet one another before the frame ends, and nobody else. Each keeps its own clock.
+"""Simulation islands, connected components (union-find) of bodies that may meet before the frame ends, each with its own clock.
 
-The island whose clock is farthest behind goes next, so what happens inside a frame happens in order of time. A segment is carried
-out at once, and the state at its start is kept: if somebody comes near meanwhile, the island goes back on its path to that time.
+The island whose clock is farthest behind steps next, so events inside a frame are handled in order of time. A segment is carried
+out at once and the state at its start is kept: if a body of another island comes near before its end, the island is rolled back
+along its path to that time (timewarp: Mirtich 2000).
 """
 
 from math import inf
@@ -10,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -21,36 +23,36 @@ class Islands(NamedTuple):
 
     found (1) how many; order (nb) members of island i at first[i] <= m < first[i + 1]; pairs (room, 2) near pairs, those of
     island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
-    charged (nb) number of the last segment of a body in this frame; spent (nb) what of its budget of segments its island has
-    spent; late (nb) 1 for who was in an island of which a plastic step stopped somebody in its last frame;
+    charged (nb) number of the last segment of a body in this frame; spent (nb) segments that its island has spent of its budget;
+    late (nb) 1 for members of an island in which the fallback step stopped a body in the last frame;
     earliest (nb) of the island that a body leads, the number of the near pair that had the first event last;
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
     stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
-    linear_before, angular_before (nb, 3): the same velocities, but as they were before a plastic step changed them at once.
+    linear_before, angular_before (nb, 3): the same velocities, but as they were before a fallback step changed them at once.
     """
 
-    found: Index
-    order: Index
-    first: Index
-    pairs: Index
-    pair_first: Index
-    label: Index
-    mark: Index
-    charged: Index
-    spent: Index
-    late: Index
-    earliest: Index
-    begun: Array
-    due: Array
-    stops: Array
-    linear: Array
-    angular: Array
-    received: Array
-    owed_linear: Array
-    owed_angular: Array
-    linear_before: Array
-    angular_before: Array
+    found: IndexLine
+    order: IndexLine
+    first: IndexLine
+    pairs: IndexGrid
+    pair_first: IndexLine
+    label: IndexLine
+    mark: IndexLine
+    charged: IndexLine
+    spent: IndexLine
+    late: IndexLine
+    earliest: IndexLine
+    begun: Line
+    due: Line
+    stops: Line
+    linear: Vectors
+    angular: Vectors
+    received: Vectors
+    owed_linear: Vectors
+    owed_angular: Vectors
+    linear_before: Vectors
+    angular_before: Vectors
 
 
 def make_islands(bodies: int, room: int) -> Islands:
@@ -67,7 +69,7 @@ def make_islands(bodies: int, room: int) -> Islands:
 
 @kernel
 def root_of(parent: Index, b: int) -> int:
-    """The body that stands for the group of b, by `parent` links, which get shorter on the way."""
+    """Representative of the group of b (union-find with path halving)."""
     while parent[b] != b:
         parent[b] = parent[parent[b]]
         b = parent[b]
@@ -79,7 +81,7 @@ def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index)
     """Form the islands anew from ``count`` near pairs (count, 2).
 
     Args:
-        moving: (nb) 1 for bodies that move. joins: (nb) 1 for bodies that hold others together: moving or driven.
+        moving: (nb) 1 for bodies that move. joins: (nb) 1 for bodies that connect others: moving or driven.
     """
     parent, label, first, order = islands.mark, islands.label, islands.first, islands.order
     bodies = parent.shape[0]
@@ -90,7 +92,7 @@ def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index)
         a, b = near[p, 0], near[p, 1]
         if joins[a] == 1 and joins[b] == 1 and moving[a] + moving[b] > 0:
             i, k = root_of(parent, a), root_of(parent, b)
-            # the lower number stands for the group, so islands are numbered as their first bodies are
+            # the lower number represents the group, so islands are numbered in the order of their first bodies
             parent[max(i, k)] = min(i, k)
     found = 0
     for b in range(bodies):
@@ -120,7 +122,7 @@ def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index)
 
 @kernel
 def share(islands: Islands, near: Index, count: int, moving: Index) -> None:
-    """Sort the near pairs in which somebody moves by island, in the order in which they are."""
+    """Sort the near pairs with a moving body by island (stable counting sort)."""
     at, label, found = islands.pair_first, islands.label, islands.found[0]
     at[: found + 1] = 0
     for p in range(count):
@@ -146,7 +148,7 @@ def share(islands: Islands, near: Index, count: int, moving: Index) -> None:
 
 @kernel
 def due_of(islands: Islands, i: int) -> float:
-    """Earliest time at which a member of island i stands."""
+    """Earliest local time [s] of the members of island i."""
     earliest = inf
     for m in range(islands.first[i], islands.first[i + 1]):
         earliest = min(earliest, islands.due[islands.order[m]])
@@ -155,9 +157,9 @@ def due_of(islands: Islands, i: int) -> float:
 
 @kernel
 def behind(islands: Islands, dt: float, now: float, start: int) -> int:
-    """The island whose bodies stand at the earliest time before ``dt``, looked for from number ``start`` on; -1 if none is left.
+    """The island with the earliest local time before ``dt``, searched from number ``start`` on; -1 if none is left.
 
-    Nobody stands before ``now`` [s], so the first that stands there is taken.
+    No local time is before ``now`` [s], so the first island found at ``now`` is taken.
     """
     chosen, earliest, count = -1, dt, islands.found[0]
     for tried in range(count):

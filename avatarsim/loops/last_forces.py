@@ -1,6 +1,6 @@
-"""Forces of the last segment, to begin the next one with: a table of contact points by key.
+"""Warm start of the contact solver (contact caching: Catto 2005): a hash table of the last segment's forces by contact key.
 
-What is in the table holds as long as its body has had no other segment since; who is found no longer begins from zero.
+An entry is valid as long as its body has had no other segment since; a contact without one starts from zero.
 """
 
 from typing import NamedTuple
@@ -9,17 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Vectors
 from avatarsim.spatial.vec3 import put_row, row, scale
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 SLOTS_PER_POINT = 4
-"""Room of the table in units of the points that may be there at once; fewer: more forces are forgotten and solved for again."""
+"""Slots of the table per contact point that there may be at once; fewer: more forces are lost and solved for from zero."""
 
 TRIES = 12
-"""Places in which a key may be."""
+"""Slots probed for a key (linear probing)."""
 
 SPREAD, SHIFT = 40503, 7
 """Multiplier and shift that spread neighbouring keys over the table; the product of any key stays far below 2^63."""
@@ -29,12 +30,12 @@ class LastForces(NamedTuple):
     """key, body, turn (slots): name of the point, a body that it belongs to, and the segment of that; force (slots, 3) [N];
     latest (nb): last segment of each body; turns (1): segments so far."""
 
-    key: Index
-    body: Index
-    turn: Index
-    force: Array
-    latest: Index
-    turns: Index
+    key: IndexLine
+    body: IndexLine
+    turn: IndexLine
+    force: Vectors
+    latest: IndexLine
+    turns: IndexLine
 
 
 def make_last_forces(bodies: int, points: int) -> LastForces:
@@ -48,7 +49,7 @@ def make_last_forces(bodies: int, points: int) -> LastForces:
 
 @kernel
 def slot_of(table: LastForces, key: int, tried: int) -> int:
-    """The place number ``tried`` where ``key`` may be."""
+    """Slot number ``tried`` of the probe sequence of ``key``."""
     return int(((key * SPREAD >> SHIFT) + tried) & (table.key.shape[0] - 1))
 
 
@@ -56,8 +57,8 @@ def slot_of(table: LastForces, key: int, tried: int) -> int:
 def recall_forces(contacts: Contacts, table: LastForces) -> None:
     """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none.
 
-    A point without friction gets what it had along the normal: nobody would take the rest from it. It had friction if it touched
-    then, and is now only foreseen (`loops.ahead`).
+    A point without friction gets the normal force only, since no sweep would remove the rest: a speculative contact
+    (`loops.ahead`) has none, and may have touched in the last segment.
     """
     for k in range(contacts.used[0]):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))

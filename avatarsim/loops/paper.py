@@ -1,31 +1,23 @@
-"""Method `paper` as the frame sees it: the lower loop, the velocities it leaves for the upper one, impulses coming back."""
+"""Lower loop of method `paper` (Schmidl and Lin 2004) as the frame sees it: postures, velocities of links, impulses received."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
-from avatarsim.kernel import kernel
-from avatarsim.loops.opened_paper import opened_attraction, opened_coupling, opened_memory, opened_settings
-from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, make_paper_memory
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, PaperMemory, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.random import MODULUS
 from avatarsim.tally import Tally
-from avatarsim.world.arena import opening, packed
 from avatarsim.world.geometry import Poses
-from avatarsim.world.opened import (
-    opened_dynamics,
-    opened_geometry,
-    opened_poses,
-    opened_posture,
-    opened_skeleton,
-    opened_velocities,
-)
 from avatarsim.world.pair_filter import OPEN
+from avatarsim.world.parts import TargetParts, WorldParts
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
 
@@ -33,17 +25,22 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
+class PaperParts(NamedTuple):
+    """What lies in the arena of the lower loop."""
+
+    settings: PaperSettings
+    coupling: CouplingSettings
+    attraction: AttractionSettings
+    memory: PaperMemory
+
+
 @kernel
 def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
     """`follow_as_printed` on the arenas of a world, its target and what the loop keeps."""
-    o = opening(world)
-    geometry, _ = opened_geometry(o), opened_dynamics(o)
-    poses, _ = opened_poses(o), opened_velocities(o)
-    skeleton, posture = opened_skeleton(o), opened_posture(o)
-    tracker = opened_posture(opening(target))
-    o = opening(kept)
-    settings, coupling, attraction = opened_settings(o), opened_coupling(o), opened_attraction(o)
-    follow_as_printed(geometry, skeleton, tracker, dt, settings, coupling, attraction, posture, poses, opened_memory(o))
+    w, own, tracker = opened(world, WorldParts), opened(kept, PaperParts), opened(target, TargetParts).posture
+    follow_as_printed(
+        w.geometry, w.skeleton, tracker, dt, own.settings, own.coupling, own.attraction, w.posture, w.poses, own.memory
+    )
 
 
 class PaperLoop:
@@ -58,7 +55,8 @@ class PaperLoop:
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
         self.world = world
-        self._kept, (_, _, _, self.memory) = packed((settings, coupling, attraction, make_paper_memory(world, seed)))
+        self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
+        self.memory = own.memory
         self._before = Poses(*(array.copy() for array in world.poses))
         self._no_rate = np.zeros_like(self.memory.velocity)
 
@@ -67,15 +65,15 @@ class PaperLoop:
         return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
 
     def go_on(self, begun: bool) -> None:
-        """The memory was replaced, and with it which pairs are looked for: the sweep begins anew."""
+        """The memory was replaced, and with it the pair filter: the broad phase begins anew."""
         fat = self.memory.overlaps.sweep.fat
         fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
     def watch(self, moving: Index) -> None:
-        """Nothing: this loop looks at everybody in every frame."""
+        """Nothing: this loop checks all bodies in every frame."""
 
     def follow(self, target: Target, dt: float) -> None:
-        """One frame towards the tracker's posture; links then have the velocity of the way that they were shown to go."""
+        """One frame towards the tracker's posture; the velocities of links are those of their displayed motion."""
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
@@ -88,7 +86,7 @@ class PaperLoop:
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """Nothing: what the rounds pass through on the way overlaps, and is not shown."""
+        """Nothing: states within the rounds overlap, and are not shown."""
         return ()
 
     def counts(self) -> Tally:

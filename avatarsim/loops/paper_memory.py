@@ -1,4 +1,4 @@
-"""What the lower loop of method `paper` keeps between frames, and what it counts; made once, the kernels allocate nothing."""
+"""State and counters of the lower loop of method `paper`, allocated once; the kernels allocate nothing."""
 
 from typing import Final, NamedTuple
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.scratch import PIECES_CAP
+from avatarsim.jit.layout import FlagLine, IndexLine, Line, Vectors
 from avatarsim.paper.chain import Chains, chains_of
 from avatarsim.separate.overlaps import Overlaps, make_overlaps
 from avatarsim.spatial.random import seeded
@@ -45,7 +46,7 @@ class PaperMemory(NamedTuple):
 
     chains, overlaps   of posture and separate
     order, random      order of the chains in this frame; state (1) of its generator
-    role, mass         (nb) who moves a body; (nl) m of eq. 6 [kg]
+    role, mass         (nb) fixed, simulated or driven; (nl) m of eq. 6 [kg]
     target             the posture that joints are drawn to, roots where eq. 6 puts them
     checked, present   the last shown posture; the one that is walked back from
     start, end         (nb, 3) positions of bodies at the frame's begin and before the walk back [m]
@@ -59,23 +60,23 @@ class PaperMemory(NamedTuple):
 
     chains: Chains
     overlaps: Overlaps
-    order: Index
-    random: Index
-    role: Index
-    mass: Array
+    order: IndexLine
+    random: IndexLine
+    role: IndexLine
+    mass: Line
     target: Posture
     checked: Posture
     present: Posture
-    start: Array
-    end: Array
-    given_way: Flags
-    tracked: Array
-    velocity: Array
-    axes: Array
-    none: Array
-    points: Array
-    chosen: Flags
-    counts: Index
+    start: Vectors
+    end: Vectors
+    given_way: FlagLine
+    tracked: Vectors
+    velocity: Vectors
+    axes: Vectors
+    none: Line
+    points: Vectors
+    chosen: FlagLine
+    counts: IndexLine
 
 WORKING: Final = (
     "memory.chains", "memory.role", "memory.mass", "memory.counts", "memory.points", "memory.none", "memory.overlaps.ours.first",

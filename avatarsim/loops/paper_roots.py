@@ -1,7 +1,7 @@
-"""Where the roots of the avatars want to be: eq. 6 between tracker and driven body, solved exactly over one frame.
+"""Virtual coupling of the roots (eq. 6 of Schmidl and Lin 2004): spring and damper to the tracker, solved exactly over a frame.
 
-x in m x'' = -K x - R x' is the root's place relative to the tracker's, and so is x' its velocity: while the tracker moves
-evenly the root does not trail behind. The orientation of the root has no spring in the paper; it is attracted like a joint.
+x in m x'' = -K x - R x' is the position of the root relative to the tracker's, and x' its relative velocity: behind a tracker of
+constant velocity there is no lag. The orientation of the root has no spring in the paper; it is attracted like a joint.
 """
 
 from math import inf
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.spring import coupled
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, add, norm, put_row, row, scale, sub
 from avatarsim.world.skeleton import FREE
@@ -19,7 +19,7 @@ Index = NDArray[np.int64]
 Lengths = NDArray[np.float64]
 
 UNDISTURBED = 1e-12
-"""[m] a root that was shown this near to where eq. 6 wanted it keeps the velocity of eq. 6; else it has that of its shown way."""
+"""[m] a root displayed this near to where eq. 6 put it keeps the velocity of eq. 6; else it has that of its displayed motion."""
 
 
 @kernel
@@ -51,13 +51,13 @@ def couple_roots(
 def settle_roots(
     kind: Index, tracker: Rows, target: Rows, before: Rows, shown: Rows, dt: float, velocity_out: Rows, tracked_out: Rows
 ) -> None:
-    """After the frame: a root that was pushed or walked back has the velocity of the way it was shown to go, from
-    ``before`` (nl, 3) to ``shown`` [m]; the user's roots are remembered."""
+    """After the frame: a root that was pushed or walked back has the velocity of its displayed motion, from ``before`` (nl, 3)
+    to ``shown`` [m]; the user's roots are kept for the next frame."""
     for link in range(kind.shape[0]):
         if kind[link] != FREE or not (dt > 0.0):
             continue
         now, there = row(shown, link), row(tracker, link)
         if not (norm(sub(now, row(target, link))) <= UNDISTURBED):
             put_row(velocity_out, link, scale(sub(now, row(before, link)), 1.0 / dt))
-        # a tracker that is no number must not be remembered
+        # a tracker position that is not finite must not be kept
         put_row(tracked_out, link, there if norm(there) < inf else now)

@@ -1,17 +1,17 @@
-"""The lower loop of the paper's Figure 3, method `paper`: attract, push out, adjust joints, and walk back what is left.
+"""Lower loop of Schmidl and Lin 2004 (Figure 3, Algorithm 1): attract joints, push bodies apart, adjust joints by CCD, walk back.
 
-Every shown state has been checked: `find_overlaps` asked for the signed distance of each wanted pair with a link (or with a
-body that gave way) in it and found none below zero. So what is shown never overlaps, provided that the frame began free. That
-is all: nothing is known of the way between two shown states, and a limb may jump through what is thin, as the paper admits.
+Every shown state has been checked: `find_overlaps` computed the signed distance of each wanted pair with a link (or with a
+simulated body that was pushed) and found none below zero. So a shown state has no overlap, provided that the frame began without.
+The motion between two shown states is not checked: a limb may pass through a thin obstacle, as the paper's conclusion says.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, CONVERGED
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.paper_memory import (
     BAD,
     BENT,
@@ -38,8 +38,8 @@ from avatarsim.paper.chain import Chains, shuffle
 from avatarsim.paper.cyclic_coordinate_descent import REACHED, joints_of
 from avatarsim.paper.free_link import free_link, link_contacts
 from avatarsim.separate.overlaps import ASKED, DOUBTED, NOT_CHECKED, answer_for, find_overlaps
+from avatarsim.separate.priority import shares
 from avatarsim.separate.push_apart import push_apart
-from avatarsim.separate.who_gives_way import shares
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.vec3 import Rows, add, dot, put_row, row
 from avatarsim.world.dynamics import SIMULATED
@@ -62,9 +62,9 @@ def push_bodies(
     geo: Geometry, skel: Skeleton, found: int, must: bool, stand_off: float, posture_out: Posture, poses_out: Poses,
     memory_out: PaperMemory,
 ) -> None:
-    """Push the overlapping pairs apart that translation can part; pairs of links of one avatar are left to the chains.
+    """Push overlapping pairs apart by translation; pairs of links of one avatar are left to the chains.
 
-    A link takes its whole avatar along. ``must``: limbs that CCD could not free do so too, and simulated bodies give way.
+    A push of a link moves its whole avatar. ``must``: also for links of limbs that CCD could not free, and of simulated bodies.
     """
     m, chains = memory_out, memory_out.chains
     for k in range(found):
@@ -166,9 +166,9 @@ def follow_as_printed(
     geo: Geometry, skel: Skeleton, tracker: Posture, dt: float, settings: PaperSettings, coupling: CouplingSettings,
     attraction: AttractionSettings, posture_out: Posture, poses_out: Poses, memory_out: PaperMemory,
 ) -> None:
-    """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal lets them.
+    """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal permits.
 
-    Bodies that are no links are obstacles; simulated ones are moved only where driven ones could not part from them. Counts
+    Bodies that are no links are obstacles; simulated ones are pushed only where driven ones could not be freed of them. Counts
     and statuses are in ``memory_out.counts`` (`paper_memory.COUNT_NAMES`, `STATUS_NAMES`).
     """
     geo, skel, tracker, settings, coupling = refer(geo), refer(skel), refer(tracker), refer(settings), refer(coupling)
@@ -204,7 +204,7 @@ def follow_as_printed(
         for k in range(m.order.shape[0]):
             if is_caught(m.chains, m.order[k], m.overlaps.hit, skel.first):
                 if moved:
-                    # another chain moved: its vertices are in the way of this one
+                    # another chain moved: its vertices may overlap this one
                     counts[FORWARDS] += 1
                     forward(geo, skel, posture_out, m.none, poses_out, m.axes)
                 moved = treat_chain(

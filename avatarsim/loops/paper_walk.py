@@ -1,11 +1,11 @@
-"""The last step of Algorithm 1 in the lower loop: walk back towards the last checked state until nothing overlaps."""
+"""Walk back (Algorithm 1, step 4): bisection towards the last checked state until nothing overlaps."""
 
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.paper_memory import FORWARDS, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, PaperMemory
 from avatarsim.paper.chain import Chains
 from avatarsim.paper.into_limits import into_limits
@@ -71,7 +71,7 @@ def walk_back(
                 start, way = row(m.start, body), sub(row(m.end, body), row(m.start, body))
                 put_row(poses_out.position, body, start if fraction == 0.0 else along(start, fraction, way))
                 place(geo, poses_out, body)
-                # where it began, its own contacts are not this loop's business
+                # at its start pose, which is the upper loop's, its own pairs are not checked
                 answer_for(body, fraction > 0.0, m.overlaps)
         if last:
             # the same bits as when they were found free

@@ -1,7 +1,7 @@
-"""What ends a frame when its budget is spent: one step without rebound, after which nobody looks for further impacts.
+"""Inelastic fallback step: ends the frame of an island whose work budget is spent (budget fallback), without rebound.
 
-Everybody goes along its path to the end of the frame, or stops where it would meet somebody: who stops loses the rest of the
-frame's time, and nobody else does. So the world goes on, nothing overlaps, and no energy is added.
+Each body goes along its path to the end of the frame, or is stopped at its first time of impact, and then loses the rest of the
+frame; the others go on. So time passes, nothing overlaps, and no energy is added.
 """
 
 from math import inf
@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.balls_meet import never_meet
 from avatarsim.loops.blocked import LASTS, block
 from avatarsim.loops.clocks import arrive
@@ -24,15 +24,15 @@ Index = NDArray[np.int64]
 
 
 STALL = 1e-9
-"""An event that comes earlier than this [s], of bodies that do not approach where they touch, means that they are blocked."""
+"""A pair is blocked if its event comes earlier than this [s] although its bodies do not approach at their contacts."""
 
 AGAIN = -1
-"""Outcome: nobody has moved, and there is more to be taken into account."""
+"""Outcome: no body was moved; the step is to be repeated, with the contacts of pairs found blocked."""
 
 
 @kernel
 def clog(memory: Memory, a: int, b: int) -> bool:
-    """Remember that bodies a and b are blocked; False if that was known."""
+    """Record the pair of bodies a and b as blocked; False if it was already."""
     new = block(memory.blocked, a, b, memory.frames[0])
     if new:
         memory.clogged[0] = memory.frames[0] + LASTS
@@ -42,7 +42,7 @@ def clog(memory: Memory, a: int, b: int) -> bool:
 
 @kernel
 def stop(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, t: float) -> None:
-    """Body b stays where it is at t, with the velocities that it has there."""
+    """Stop body b at t on its path; it keeps the velocities that it has there."""
     arrive(geometry, poses, velocities, memory, b, t)
     memory.islands.stops[b] = t
     memory.paths.kind[b] = STILL
@@ -53,14 +53,14 @@ def stop(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memor
 def go_or_stop(
     geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index, pairs: Index, first: int, h: float
 ) -> int:
-    """Take the members h seconds along their paths; who meets somebody stops there.
+    """Take the members h seconds along their paths; both bodies of a pair that meets stop there.
 
     Args:
-        pairs: (count, 2) near pairs of the island, those from number ``first`` on of all. Most lie beside each other and cannot
-            meet whoever stops: nobody asks for them again.
+        pairs: (count, 2) near pairs of the island, those from number ``first`` on of all. Pairs that cannot meet wherever a body
+            stops, which are most of them, get no event and are not searched again.
 
     Returns:
-        DONE, or NOT_FINITE, or AGAIN if somebody is blocked, which nobody knew: then nobody has moved.
+        DONE, or NOT_FINITE, or AGAIN if a pair is newly found blocked: then no body was moved.
     """
     kind, count, islands, soonest = memory.paths.kind, pairs.shape[0], memory.islands, memory.soonest
     when = memory.when[first : first + count]
@@ -94,7 +94,7 @@ def go_or_stop(
             b = one if side == 0 else other
             p = soonest.head[b] if (one_moves if side == 0 else other_moves) else NONE
             while p != NONE:
-                # of two that stand there is no event
+                # a pair of stopped bodies has no event
                 when[p] = min(h, event_of_pair(geometry, memory, pairs[p, 0], pairs[p, 1], now, h))
                 if when[p] < 0.0:
                     return NOT_FINITE

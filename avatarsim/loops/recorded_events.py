@@ -4,7 +4,7 @@ import numpy as np
 
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import APPROACH, Events
-from avatarsim.world.arena import Array
+from avatarsim.jit.layout import Array
 from avatarsim.world.doors import write_shown
 from avatarsim.world.world import World
 

@@ -1,4 +1,4 @@
-"""What contacts do at one instant of the upper loop: impacts first, then forces and paths until the next event."""
+"""Contact response of an island at one instant: impacts (eqs 7 to 10), then constant contact forces until the next event."""
 
 from math import ceil
 
@@ -12,7 +12,7 @@ from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED, fastest_approach, line_up, next_approach, resolve_impact, settle
 from avatarsim.impact.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.impact.rolling import curvature
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import witness
 from avatarsim.loops.last_forces import recall_forces, remember_forces
 from avatarsim.loops.upper_memory import (
@@ -37,43 +37,43 @@ from avatarsim.world.geometry import Geometry, Poses
 Index = NDArray[np.int64]
 
 IMPACTS_ALONE, IMPACTS_PER_POINT = 100, 4
-"""Impacts resolved one after the other at one instant, at least and per contact point. What still approaches then is an avalanche
-of ever slower rebounds between the same bodies, and ends in one impact of all together without rebound. Fewer: Newton's cradles
-lose speed; more: a struck stack takes thousands."""
+"""Most impacts resolved one after the other at one instant: in all, and more per contact point. Contacts that still approach then
+are resolved together without rebound: they pass ever slower rebounds between the same bodies. Fewer: Newton's cradles lose speed;
+more: a struck stack takes thousands."""
 
 GENTLE_TURN = 0.1
 """Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines."""
 
 STEADY_TURN = 2.0
-"""The same [rad] about any axis for what is smooth and no ball, a rolling log too: over larger ones the torque of its own spin,
-taken from the start, makes a tilt of nanometres grow from segment to segment."""
+"""The same [rad] about any axis for smooth bodies that are no balls, such as a rolling log: over larger turns the gyroscopic
+torque, taken from the start of the segment, makes a tilt of nanometres grow from segment to segment."""
 
 RISE, FEW = 8e-7, 2
-"""Spin x gravity x h^3 [m] of a segment, a body that stands on so few points: it rises by a quarter of that (h^3 / 12 times three
-times spin x twist x arm), and from a micrometre on it flies, lands and loses energy."""
+"""Largest spin x gravity x h^3 [m] of a segment for a body on at most FEW points: it rises by a quarter of that (h^3 / 12 times
+three times spin x twist x arm), and from a micrometre on it would leave its contacts, land and lose energy."""
 
 SETTLED, BRISKLY_SETTLED = 1e-10, 1e-8
 """Approach [m/s] that needs no impulse, and that of many bodies in motion: forces brake it within a nanometre."""
 
 PRECISE, VISITS, LOOKS = 24, 20000, 80000
-"""Impacts of one instant that are solved for to rounding; visits of contact points by the solver after which all other impacts of
-this instant are taken together; points looked at to find out who is next, after which they are too."""
+"""Impacts of one instant that are solved to rounding; solver visits of contact points after which the remaining impacts of this
+instant are resolved together; the same for points searched for the fastest approach."""
 
 HASTY, HASTY_VISITS = Care(tolerance=1e-6, first=60, sweeps=60, attempts=1), 20000
-"""Of a plastic step, with fewer sweeps where they would look at more contact points than that. Most heaps in motion are solved
-within the first sweeps, friction included; normals alone take about as many and leave friction as it happens to be. The tolerance
-[m/s] is 17 nm in a sixtieth of a second, less than the stand-off; a tenth of it takes a third more sweeps."""
+"""Accuracy of a fallback step, and most contact points that its sweeps may visit. Most heaps in motion converge within the first
+sweeps, friction included; normals alone take about as many and leave friction where it is. The tolerance [m/s] is 17 nm in a
+sixtieth of a second, less than the stand-off; a tenth of it takes a third more sweeps."""
 
 SOLVE_VISITS, CAREFUL_VISITS, LATE = 24000, 60000, 100000
-"""The same of any other solve, for each of its stages, of bodies in motion and at rest: what a budget of sweeps would cost grows
-with the contacts without end. About one and two milliseconds; less for those at rest, and a wall of a hundred boxes that stands
-does not find the forces that hold it, and creeps. Once the work of a frame is above the last, its plastic steps get a quarter."""
+"""Most contact points that each stage of any other solve may visit, of bodies in motion and at rest; sweeps alone are no bound on
+work. About one and two milliseconds; less at rest, and a standing wall of a hundred boxes does not find the forces that hold it,
+and creeps. LATE: work of a frame above which its fallback steps get a quarter of HASTY_VISITS."""
 
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
-"""Where bodies rest, or are few."""
+"""Accuracy where bodies rest, or are few."""
 
 BRISK = Care(tolerance=1e-7, first=60, sweeps=40, attempts=3)
-"""Of many bodies in motion: they sink by a few nanometres a frame, which is lifted again."""
+"""Accuracy for many bodies in motion: they sink by a few nanometres a frame, which is corrected later."""
 
 MANY, MOTION = 8, 1e-2
 """More contact points than this are many; a body faster than this [m/s] moves."""
@@ -82,8 +82,8 @@ STILLNESS = 1e-7
 """A held body slower than this [m/s, rad/s] at both ends of a segment rests: its velocities become exactly zero."""
 
 SMALL = 1e-2
-"""Bodies smaller than this [m] may spin faster by as much and still rest: what the solver leaves of a point's velocity, over an
-arm of a tenth of a millimetre, is a spin of 1e-5."""
+"""Bodies smaller than this [m] may spin faster in proportion and still count as resting: the solver's residual at a contact, over
+a lever arm of a tenth of a millimetre, is a spin of 1e-5."""
 
 
 @kernel
@@ -91,10 +91,10 @@ def impacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
     now: float, hasty: bool, settles: bool, switches: Switches,
 ) -> int:
-    """Resolve all impacts of this instant, ``hasty`` all at once and without rebound; returns DONE or OUT_OF_IMPACTS.
+    """Resolve all impacts of this instant, ``hasty``: all together and without rebound; returns DONE or OUT_OF_IMPACTS.
 
-    What approach these leave is ended if ``settles``; else the step does that, see `resting.aim_at_once`.
-    Events are recorded with the time at which the surfaces meet, with the poses of the stand-off at which the bodies are held.
+    With ``settles`` the approach that is left is ended too, without rebound; else the forces of the segment do that, see
+    `resting.aim_at_once`. Events are recorded with the time at which the surfaces meet, and the poses at the stand-off.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 0
@@ -129,7 +129,7 @@ def impacts(
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
     if fastest < -calm and settles:
-        # the coupled mass yields here too: a body of a ton that creeps would give a hand of a pound a ton's momentum
+        # driven bodies yield with their coupled mass here too: else a creeping body of a ton would give a hand its whole momentum
         rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
         few = contacts.used[0] <= MANY and not rough
         care = care_for(memory, velocities, members, rough)
@@ -144,9 +144,9 @@ def impacts(
 
 @kernel
 def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
-    """How exactly the contacts of these bodies are worth solving for: the more there are, the fewer sweeps.
+    """Accuracy and sweeps for the contacts of these bodies: the more contacts, the fewer sweeps.
 
-    Who cannot afford even the first try keeps the friction that he has so far, instead of one that begins at nothing again.
+    Where the bound of visits does not cover the first sweeps, friction stays as these leave it, and is not solved anew from zero.
     """
     count = max(1, memory.contacts.used[0])
     care, visits = CAREFUL, CAREFUL_VISITS
@@ -163,7 +163,7 @@ def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool
 
 @kernel
 def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
-    """Whether these are many contacts of bodies of which one moves."""
+    """Whether there are more than MANY contacts and a member faster than MOTION."""
     if memory.contacts.used[0] > MANY:
         for m in range(members.shape[0]):
             if norm(row(velocities.linear, members[m])) > MOTION:
@@ -173,7 +173,7 @@ def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
 
 @kernel
 def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: int, side: int) -> float:
-    """How fast contact k changes as its body on this side turns [rad/s], or that body's own spin does without torque."""
+    """How fast contact k changes as its body on this side turns, or as its spin precesses without torque if faster [rad/s]."""
     b = contacts.body[k, side]
     fastest = float(contacts.turns[k, side])
     if contacts.smooth[k] != SHARP and memory.round[b] == 0:
@@ -188,9 +188,9 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 def segment(
     dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool, at_once: bool
 ) -> float:
-    """Forces and paths of the members for at most ``left`` seconds; returns for how long they hold.
+    """Solve contact forces and set the paths of the members for at most ``left`` seconds; returns for how long they hold.
 
-    With ``at_once`` those whom forces hold go straight on, with the velocities that they have at the end: `change_at_once`.
+    With ``at_once`` held members move on straight paths with the velocities of the end of the segment: `change_at_once`.
     """
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
@@ -218,12 +218,12 @@ def segment(
                 if rises <= PARTING * contacts.pace[0] and rises * h > HOP:
                     h = HOP / rises
         if h < left:
-            # what is left over at the end would be a stretch so short that a nanometre to come down is a speed
+            # equal parts: over a very short remainder a gap of a nanometre to close would be a high velocity
             h = left / ceil(left / h)
         recall_forces(contacts, memory.last)
         care = care_for(memory, velocities, members, hasty)
         if at_once:
-            # impacts are in these forces too: who approached on would stop at once, and all of his neighbours
+            # these forces include the impacts: a contact left approaching would stop its body at once, and all neighbours
             care = Care(care.tolerance, care.first, HASTY.sweeps, care.attempts)
         h, residual = hold(
             contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
@@ -235,7 +235,7 @@ def segment(
         memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0
         memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
         for k in range(count):
-            # at once gravity is all at the start: who touches must have it as his neighbours do
+            # with at_once gravity acts at the start of the segment, so every body in contact must count as held
             if contacts.impulse[k, 0] > 0.0 or at_once:
                 held[contacts.body[k, 0]], held[contacts.body[k, 1]] = 1, 1
     for m in range(members.shape[0]):

@@ -1,11 +1,11 @@
-"""What is smooth where two shapes touch: radii of curvature of both surfaces, and edges that keep the normal across them."""
+"""Curvature at contacts: radii of curvature of both surfaces, and edges across which the normal stays."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.smooth import gathered, stretched
 from avatarsim.impact.contacts import ROUND_A, ROUND_B, Contacts, axis
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.foremost import foremost
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, norm, put_row, row, scale, sub
 from avatarsim.world.geometry import Poses

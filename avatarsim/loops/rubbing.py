@@ -1,8 +1,8 @@
-"""How fast a driven body rubs along what it touches: as it is seen to, where something holds it up."""
+"""Slip velocity of driven contacts: the user's, or the displayed one where a contact or a limit holds the driven body back."""
 
 from avatarsim.impact.contacts import DRIVEN_A, axis
 from avatarsim.impact.relative_velocity import point_velocity, tangential_velocity
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.tangent import columns, step_between, turned
 from avatarsim.spatial.vec3 import dot, norm, put_row, row, scale, sub
@@ -10,9 +10,9 @@ from avatarsim.world.dynamics import Velocities
 from avatarsim.world.geometry import Poses
 
 SEEN = 0.005
-"""[m/s] by how much slower than its user a body must be shown along a surface to count as held up there. The springs of eq. 6
-play by less; larger: slow users drag along more. 0: a box that a hand pushes sticks to a hand that its spring lets slide, and
-takes three times as long to solve for."""
+"""[m/s] by which a driven body must be displayed slower than its user along a surface to count as held back there. The springs of
+eq. 6 make smaller differences; larger: slow users drag bodies along. 0: a pushed box sticks to a hand that its spring lets slide,
+and takes three times as long to solve."""
 
 
 @kernel
@@ -26,11 +26,10 @@ def note_shown(poses: Poses, dt: float, memory: Memory, b: int) -> None:
 
 @kernel
 def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
-    """Fill ``drift`` of contact k of a driven body: what its user's velocity along the tangents has beyond the shown one.
+    """Fill ``drift`` of contact k of a driven body: the part of its user's tangential velocity that is not displayed.
 
-    Whoever goes freely strikes as the user does. A hand that is held up, itself (see `loops.holding`) or by its arm or a limit,
-    must not drag along what lies beneath it, like the belt of a conveyor, for as long as its user goes on: there the slower one
-    counts, which is the shown one.
+    A free driven body strikes with the user's velocity. A hand that is held back, itself (see `coupling.holding`) or by its arm
+    or a limit, must not drag a body like a conveyor belt while its user goes on: there the displayed, slower velocity counts.
     """
     contacts, side = memory.contacts, 0 if memory.contacts.driven[k] == DRIVEN_A else 1
     b, n = contacts.body[k, side], axis(contacts, k, 0)

@@ -1,11 +1,11 @@
-"""Seams: where one face goes on as the face of another piece, nobody may trip over the edge between them.
+"""Internal edges (ghost collisions: Catto, box2d.org 2020): contacts at the seam of two flush pieces get the normal of the face.
 
-Just before a seam the nearest point of the next piece is its edge, a few nanometres ahead and as many below, and the line to it
-leans. That edge is in nobody's way as long as the face goes on: along the normal m of a contact that a body has already, a piece
-whose every point lies below that body's lowest one is passed over. m is then as good a normal of touching as the leaning one, and
-the one that counts. Nothing is known of who is whose neighbour: pieces of one body or of several, boxes or hulls.
+Just before a seam the closest point of the next piece is its edge, a few nanometres ahead and as many below, and the normal to it
+leans. Where the body already has a contact with the normal m of a face, and along m every point of the next piece lies below the
+body's lowest one, the edge cannot block it: the contact then gets m as its normal. No adjacency is stored: pieces may be of one
+body or of several, boxes or hulls.
 
-A step is passed over up to FLUSH and no higher, which is within what resting bodies may dip.
+A step up to FLUSH is passed over and no higher one, which is within the dip of resting bodies.
 """
 
 from math import inf
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collide.support import gap_along
 from avatarsim.impact.contacts import NORMAL_OF_ANOTHER, NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.foremost import foremost
 from avatarsim.loops.rounded import put_radius
 from avatarsim.loops.upper_memory import Memory
@@ -40,21 +40,21 @@ BEHIND = -1e-9
 """Normals that point against each other by more than this are of two sides of a body."""
 
 EVEN = 1e-8
-"""Corners that are lower along a normal than the highest by no more than this part of a piece's size are of one face."""
+"""Corners within this part of a piece's size below the highest along a normal are of one face."""
 
 LOOKS = 16
-"""Neighbours of a body that are asked. A face on more pieces than that has them all in one plane."""
+"""Most contacts of a body that are tried for a normal. A face on more pieces than that has them all in one plane."""
 
 FASTER = 1e-6
-"""[m/s] by which a face must be left faster to count in place of another one."""
+"""[m/s] by which the body must leave a face faster for its normal to replace another one."""
 
 NOTHING, NO_FACE = -1, -2
-"""No contact; in place of the next one: a contact that is of no face."""
+"""End of a list of contacts; mark of a contact whose normal is not that of a face."""
 
 
 @kernel
 def forget(memory: Memory, pairs: Index) -> None:
-    """Forget the contacts of all bodies of these pairs, before they are found anew."""
+    """Empty the lists of face contacts of all bodies of these pairs."""
     for p in range(pairs.shape[0]):
         memory.newest[pairs[p, 0]], memory.newest[pairs[p, 1]] = NOTHING, NOTHING
 
@@ -70,7 +70,7 @@ def is_face(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> bool:
 
 @kernel
 def note(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, k: int) -> None:
-    """Remember with its bodies that contact k, the first of shapes sa and sb, has the normal of a face, if it has."""
+    """Add contact k, the first of shapes sa and sb, to the lists of its bodies if its normal is that of a face."""
     contacts, shapes = memory.contacts, geometry.shapes
     memory.older[k, 0] = NO_FACE
     if contacts.driven[k] != NOT_DRIVEN or shapes.kind[sa] != POINTS or shapes.kind[sb] != POINTS:
@@ -85,7 +85,7 @@ def note(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, k: 
 
 @kernel
 def of_pair(memory: Memory, k: int, side: int, j: int) -> Vec3:
-    """Normal of contact j, as one of the pair of contact k, whose body on this side it belongs to as well."""
+    """Normal of contact j of the body on this side of contact k, with the sign that it has in the pair of contact k."""
     contacts = memory.contacts
     n = axis(contacts, j, 0)
     return n if contacts.body[j, side] == contacts.body[k, side] else neg(n)
@@ -93,13 +93,13 @@ def of_pair(memory: Memory, k: int, side: int, j: int) -> Vec3:
 
 @kernel
 def before(memory: Memory, b: int, j: int) -> int:
-    """The contact of body b that was noted before j; NOTHING if there is none."""
+    """The contact of body b listed before j; NOTHING if there is none."""
     return int(memory.older[j, 0] if memory.contacts.body[j, 0] == b else memory.older[j, 1])
 
 
 @kernel
 def level_seams(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory) -> None:
-    """Give contacts at seams the normal of the face that goes on there; of several the one that is left fastest."""
+    """Give contacts at internal edges the normal of the face that continues there; of several, the face left fastest."""
     contacts, shapes, pieces = memory.contacts, geometry.shapes, geometry.body.shape[0]
     for k in range(contacts.used[0]):
         pair = contacts.key[k] // POINTS_OF_PAIR
@@ -166,8 +166,8 @@ def least_height(rows: Array, count: int) -> float:
 
 @kernel
 def depth_to_pass(geometry: Geometry, memory: Memory, sa: int, sb: int, left: float) -> float:
-    """Of shapes sa and sb where ``memory.trial`` has them, which meet there: the gap [m] < 0 at which that is an event if one
-    passes over the other at a seam, 0 if it does not."""
+    """For shapes sa and sb that meet at the poses of ``memory.trial``: the gap [m] < 0 below which their contact is an event if
+    it is at an internal edge, else 0."""
     contacts, islands, paths, trial = memory.contacts, memory.islands, memory.paths, memory.trial
     pair, slow = sa * geometry.body.shape[0] + sb, RESTING * contacts.pace[0]
     for side in range(2):

@@ -1,19 +1,19 @@
-"""The upper loop as the frame sees it: simulated bodies move, and say what they gave to the driven ones."""
+"""Upper loop (Schmidl and Lin 2004, Figure 3) as the frame sees it: simulated bodies move, driven ones receive impulses."""
 
 from collections.abc import Mapping
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from avatarsim.engine import Snapshot
-from avatarsim.impact.events import make_events
-from avatarsim.kernel import kernel
-from avatarsim.loops.opened_upper import opened_events, opened_memory, opened_switches
+from avatarsim.impact.events import Events, make_events
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Index
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
-from avatarsim.loops.upper_memory import COUNT_NAMES, WORKING, Switches, make_memory
+from avatarsim.loops.upper_memory import COUNT_NAMES, WORKING, Memory, Switches, make_memory
 from avatarsim.motion.path import HELD, STILL
 from avatarsim.tally import Tally
-from avatarsim.world.arena import Index, opening, packed
-from avatarsim.world.opened import opened_dynamics, opened_geometry, opened_poses, opened_velocities
+from avatarsim.world.parts import WorldParts
 from avatarsim.world.world import World
 
 EVENTS_KEPT = 256
@@ -23,15 +23,19 @@ MOST = 2**60
 """Largest number of a frame, a segment or a contact in a snapshot: counting on from there takes longer than the Earth is old."""
 
 
+class UpperParts(NamedTuple):
+    """What lies in the arena of the upper loop."""
+
+    memory: Memory
+    events: Events
+    switches: Switches
+
+
 @kernel
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
     """`advance` on the arenas of a world and of its upper loop."""
-    o = opening(world)
-    geometry, dynamics = opened_geometry(o), opened_dynamics(o)
-    poses, velocities = opened_poses(o), opened_velocities(o)
-    o = opening(kept)
-    memory, events, switches = opened_memory(o), opened_events(o), opened_switches(o)
-    return advance(geometry, dynamics, poses, velocities, dt, memory, events, switches)
+    w, own = opened(world, WorldParts), opened(kept, UpperParts)
+    return advance(w.geometry, w.dynamics, w.poses, w.velocities, dt, own.memory, own.events, own.switches)
 
 
 class SimulatedLoop:
@@ -48,7 +52,7 @@ class SimulatedLoop:
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
-        self._kept, (self.memory, self.events, _) = packed((memory, events, switches))
+        self._kept, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
@@ -60,7 +64,7 @@ class SimulatedLoop:
         }
 
     def go_on(self) -> None:
-        """The memory was replaced. What the sweep knows is of other places: it finds that out by itself."""
+        """The memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""

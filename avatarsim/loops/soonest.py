@@ -1,4 +1,4 @@
-"""Who meets first, asked again and again while some stop: near pairs by the time of their event, and the pairs of each body."""
+"""Event queue of the fallback step: tournament tree of near pairs by the time of their event, and a list of pairs per body."""
 
 from math import inf
 from typing import NamedTuple
@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexGrid, IndexLine
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -19,9 +20,9 @@ class Soonest(NamedTuple):
     """tree (2 room): of count pairs, node j holds the one of nodes 2 j and 2 j + 1 that is sooner, and pair p is node count + p;
     head (nb), after (room, 2): the first pair of a body, and the next one of the body on either side of a pair."""
 
-    tree: Index
-    head: Index
-    after: Index
+    tree: IndexLine
+    head: IndexLine
+    after: IndexGrid
 
 
 def make_soonest(bodies: int, room: int) -> Soonest:
@@ -37,7 +38,7 @@ def sooner(when: Array, p: int, q: int) -> int:
 
 @kernel
 def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
-    """Sort pairs (count, 2) by body and by the time (count) [s] of their event; one at inf belongs to nobody, and stays there."""
+    """Build tree and lists from pairs (count, 2) and times (count) [s] of their events; a pair at inf is in no body's list."""
     tree, count = soonest.tree, pairs.shape[0]
     for p in range(count):
         tree[count + p] = p
@@ -53,7 +54,7 @@ def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
 
 @kernel
 def changed(soonest: Soonest, when: Array, p: int, count: int) -> None:
-    """Take note that the time of pair p of ``count`` is another one now."""
+    """Update the tree after the time of pair p of ``count`` has changed."""
     j = (count + p) // 2
     while j > 0:
         soonest.tree[j] = sooner(when, soonest.tree[2 * j], soonest.tree[2 * j + 1])

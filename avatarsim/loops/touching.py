@@ -1,4 +1,4 @@
-"""From poses to contacts: who touches whom at this instant, with which coefficients and which forces last time."""
+"""Contact generation: narrow phase and contact manifolds of near pairs, with restitution, friction and warm-start keys."""
 
 from math import inf
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
 from avatarsim.impact.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.blocked import add_corners, is_blocked
 from avatarsim.loops.rounded import is_smooth, note_smooth
 from avatarsim.loops.rubbing import note_drift
@@ -44,7 +44,7 @@ def find_points(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, a: int, b: int, driven: int,
     sa: int, sb: int, reach: float,
 ) -> tuple[int, float, bool]:
-    """Append to ``memory.contacts`` the points of shapes sa of body a and sb of body b that are nearer than ``reach`` [m].
+    """Append to ``memory.contacts`` the contact points of shapes sa of body a and sb of body b with gaps below ``reach`` [m].
 
     Returns (status of the query, smallest gap [m], inf if none is nearer; whether there was room for all).
     """
@@ -56,8 +56,8 @@ def find_points(
         return status, inf, True
     raw, before = n, contacts.used[0]
     smooth = is_smooth(shapes, sa) or is_smooth(shapes, sb)
-    # one point for both keeps angular momentum to rounding; balls, and what rolls on what nobody moves, keep their exact laws of
-    # friction
+    # one point for both bodies keeps angular momentum to rounding; for balls, and smooth bodies on fixed ones, friction is exact
+    # at each surface's own point
     own = memory.ball[a] + memory.ball[b] > 0 or (smooth and dynamics.role[a] * dynamics.role[b] == FIXED)
     count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
     for i in range(count):
@@ -73,7 +73,7 @@ def find_points(
         if driven != NOT_DRIVEN:
             note_drift(velocities, memory, k)
     if memory.ball[a] + memory.ball[b] == 2:
-        # heaps of balls are many contacts; theirs is a closed form
+        # heaps of balls have many contacts; their curvature is a closed form
         for k in range(before, contacts.used[0]):
             contacts.smooth[k] = TWO_BALLS
     elif smooth:
@@ -99,9 +99,9 @@ def find_points(
 def find_contacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
 ) -> tuple[int, float]:
-    """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs (count, 2) that somebody moves in.
+    """Fill ``memory.contacts`` with all points nearer than TOUCH of near pairs (count, 2) with a moving body.
 
-    A driven body keeps a stand-off from everything, so it touches from `memory.touch` on: what it cannot come nearer to, it hits.
+    A driven body keeps its own stand-off from everything, so its contacts begin at `memory.touch`, which is larger.
 
     Returns (outcome, smallest gap [m], inf without contacts).
     """

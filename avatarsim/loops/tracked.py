@@ -1,4 +1,4 @@
-"""The raw tracker's posture, shown as it is: what an author gets who switches overlap removal off."""
+"""Lower loop without overlap removal, for scenes that switch it off: the tracker's posture is shown as it is."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -17,7 +17,7 @@ Index = NDArray[np.int64]
 
 
 class TrackedLoop:
-    """The driven bodies of a world where the user is, in whatever stands there."""
+    """The driven bodies of a world at the tracker's posture, whatever they overlap."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("_still", "_axes")
@@ -37,7 +37,7 @@ class TrackedLoop:
         """Nothing: every frame is the first."""
 
     def watch(self, moving: Index) -> None:
-        """Nothing: this loop looks at everybody in every frame."""
+        """Nothing: this loop checks no body."""
 
     def follow(self, target: Target, dt: float) -> None:
         """Take the tracker's posture over."""
@@ -47,7 +47,7 @@ class TrackedLoop:
         forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
-        """Impulses (nb, 3) [N s] change nothing: the user does not give way."""
+        """Impulses (nb, 3) [N s] change nothing: the tracker does not yield."""
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
         """Nothing: there is one step."""

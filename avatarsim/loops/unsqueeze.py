@@ -1,7 +1,7 @@
-"""Positions corrected where simulated bodies overlap; no velocity is touched, so no kinetic energy is added.
+"""Position projection (drift correction; post-stabilization: Cline and Pai 2003): overlapping simulated bodies are moved apart.
 
-Heavy bodies give way less than light ones at first. That never ends where a light one is held down by a ton: what it rises from
-the floor it has to come down again. So from some pass on all give way as if they weighed the same.
+Nonlinear Gauss-Seidel on positions; velocities stay, so no kinetic energy is added. The first passes weigh by mass. They do not
+converge for a light body on the floor under a heavy one, so from WEIGHED on all bodies yield as if they had the same mass.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts, axis, velocity_at, weigh
 from avatarsim.impact.masses import Masses, to_world
 from avatarsim.impact.resting import STAND_OFF
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.touching import find_contacts
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.motion.free_rotation import spun
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 PASSES, WEIGHED = 10, 4
-"""Times contacts are found anew, and of these how often by mass. Normals of deep overlaps turn while bodies come apart."""
+"""Passes, each of which finds the contacts anew, and those weighted by mass. Normals of deep overlaps turn as bodies part."""
 
 ROUNDS = 30
 """Gauss-Seidel rounds over the contacts of one pass."""
@@ -34,7 +34,7 @@ GOOD = -1e-7
 
 @kernel
 def share_of(masses: Masses, b: int, evenly: bool) -> float:
-    """By what a push of body b is multiplied: ``evenly``, by its mass, so that bodies of one shape yield alike."""
+    """Factor on displacements of body b: with ``evenly`` its mass, so that bodies of one shape yield alike; else 1."""
     return 1.0 / masses.inverse_mass[b] if evenly and masses.inverse_mass[b] > 0.0 else 1.0
 
 
@@ -90,7 +90,7 @@ def unsqueeze(
                 put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
                 place(geometry, memory.trial, b)
     for b in range(memory.moving.shape[0]):
-        # rows of who does not move are those of its velocity again
+        # for bodies at rest these rows hold their velocities again, which contacts read
         put_row(linear, b, row(velocities.linear, b))
         put_row(angular, b, row(velocities.angular, b))
     return worst

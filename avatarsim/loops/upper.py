@@ -1,11 +1,11 @@
-"""The upper loop of the paper's Figure 3: simulated bodies move for one frame, from collision to collision.
+"""Event-driven rigid-body simulation: the upper loop of Schmidl and Lin 2004 (Figure 3), from collision to collision.
 
-Touching points -> impacts of this instant (eqs 7 to 10) -> forces constant until the next event -> forward to the next time of
-impact; for every island of bodies by itself, the one that is behind first.
+Contacts -> impacts of this instant (eqs 7 to 10) -> contact forces constant until the next event -> advance to the next time of
+impact; island by island, the one whose clock is farthest behind first.
 """
 
 from avatarsim.impact.events import Events
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.island_step import step
 from avatarsim.loops.islands import behind
 from avatarsim.loops.upper_memory import DONE, NOT_FINITE, OUT_OF_SEGMENTS, STATUS_NAMES, Memory, Switches
@@ -46,7 +46,7 @@ def advance(
         return DONE
     memory.frames[0] += 1
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
-    status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.everybody, 0.0, dt), 0.0, 0
+    status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt), 0.0, 0
     if status == NOT_FINITE:
         return status
     for _ in range(STEPS_CAP * bodies):
@@ -57,9 +57,9 @@ def advance(
         outcome = step(geometry, dynamics, poses, velocities, dt, i, memory, events, switches)
         if outcome == NOT_FINITE:
             return NOT_FINITE
-        # AGAIN is below all of them, and the worst is told
+        # AGAIN is below all statuses; the worst is returned
         status = max(status, outcome)
-    go_on(velocities, memory, memory.everybody)
+    go_on(velocities, memory, memory.all_bodies)
     show_tails(velocities, memory, dt)
     for b in range(bodies):
         if memory.moving[b] == 1:

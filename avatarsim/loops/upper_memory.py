@@ -1,4 +1,4 @@
-"""Everything the upper loop of Figure 3 keeps: allocated once per world, nothing while frames run."""
+"""State and working memory of the upper loop (Figure 3): allocated once per world, nothing while frames run."""
 
 from typing import NamedTuple
 
@@ -9,6 +9,7 @@ from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
 from avatarsim.impact.contacts import ROOM, ROOM_PER_BODY, Contacts, make_contacts, pace_of
 from avatarsim.impact.masses import Masses
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.loops.islands import Islands, make_islands
 from avatarsim.loops.last_forces import LastForces, make_last_forces
 from avatarsim.loops.soonest import Soonest, make_soonest
@@ -26,18 +27,18 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 DRIVEN_TOUCH = 4e-4
-"""Gap [m] below which a driven body touches, or twice the stand-off that it keeps if that is more: below the stand-off it could
-push nothing."""
+"""Gap [m] below which a driven body has contacts, or twice its stand-off if that is more: at a gap below the stand-off it would
+never push anything."""
 
 ROOM_TO_TOUCH = 1.25
-"""Share of that gap that near pairs are looked for in: 1, and rounding decides who is near."""
+"""Broad-phase margin of driven bodies, as a multiple of that gap. At 1 rounding would decide whether a pair is near."""
 
 BLOCKED_ROOM = 64
-"""Blocked pairs remembered at once."""
+"""Most blocked pairs recorded at once."""
 
 PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
 """Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
-each. What finds no room is not looked at, and falls through: the status says so."""
+each. A pair without room is not checked, so its bodies pass through each other: the status says so."""
 
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
@@ -54,9 +55,9 @@ STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squ
     BLOCKED, WORK,
 ) = range(15)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
-was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position corrections, sweeps, most
-contacts of an island, most islands, plastic steps, bodies that these stopped, pairs found blocked, and work in units of about
-a tenth of a microsecond."""
+was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
+most contacts of an island, most islands, fallback steps, bodies that these stopped, pairs found blocked, and work in units of
+about a tenth of a microsecond."""
 
 COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
@@ -78,81 +79,81 @@ class Memory(NamedTuple):
     """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
 
     strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
-    the centre of mass. trial: poses used while looking for impacts; between frames they are those last seen. owed_linear,
+    the centre of mass. trial: poses used while searching for impacts; between frames those of the last frame. owed_linear,
     owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`. began: poses at
-    the start of each body's last segment. joins (nb) 1 for who holds islands together; corrected (nb) time of the last correction
-    of positions; when (room) time of the first event of each near pair; everybody (nb) all numbers of bodies;
-    blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which anybody is; frames (1) so far;
+    the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected (nb) time of
+    the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies (nb);
+    blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which a pair counts as blocked; frames (1) so far;
     edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
     newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
-    margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body touches; soonest: near pairs while some stop,
-    see `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities with which driven bodies came to where they are.
+    margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body has contacts; soonest: event queue, see
+    `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven bodies.
     """
 
-    received: Array
-    moving: Index
-    asleep: Index
-    ball: Index
-    round: Index
-    held: Index
+    received: Vectors
+    moving: IndexLine
+    asleep: IndexLine
+    ball: IndexLine
+    round: IndexLine
+    held: IndexLine
     strike: Masses
     hold: Masses
-    inertia: Array
-    reach: Array
-    span: Array
+    inertia: Matrices
+    reach: Line
+    span: Line
     trial: Poses
     paths: Paths
     series: Series
     contacts: Contacts
     manifold: Manifold
     scratch: Scratch
-    linear_end: Array
-    angular_end: Array
-    before: Array
-    direction: Array
-    boxes: Array
+    linear_end: Vectors
+    angular_end: Vectors
+    before: Vectors
+    direction: Vectors
+    boxes: Grid
     wanted: PairFilter
     sweep: SweepMemory
-    pairs: Index
-    a_rows: Array
-    b_rows: Array
+    pairs: IndexGrid
+    a_rows: Grid
+    b_rows: Grid
     last: LastForces
-    counts: Index
-    owed_linear: Array
-    owed_angular: Array
-    owing: Index
+    counts: IndexLine
+    owed_linear: Vectors
+    owed_angular: Vectors
+    owing: IndexLine
     began: Poses
     islands: Islands
-    joins: Index
-    corrected: Array
-    when: Array
-    everybody: Index
-    blocked: Index
-    clogged: Index
-    frames: Index
-    edges: Array
-    tail_end: Array
-    tail_speed: Array
-    newest: Index
-    older: Index
-    margin: Array
-    touch: Array
+    joins: IndexLine
+    corrected: Line
+    when: Line
+    all_bodies: IndexLine
+    blocked: IndexGrid
+    clogged: IndexLine
+    frames: IndexLine
+    edges: Grid
+    tail_end: Line
+    tail_speed: Vectors
+    newest: IndexLine
+    older: IndexGrid
+    margin: Line
+    touch: Line
     soonest: Soonest
-    shown_linear: Array
-    shown_angular: Array
+    shown_linear: Vectors
+    shown_angular: Vectors
 
 WORKING = (
     *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
     "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
-    "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.everybody",
+    "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.all_bodies",
     "memory.margin", "memory.touch",
     "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.soonest", "memory.newest", "memory.older",
     "memory.a_rows", "memory.b_rows", "memory.edges", "memory.when", "memory.before", "memory.direction", "memory.boxes",
     "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
     "memory.islands.pair_first", "memory.islands.label", "memory.islands.mark",
 )
-"""What a snapshot leaves out: points of contact, which each segment finds anew (but for the work done since it was last counted),
-what never changes, and what each frame fills before it reads it. What a sweep finds does not depend on what it knows."""
+"""Fields that a snapshot leaves out: contact points, which each segment finds anew (but for the work not yet counted), constants,
+and working memory that each frame fills before it reads it. The pairs of a broad phase do not depend on its memory."""
 
 
 def make_memory(
@@ -199,7 +200,7 @@ def make_memory(
         last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),
         owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
         began=Poses(*(field.copy() for field in poses)), islands=make_islands(n, room), joins=np.zeros(n, np.int64),
-        corrected=np.zeros(n), when=np.zeros(room), everybody=np.arange(n, dtype=np.int64),
+        corrected=np.zeros(n), when=np.zeros(room), all_bodies=np.arange(n, dtype=np.int64),
         blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),

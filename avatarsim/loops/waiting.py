@@ -1,7 +1,8 @@
-"""What meets a driven body that gives way: the body waits, and the driven one gets no more than its mass can take.
+"""Deferred impacts: a body that approaches a yielding driven body stops there for this frame and gets its velocity back after it.
 
-Poses of driven bodies change in the lower loop only. A heavy body that throws a hand back is still faster than the hand's pose
-within this frame; it stops at it, keeps its velocity and goes on in the next one. Momentum stays what eqs 7 to 10 made it.
+Poses of driven bodies change in the lower loop only. A heavy body that strikes a hand may be faster than the hand's pose, which
+stays until the next frame: it is stopped at the hand, and the velocity taken from it is owed to it. Momentum stays as eqs 7 to 10
+made it, and the driven body receives no more than its coupled mass can take.
 """
 
 import numpy as np
@@ -12,7 +13,7 @@ from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, ve
 from avatarsim.impact.impact_queue import same_pair
 from avatarsim.impact.pushing import push
 from avatarsim.impact.resting import STAND_OFF, SWEEPS
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
 from avatarsim.world.dynamics import Dynamics, Velocities
@@ -20,17 +21,17 @@ from avatarsim.world.dynamics import Dynamics, Velocities
 Index = NDArray[np.int64]
 
 ENOUGH = 1e-8
-"""Accuracy [m/s] to which bodies wait: within a frame they come nearer by a tenth of a nanometre, far less than the stand-off."""
+"""Accuracy [m/s] to which bodies are stopped: in a frame they come nearer by a tenth of a nanometre, much below the stand-off."""
 
 MOST_ELASTIC = 2.0
-"""1 + e of eq. 9 at e = 1: against the heaviest body a mass m that is met at v takes 2 m v, and never more."""
+"""1 + e of eq. 9 at e = 1: a mass m that is met at v by the heaviest body receives 2 m v, and never more."""
 
 
 @kernel
 def wait(velocities: Velocities, memory: Memory, members: Index, left: float) -> None:
     """Take from simulated bodies the velocity with which they would enter driven ones in ``left`` seconds; it is owed to them.
 
-    The stand-off of the driven body is there to be used: who would only come nearer goes on.
+    Half of the gap to the driven body may be closed: slower bodies go on.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 1
@@ -95,7 +96,7 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
 
 @kernel
 def hand_over(dynamics: Dynamics, velocities: Velocities, memory: Memory) -> None:
-    """Add the contact forces of a segment to what driven bodies received. What they could not take the others are owed."""
+    """Add the contact forces of a segment to the impulses of driven bodies; what these cannot take is owed to the others."""
     contacts = memory.contacts
     count, first = contacts.used[0], 0
     contacts.standing[0] = 0

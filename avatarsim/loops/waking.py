@@ -1,10 +1,10 @@
-"""Who moves in this frame, and who could meet whom: begins a frame of the upper loop and finds its near pairs."""
+"""Sleeping and broad phase of the upper loop: begins a frame, wakes bodies beside driven ones that moved, finds near pairs."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.status import NOT_FINITE as SWEEP_NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import go_back
 from avatarsim.loops.islands import due_of, part
 from avatarsim.loops.rubbing import note_shown
@@ -23,9 +23,9 @@ Index = NDArray[np.int64]
 def begin(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, sleeping: bool
 ) -> int:
-    """Find out who is awake, wake who is beside a driven body that moved, and return how many bodies will move in dt seconds.
+    """Mark the moving bodies, wake those beside a driven body that moved, and return how many will move in dt seconds.
 
-    Of a body that is fixed or sleeps nothing but its flags is read: thousands of them may lie about.
+    Only the flags of fixed and sleeping bodies are read, of which there may be thousands.
     """
     moving, asleep = memory.moving, memory.asleep
     memory.counts[:] = 0
@@ -37,7 +37,7 @@ def begin(
             asleep[b], moving[b] = 0, 1
         else:
             moving[b] = 0
-        # whoever fell asleep in the last frame is made ready once more, at rest now
+        # a body that fell asleep in the last frame is reset once more, now at rest
         if moved or moving[b] == 1 or role == DRIVEN:
             make_ready(velocities, memory, b)
     for b in range(bodies):
@@ -50,7 +50,7 @@ def begin(
 
 @kernel
 def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
-    """Forget the last frame of body b."""
+    """Reset the per-frame state of body b."""
     nothing = (0.0, 0.0, 0.0)
     put_row(memory.received, b, nothing)
     put_row(memory.owed_linear, b, nothing)
@@ -59,14 +59,14 @@ def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
     memory.islands.spent[b], memory.islands.charged[b] = 0, 0
     memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
     memory.corrected[b] = -1.0
-    # contacts with what does not move read these rows too
+    # contacts with bodies at rest read these rows too
     put_row(memory.linear_end, b, row(velocities.linear, b))
     put_row(memory.angular_end, b, row(velocities.angular, b))
 
 
 @kernel
 def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: float, memory: Memory, b: int) -> None:
-    """If driven body b was moved, or moves, wake who sleeps beside it, and take over where it is and how fast it came there."""
+    """If driven body b was moved, or moves: wake bodies that sleep beside it, and take over its pose and displayed velocity."""
     trial = memory.trial
     same = stands(velocities.linear, velocities.angular, b)
     for i in range(3):
@@ -87,16 +87,16 @@ def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: 
 
 @kernel
 def regroup(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, who: Index, now: float,
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, chosen: Index, now: float,
     dt: float,
 ) -> int:
-    """Let ``who`` promise where it stays from ``now`` to the end of the frame, and form the islands that follow.
+    """Bound the motion of these bodies from ``now`` to the end of the frame anew, and form the islands that follow.
 
-    An island that somebody joins goes back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
+    Bodies of an island that is joined by one at ``now`` are rolled back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
     """
     memory.counts[SWEEPS] += 1
     status, count = near_pairs(
-        poses.hulls, poses.position, memory.span, who, memory.moving, memory.asleep, velocities.linear, velocities.angular,
+        poses.hulls, poses.position, memory.span, chosen, memory.moving, memory.asleep, velocities.linear, velocities.angular,
         dynamics.gravity, dt - now, memory.margin[0], memory.wanted, memory.boxes, memory.sweep, memory.pairs,
     )
     if status == SWEEP_NOT_FINITE:
@@ -109,7 +109,7 @@ def regroup(
         memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
     part(islands, memory.pairs, min(count, room), memory.moving, memory.joins)
     memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
-    # at the start of a frame too: who went to its end at once may be joined by who has yet to begin
+    # at the start of a frame too: an island already at the end of the frame may be joined by bodies at its start
     for b in range(memory.moving.shape[0]):
         if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
             go_back(geometry, poses, velocities, memory, b, now)

@@ -1,4 +1,4 @@
-"""The end of a bouncing ball in closed form: the infinitely many bounces that are too low to be told apart from rest.
+"""Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be told apart from rest.
 
 After an impact from which a ball rebounds with v, too slowly to leave its stand-off, all flights to come take 2 v / (g (1 - e))
 together. For that long it lies where it is, with the speed v of its last rebound; then it is at rest.
@@ -11,7 +11,7 @@ from avatarsim.impact.contacts import Contacts, axis
 from avatarsim.impact.events import APPROACH, IMPACT, Events
 from avatarsim.impact.impact_queue import REST_SPEED
 from avatarsim.impact.relative_velocity import velocity_after
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.clocks import witness
 from avatarsim.loops.upper_memory import Memory
 from avatarsim.spatial.vec3 import add, dot, put_row, row, scale
@@ -56,7 +56,7 @@ def end_tails(
     geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index, now: float,
     keep: bool,
 ) -> None:
-    """Let the tails of members end that end now; ``keep``: as an event of the ball alone."""
+    """End the tails of members that end now; with ``keep`` that is recorded, as an event of the ball alone."""
     for m in range(members.shape[0]):
         b = members[m]
         if NONE < memory.tail_end[b] <= now:
@@ -78,7 +78,7 @@ def until_tail_ends(memory: Memory, members: Index, now: float, left: float) -> 
 
 @kernel
 def show_tails(velocities: Velocities, memory: Memory, dt: float) -> None:
-    """At the end of a frame of dt seconds: who is in its tail shows its speed."""
+    """At the end of a frame of dt seconds: a ball within its tail is shown with its rebound speed."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > dt:
             memory.tail_end[b] -= dt
@@ -89,7 +89,7 @@ def show_tails(velocities: Velocities, memory: Memory, dt: float) -> None:
 
 @kernel
 def take_up_tails(velocities: Velocities, memory: Memory) -> None:
-    """At the begin of a frame: who is in its tail lies still, unless somebody gave it another velocity."""
+    """At the start of a frame: a ball within its tail is at rest, unless its velocity was set to another one meanwhile."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > NONE:
             same = True

@@ -1,1 +1,1 @@
-"""Motion: reads velocities, writes poses."""
+"""Motion: paths of rigid bodies and their times of impact. Reads velocities, writes poses."""

@@ -1,8 +1,8 @@
-"""Two edges that cross: the plane along both of them, which turns as they do and with neither body.
+"""Conservative advancement of two crossing edges: the separating plane spanned by both, which turns with neither body alone.
 
-A plane that turns with one body is left at once by an end of the other's edge, although nobody touches there. The plane along
-both edges has both ends of each on it for ever; what is to be watched is the distance of the edges' lines, and that no other
-corner comes down to the plane.
+Through a plane that turns with one body an end of the other's edge passes at once, although it is beyond the contact.
+The plane spanned by both edges always holds both ends of each; what remains to be bounded is the distance of the edges' lines,
+and that no other corner reaches the plane.
 """
 
 from math import sqrt
@@ -10,7 +10,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import Paths, acceleration
 from avatarsim.motion.safe_step import earliest_touch, turning
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, row, scale, sub
@@ -23,7 +23,7 @@ ON_PLANE = 1e-6
 """Height [m] up to which a corner lies on the plane. Larger: edges that lie on faces count as edges that cross."""
 
 HORIZONS = 6
-"""Times the horizon of the bounds is shortened when looking for the longest safe step."""
+"""Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
 
 TURN_LEFT = 0.6
 """Part of a corner's slope over the plane by which the plane may turn: c (1 - f^2 / 2) >= d f for f = 0.6 c / d, c <= d."""

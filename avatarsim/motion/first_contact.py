@@ -1,7 +1,8 @@
-"""When do two moving bodies first touch? The same search as the upper loop's, for anybody, with tolerances and statuses.
+"""Continuous collision detection of two bodies: conservative advancement (Mirtich 1996) with accelerations, as a public query.
 
-A pair of pieces is followed until its gap has come down to the stand-off: that is ``time``, never late, without overlap.
-The search goes on to a thousandth of the stand-off: that is ``contact``, when the surfaces meet, never late but by rounding.
+The search is that of the upper loop, with tolerances and statuses of its own. A pair of pieces is advanced until its gap has come
+down to the stand-off: that is ``time``, never late, without overlap. The search goes on to a thousandth of the stand-off: that is
+``contact``, when the surfaces meet, never late but by rounding.
 """
 
 from math import inf, isfinite
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.free_rotation import STEPS_CAP, TURN, Series
 from avatarsim.motion.path import FREE, Paths, move_along
 from avatarsim.motion.time_of_impact import (
@@ -36,7 +37,7 @@ from avatarsim.world.geometry import Geometry, Poses
 Array = NDArray[np.float64]
 
 ROUNDING, ROUNDING_FAR = 64.0 * 2.220446049250313e-16, 4.0 * 2.220446049250313e-16
-"""Parts of size and coordinates below which a gap is nothing but rounding: pieces so near touch, and do not overlap."""
+"""Parts of size and coordinates below which a gap is rounding: pieces so near touch, and do not overlap."""
 
 CONTACT = 1e-3
 """Part of the stand-off at which the surfaces count as met: 1e-11 s at 2 m/s."""
@@ -70,7 +71,7 @@ class Found(NamedTuple):
 
 @kernel
 def tumbles_too_far(angular: Array, paths: Paths, b: int, t: float) -> bool:
-    """Whether body b turns so far in t seconds that `tumbled` gives up."""
+    """Whether body b turns farther in t seconds than `tumbled` integrates."""
     return bool(paths.kind[b] == FREE and paths.round[b] == 0 and not (norm(row(angular, b)) * t < TURN * STEPS_CAP))
 
 

@@ -1,4 +1,4 @@
-"""Torque-free rotation to rounding error: Euler's equations and the quaternion as Taylor series."""
+"""Torque-free rotation, exact to rounding: Taylor series of Euler's equations and of the orientation quaternion."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, Vectors
 from avatarsim.spatial.tangent import Columns, about, product, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, put_row, row, scale
 
@@ -29,9 +30,9 @@ NEGLIGIBLE = 1e-17
 class Series(NamedTuple):
     """Taylor coefficients: momentum and rate in body axes (ORDER + 1, 3), quaternion (ORDER + 1, 4)."""
 
-    momentum: Array
-    rate: Array
-    quaternion: Array
+    momentum: Vectors
+    rate: Vectors
+    quaternion: Grid
 
 
 def make_series() -> Series:

@@ -1,4 +1,7 @@
-"""Contact manifolds: where the touching features of two convex shapes face each other, at most eight points."""
+"""Contact manifolds of two convex shapes: their touching features clipped against each other, at most eight points.
+
+Clipping is that of Sutherland and Hodgman (1974), see `motion.polygon`.
+"""
 
 from math import cos, inf, pi, sin
 from typing import NamedTuple
@@ -6,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Vectors
 from avatarsim.motion.polygon import clip, copy_row, flat, slope, to_segment, wrap
 from avatarsim.spatial.vec3 import (
     Rows,
@@ -46,23 +50,23 @@ LEANING = 1e-2
 EVEN = 1e-9
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
 
-NOBODY, FACE_OF_A, FACE_OF_B = 0, 1, 2
-"""Whose face a contact normal belongs to and turns with."""
+NO_FACE, FACE_OF_A, FACE_OF_B = 0, 1, 2
+"""Face that a contact normal belongs to and turns with: none, one of A, one of B."""
 
 
 class Manifold(NamedTuple):
-    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], whose face the normal belongs to (1):
-    one of NOBODY, FACE_OF_A, FACE_OF_B; the rest are polygons (u, v, height)."""
+    """Working memory and result: points on A and on B (8, 3) [m], their gaps (8) [m], the face that the normal belongs to (1):
+    0 for none, FACE_OF_A or FACE_OF_B; the rest are polygons (u, v, height)."""
 
-    on_a: Array
-    on_b: Array
-    gap: Array
-    face: NDArray[np.int64]
-    loose: Array
-    face_a: Array
-    face_b: Array
-    cut: Array
-    other: Array
+    on_a: Vectors
+    on_b: Vectors
+    gap: Line
+    face: IndexLine
+    loose: Vectors
+    face_a: Vectors
+    face_b: Vectors
+    cut: Vectors
+    other: Vectors
 
 
 def make_manifold() -> Manifold:
@@ -165,7 +169,7 @@ def manifold(
     """
     lone_a = shapes.kind[a] != POINTS or shapes.start[a + 1] - shapes.start[a] == 1
     lone_b = shapes.kind[b] != POINTS or shapes.start[b + 1] - shapes.start[b] == 1
-    found.face[0] = NOBODY
+    found.face[0] = NO_FACE
     if lone_a or lone_b:
         if lone_a != lone_b:
             found.face[0] = FACE_OF_B if lone_a else FACE_OF_A

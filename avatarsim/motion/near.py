@@ -1,11 +1,11 @@
-"""Which bodies could meet in the time that is left: boxes grown by the motion, swept and pruned; and who must wake up."""
+"""Broad phase of simulated bodies: sweep and prune over AABBs that bound the motion to the end of the frame; wakes sleepers."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.sweep import sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import FREE, STILL, Paths
 from avatarsim.spatial.vec3 import dot, norm, row
 from avatarsim.world.pair_filter import PairFilter, may_meet
@@ -15,16 +15,16 @@ Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 MARGIN, NARROW, PART = 5e-4, 1e-5, 0.05
-"""Added to every box [m]. Above the bands in which bodies touch (1e-6, driven ones 4e-4); smaller: more sweeps for bodies that
-tremble; larger: more pairs. Where nobody is driven and somebody is smaller than a centimetre, it is the last part of the smallest
-one's radius, but at least the second: or neighbours ten radii apart are one island."""
+"""Margin added to every box [m]. Above the gaps at which bodies touch (1e-6, driven ones 4e-4); smaller: more broad phases for
+bodies that tremble; larger: more pairs. In a world without driven bodies and with one smaller than a centimetre, it is PART of
+the smallest radius, but at least NARROW: else neighbours ten radii apart form one island."""
 
 SMALL_TURN = 0.3
-"""Turns below this [rad] grow the box by the way of the farthest point; larger ones by the whole ball around the body."""
+"""Turns below this [rad] grow the box by the arc of the farthest point; larger ones to the whole bounding ball."""
 
 
 def margin_for(span: Array, simulated: Flags, driven: bool) -> float:
-    """What to add to every box of a world [m]; ``simulated`` (nb) says who is, ``driven`` whether anybody is driven."""
+    """Margin of every box of a world [m]; ``simulated`` (nb): True for simulated bodies, ``driven``: there is a driven one."""
     if driven or not simulated.any():
         return MARGIN
     return min(MARGIN, max(NARROW, PART * float(span[simulated].min())))
@@ -54,12 +54,12 @@ def turn_within(w: float, t: float) -> float:
 
 @kernel
 def promise(
-    hulls: Array, position: Array, span: Array, who: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
+    hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
     left: float, margin: float, boxes_out: Array,
 ) -> None:
-    """Boxes that every body in ``who`` promises to stay in for ``left`` seconds, if nothing hits it."""
-    for m in range(who.shape[0]):
-        b = who[m]
+    """Box of every body of the list that bounds its motion for ``left`` seconds, if nothing hits it."""
+    for m in range(chosen.shape[0]):
+        b = chosen[m]
         if moving[b] == 1:
             turn = turn_within(norm(row(angular, b)), left)
             grow(hulls, position, span, b, linear, gravity, turn, left, margin, boxes_out)
@@ -73,7 +73,7 @@ def keeps_promise(
     hulls: Array, position: Array, span: Array, b: int, linear: Array, angular: Array, paths: Paths, t: float, margin: float,
     boxes: Array,
 ) -> bool:
-    """Whether the path of body b stays in its promised box for t seconds."""
+    """Whether the path of body b stays in its motion bound for t seconds."""
     if paths.kind[b] == STILL:
         return True
     w = norm(row(angular, b))
@@ -83,7 +83,7 @@ def keeps_promise(
         low, high = position[b, k] - span[b], position[b, k] + span[b]
         if turn < SMALL_TURN:
             low, high = max(low, hulls[b, k] - turn * span[b]), min(high, hulls[b, 3 + k] + turn * span[b])
-        # a path less half the margin must fit: the other half is what `touch` may look for
+        # half of the margin is left for the gap at which contacts are found
         if not (low - way >= boxes[b, k] and high + way <= boxes[b, 3 + k]):
             return False
     return True
@@ -91,14 +91,14 @@ def keeps_promise(
 
 @kernel
 def near_pairs(
-    hulls: Array, position: Array, span: Array, who: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
+    hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
     gravity: Array, left: float, margin: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
-    """Sweep the promised boxes, those of ``who`` made anew; whoever sleeps near a moving body wakes.
+    """Near pairs by sweep and prune over the motion bounds, anew for the listed bodies; wakes sleepers near moving bodies.
 
-    Returns (status of the sweep, number of pairs).
+    Returns (status of the broad phase, number of pairs).
     """
-    promise(hulls, position, span, who, moving, linear, angular, gravity, left, margin, boxes)
+    promise(hulls, position, span, chosen, moving, linear, angular, gravity, left, margin, boxes)
     while True:
         status, count = sweep_and_prune(boxes, wanted, sweep, pairs)
         woken = 0
@@ -124,7 +124,7 @@ def boxes_near(a: Array, b: Array, i: int, k: int, margin: float) -> bool:
 
 @kernel
 def wake_beside(old: Array, new: Array, b: int, margin: float, wanted: PairFilter, asleep: Index, moving: Index) -> None:
-    """Wake who sleeps near body b, which somebody moved: where it was (hulls ``old``) or where it is (``new``)."""
+    """Wake the bodies that sleep near body b, which was moved: near where it was (hulls ``old``) or where it is (``new``)."""
     for s in range(asleep.shape[0]):
         beside = asleep[s] == 1 and s != b and (boxes_near(old, new, b, s, margin) or boxes_near(new, new, b, s, margin))
         if beside and may_meet(wanted, s, b):

@@ -1,4 +1,4 @@
-"""Where a body is during one segment: constant force in closed form, free rotation by its series."""
+"""Path of a rigid body over one segment: constant accelerations in closed form, torque-free rotation by Taylor series."""
 
 from math import cos, sin, sqrt
 from typing import NamedTuple
@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine, Line, Matrices, Vectors
 from avatarsim.motion.free_rotation import Series, spun, tumbled
 from avatarsim.spatial.tangent import columns, put_columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, put_row, row, scale
@@ -26,15 +27,15 @@ class Paths(NamedTuple):
     inertia, inverse_inertia (nb, 3, 3) in body axes; time (nb) [s] at which `trial` poses stand; v, w (nb, 3) velocities then.
     """
 
-    kind: Index
-    linear: Array
-    angular: Array
-    round: Index
-    inertia: Array
-    inverse_inertia: Array
-    time: Array
-    v: Array
-    w: Array
+    kind: IndexLine
+    linear: Vectors
+    angular: Vectors
+    round: IndexLine
+    inertia: Matrices
+    inverse_inertia: Matrices
+    time: Line
+    v: Vectors
+    w: Vectors
 
 
 def make_paths(inertia: Array, inverse_inertia: Array, round_: Index) -> Paths:

@@ -1,9 +1,12 @@
-"""Convex polygons in a plane: hull of a few points, clipping of one by another. Rows are (u, v, height)."""
+"""Convex polygons in a plane: hull by gift wrapping, clipping of one by another (Sutherland and Hodgman 1974).
+
+Rows are (u, v, height).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Array = NDArray[np.float64]
 

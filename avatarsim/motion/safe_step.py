@@ -1,11 +1,11 @@
-"""How long the vertices of one shape surely stay above a plane: heights with true accelerations, what comes after bounded."""
+"""Step of conservative advancement: time in which no vertex reaches a plane, by velocity, acceleration and bounded jerk."""
 
 from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import FREE, HELD, STILL, Paths, acceleration
 from avatarsim.spatial.vec3 import Vec3, cross, norm, row, sub
 from avatarsim.world.geometry import Geometry
@@ -14,7 +14,7 @@ from avatarsim.world.shapes import POINTS
 Array = NDArray[np.float64]
 
 HORIZONS = 8
-"""Times the horizon of the bounds is shortened when looking for the longest safe step."""
+"""Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
 
 ROUNDED = 1e-9
 """Part of an arm by which its distance from the axis may be off: rounding, with room."""

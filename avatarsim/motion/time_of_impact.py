@@ -1,7 +1,7 @@
-"""Time of impact by advancement with true accelerations: never late, and exact to the tolerance.
+"""Time of impact by conservative advancement (Mirtich 1996) with exact accelerations: a lower bound, exact to the tolerance.
 
-At an instant a plane that touches one shape is made to turn with it, and every vertex of the other is followed over that plane:
-height, velocity and acceleration are the true ones, what comes after is bounded. While all are above, the shapes are apart.
+In each round a plane that touches one shape turns with its body, and the height of every vertex of the other over that plane is
+bounded from below: velocity and acceleration are exact, the jerk is bounded. While all heights are positive the shapes are apart.
 Without rotation the bound is the motion itself and two or three rounds find the impact.
 """
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import NOT_FINITE
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.edge_plane import edge_step, edges_apart
 from avatarsim.motion.free_rotation import Series
 from avatarsim.motion.path import HELD, STILL, Paths, acceleration, move_along, spinning
@@ -39,8 +39,8 @@ DIP = -2.5e-7
 rocking boxes; lower: overlap that one can measure, the promise being 1e-6."""
 
 CREEP = 4e-9
-"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, or such a pair has an
-event at once, for ever; resting forces lift it in the meantime."""
+"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, else such a pair has an
+event at once, again and again; resting forces lift it in the meantime."""
 
 TOUCH = 1e-6
 """Gap [m] below which a pair counts as touching at the start of its path."""
@@ -56,10 +56,10 @@ ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
 UNKNOWN = 0.0
-"""Of a pair of which it is not known that it passes over a seam."""
+"""Depth of a pair that is not known to be at an internal edge (`loops.seams`)."""
 
 STALLED = 1e-13
-"""A safe step shorter than this [s] is none: even at 1 km/s nothing gets on by a tenth of a nanometre."""
+"""Advancement has stalled at a safe step shorter than this [s]: at 1 km/s that is a tenth of a nanometre."""
 
 CLEAR, IMPACT, DIPPED, BROKEN, SPENT, OVERLAPPING = range(6)
 """Outcome: no event before the horizon; two bodies met; resting bodies came too close; a pose or velocity is not finite; the
@@ -78,7 +78,7 @@ def slowest_touch(rows: Array, count: int) -> float:
 
 @kernel
 def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -> float:
-    """How far [m] any point of body b can get in h seconds; ``reach`` (nb) is its largest radius about the centre of mass."""
+    """Bound of the motion [m] of any point of body b in h seconds; ``reach`` (nb): largest radius about the centre of mass."""
     if paths.kind[b] == STILL:
         return 0.0
     way = h * (norm(row(paths.v, b)) + 0.5 * h * norm(row(paths.linear, b)))
@@ -101,7 +101,7 @@ def farthest(start: Poses, a: int, b: int) -> float:
 def margin_of(geometry: Geometry, paths: Paths, reach: Array, a: int, b: int, left: float, stand_off: float) -> float:
     """Gap [m] beyond which two bodies cannot meet in ``left`` seconds; nan or inf if a velocity is."""
     margin = reach_of(geometry, paths, reach, a, left) + reach_of(geometry, paths, reach, b, left) + 2.0 * stand_off
-    # the minimum in `reach_of` may hide what is not finite
+    # the minimum in `reach_of` may hide a velocity that is not finite
     return margin + 0.0 * (norm(row(paths.w, a)) + norm(row(paths.w, b)))
 
 
@@ -135,8 +135,8 @@ def safe_time(
     geometry: Geometry, angular: Array, paths: Paths, reach: Array, sa: int, sb: int, n: Vec3, target: float, left: float,
     horizon: float, trial: Poses, a_rows: Array, b_rows: Array, count_a: int, count_b: int,
 ) -> float:
-    """Time <= left during which the shapes surely keep ``target``: planes that turn with B and with A each prove a safe step, and
-    where a body turns, so do the balls that hold it however it tumbles; the longest holds. The rows are overwritten."""
+    """Time <= left during which the gap of the shapes stays above ``target``: the longest of the steps proved by a plane that
+    turns with B, by one that turns with A, and, for bodies that turn, by their bounding balls. The rows are overwritten."""
     a, b = geometry.body[sa], geometry.body[sb]
     ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
     step = longest_safe_step(a_rows, count_a, paths, a, b, ball_a, ball_b, target, horizon)
@@ -174,7 +174,7 @@ def slowest_edge(
     geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, trial: Poses,
     edges: Array,
 ) -> float:
-    """Velocity [m/s] at which two edges that face each other come apart; -inf if it is not edges that do."""
+    """Separation velocity [m/s] of two edges that face each other; -inf if the closest features are no such edges."""
     a, b = geometry.body[sa], geometry.body[sb]
     spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
     spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
@@ -188,7 +188,7 @@ def edge_time(
     geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, target: float,
     left: float, trial: Poses, edges: Array,
 ) -> float:
-    """As `safe_time`, by the plane along two edges that face each other; 0 if it is not edges that do."""
+    """As `safe_time`, by the plane along two edges that face each other; 0 if the closest features are no such edges."""
     a, b = geometry.body[sa], geometry.body[sb]
     spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
     spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
@@ -204,13 +204,13 @@ def time_of_impact(
     begin: float, h: float, depth: float, pace: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array,
     scratch: Scratch,
 ) -> tuple[int, float, int]:
-    """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, as the upper loop wants it.
+    """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, for the upper loop.
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.
         reach: (nb) largest distance of a body's points from its centre of mass, rounding radii left out [m].
-        depth: the gap [m] < 0 at which they have an event if they are known to pass over each other; else UNKNOWN.
-        pace: what LEAVING and RESTING are multiplied by.
+        depth: the gap [m] < 0 at which they have an event if they are known to be at an internal edge; else UNKNOWN.
+        pace: factor on LEAVING and RESTING.
         trial: poses, overwritten. a_rows, b_rows: (most vertices of a shape, 6), edges: (2, 6) working memory.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Vertices of one shape as seen over a plane that touches another and turns with it."""
+"""Heights of the vertices of one shape over a supporting plane of another that turns with it, with exact derivatives."""
 
 from math import sqrt
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.support import reach as reach_along
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.path import Paths, acceleration
 from avatarsim.motion.safe_step import arm_about
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, row, sub

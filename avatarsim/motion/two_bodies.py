@@ -1,14 +1,14 @@
-"""The door to `first_contact` for two bodies of a scene: arrays built once, then asked as often as wanted."""
+"""Continuous collision detection for users: `first_contact` of two bodies, with arrays built once for many queries."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.errors import InvalidInput
-from avatarsim.kernel import kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import kernel
 from avatarsim.motion.first_contact import Budget, Found, first_contact
 from avatarsim.motion.free_rotation import Series, make_series
 from avatarsim.motion.path import FREE, STILL, Paths, make_paths

@@ -1,1 +1,1 @@
-"""The printed method, stage by stage: end effectors and goals, cyclic coordinate descent, attraction. Writes joint angles."""
+"""Inverse kinematics as printed (Schmidl and Lin 2004): end effectors and goals, cyclic coordinate descent, attraction."""

@@ -1,4 +1,4 @@
-"""Coach and trainee: the shown joints are drawn to the tracker's, whatever pushed them away.
+"""Exponential attraction of the shown joints to the tracker's: coach and trainee of Schmidl and Lin 2004.
 
 A joint that is d away from the tracker's is d exp(-rate t) away after t seconds, at any frame rate: each frame takes the
 share 1 - exp(-rate dt) of what is left, and exp(-rate dt) exp(-rate dt') = exp(-rate (dt + dt')). A tracker that moves at a
@@ -7,7 +7,7 @@ constant speed v is followed at the steady distance v dt / (exp(rate dt) - 1), c
 
 from math import expm1
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
 from avatarsim.spatial.vec3 import put_row, row, scale
 from avatarsim.world.limits import has_cone, inside_cone
@@ -24,8 +24,8 @@ def share_of_way(rate: float, dt: float) -> float:
 def attract(skel: Skeleton, target: Posture, share: float, posture_out: Posture) -> None:
     """Move every joint by ``share`` of its way to ``target``, clipped to the limits; free roots are put at target.root [m].
 
-    Hinges go straight, balls and the orientation of free roots on the great circle. Where a root's place comes from (eq. 6)
-    is the caller's business.
+    Hinges go straight, balls and the orientation of free roots on the great circle. The position of a root (eq. 6) is set by the
+    caller.
     """
     for link in range(skel.kind.shape[0]):
         kind = skel.kind[link]

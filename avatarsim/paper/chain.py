@@ -1,4 +1,4 @@
-"""The chains of all avatars, from the trunk to the tips, and the seeded random order in which they are treated."""
+"""Kinematic chains of all avatars, from the trunk to the tips, and their seeded random order (Fisher-Yates shuffle)."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import FlagLine, IndexLine, Vectors
 from avatarsim.scene.avatar import Avatar
 from avatarsim.spatial.random import draw
 from avatarsim.world.geometry import Geometry
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 class Chains(NamedTuple):
-    """nc chains of an avatar's links, and what the loop needs to know of each of the nl links.
+    """nc chains of links, and what the lower loop needs of each of the nl links.
 
     first   (nc + 1) chain c has the links link[first[c]] .. link[first[c + 1] - 1], the one next to the trunk first
     link    link indices
@@ -26,11 +27,11 @@ class Chains(NamedTuple):
     limb    (nl, 3) from the joint to where the limb ends, in the link's frame [m]; zero if it has no direction
     """
 
-    first: Index
-    link: Index
-    trunk: NDArray[np.bool_]
-    root: Index
-    limb: Array
+    first: IndexLine
+    link: IndexLine
+    trunk: FlagLine
+    root: IndexLine
+    limb: Vectors
 
 
 def chains_of(avatars: Sequence[Avatar], geo: Geometry, skel: Skeleton) -> Chains:

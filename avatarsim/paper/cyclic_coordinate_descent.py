@@ -1,4 +1,4 @@
-"""Cyclic coordinate descent: turn one joint after the other, from the tip to the root, until the effector is at its goal."""
+"""Cyclic coordinate descent (Wang and Chen 1991): turns one joint after the other, from tip to root, towards the goal."""
 
 from math import inf
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.paper.joint_plane import joint_turn
 from avatarsim.paper.link_pose import pose_link
 from avatarsim.settings import PaperSettings
@@ -34,7 +34,7 @@ OUT_OF_SWEEPS: Final = 1
 """Still coming closer when the cap was reached."""
 
 STUCK: Final = 2
-"""No joint turns any more: limits are in the way, or the goal is out of reach. Nearest place that CCD can find."""
+"""No joint turns any more: limits block it, or the goal is out of reach. The effector is as near as CCD brings it."""
 
 SINGULAR: Final = 3
 """No joint turns although the goal is within reach: chain, effector and goal are on one line (CCD's own fixed point)."""
@@ -52,8 +52,8 @@ CCD_NAMES: Final = {
 """What to print for each status."""
 
 STRAIGHT: Final = 1e-6
-"""Sine of the angle below which two directions count as one. Larger: bent chains are called singular; smaller: CCD creeps out
-of near-singular ones, at its own slow pace."""
+"""Sine of the angle below which two directions count as one. Larger: bent chains are called singular; smaller: CCD leaves
+near-singular ones only slowly."""
 
 
 @kernel
@@ -181,11 +181,11 @@ def bend(
     skel: Skeleton, links: Index, first: int, last: int, angle: float, effector: Vec3, goal: Vec3, posture_out: Posture,
     poses_out: Poses, axes_out: Rows,
 ) -> Vec3:
-    """The way out of SINGULAR: bend every joint but those of links[first] by ``angle`` [rad], to the side where the limits leave
+    """Leave a SINGULAR posture: bend every joint but those of links[first] by ``angle`` [rad], to the side where the limits leave
     more room, then point the chain at the goal again without links[last]. Returns the effector.
 
-    On one line no joint has a side to turn to. Bent, and turned from further in, the chain has its outer joints off the line
-    to the goal and on the side to which they can bend; from there every sweep leads on.
+    With all joints on one line to the goal the gradient of every joint is zero. Bent, and turned from further in, the chain has
+    its outer joints off the line to the goal and on the side to which they can bend; from there every sweep makes progress.
     """
     tip = skel.first + links[last]
     held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))

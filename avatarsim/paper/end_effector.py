@@ -1,6 +1,6 @@
-"""Equations 2 and 3: where a link that overlaps is held, and where that place has to go."""
+"""End effector and goal of a link that overlaps (Schmidl and Lin 2004, eqs 2 and 3)."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Rows, Vec3, along, row, scale
 
 

@@ -1,4 +1,4 @@
-"""Take one link out of what it overlaps: contacts, end effector, goal, CCD (eqs. 2 to 5), and the nearly parallel link."""
+"""Overlap removal of one link by its joints (Schmidl and Lin 2004, eqs 2 to 5): contacts, end effector, goal, CCD."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from avatarsim.collide.scratch import PIECES_CAP, Scratch
 from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.collide.sweep import boxes_meet
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.paper.cyclic_coordinate_descent import NO_GOAL, descend, reach_goal
 from avatarsim.paper.end_effector import end_effector, goal_of
 from avatarsim.paper.link_pose import pose_link
@@ -25,10 +25,10 @@ ANY_DIRECTION = (0.0, 0.0, 0.0)
 
 @kernel
 def link_contacts(geo: Geometry, poses: Poses, body: int, points_out: Rows, scratch: Scratch) -> tuple[int, int, int]:
-    """All contacts c_il of a link (given as a body) with everything it overlaps, whatever body it belongs to.
+    """All contacts c_il of a link (given as a body) with all pieces of other bodies that it overlaps.
 
-    Points on the link's surface go to ``points_out``, depths and normals into the scratch as eq. 1 wants them. Pairs are
-    asked for in the order of the bodies, so the link is A or B; normals are turned to point into the link.
+    Points on the link's surface go to ``points_out``, depths and normals into the scratch, as input of eq. 1. Pairs are tested
+    in the order of the bodies, so the link is A or B; normals are turned to point into the link.
     Returns (status, contacts, queries); OUT_OF_ROOM and NOT_FINITE: use none of them.
     """
     worst, count, queries = CONVERGED, 0, 0

@@ -1,6 +1,6 @@
-"""Bring a posture that was made by interpolation back inside the limits of its joints."""
+"""Projection of an interpolated posture into the joint limits."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.world.limits import has_cone, inside_cone
 from avatarsim.world.skeleton import BALL, HINGES, Posture, Skeleton

@@ -1,8 +1,8 @@
-"""Equations 4 and 5: how far a joint must turn, seen in the plane at right angles to its axis."""
+"""Angle of one CCD step (Schmidl and Lin 2004, eqs 4 and 5): effector and goal projected into the plane of a joint."""
 
 from math import atan2
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, sub
 
 ON_AXIS = 1e-9

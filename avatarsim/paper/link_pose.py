@@ -1,6 +1,6 @@
-"""Pose of one link from its parent's: what CCD needs of the kinematics, without carrying any vertices along."""
+"""Forward kinematics of one link from its parent's pose, for CCD, without transforming vertices."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, add, put_row, row
 from avatarsim.world.geometry import Poses

@@ -1,4 +1,4 @@
-"""Convex pieces from meshes: `pieces_of_mesh`."""
+"""Approximate convex decomposition of meshes: `pieces_of_mesh`."""
 
 from avatarsim.pieces.found import Pieces
 from avatarsim.pieces.from_mesh import pieces_of_mesh

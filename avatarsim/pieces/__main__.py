@@ -1,4 +1,4 @@
-"""`python -m avatarsim.pieces MESH ...`: convex pieces of mesh files, and how well they stand for the meshes."""
+"""Command line of the convex decomposition, `python -m avatarsim.pieces MESH ...`: pieces of mesh files, with error bounds."""
 
 import argparse
 import json
@@ -74,7 +74,7 @@ def as_row(path: str, found: Pieces) -> str:
 
 
 def as_json(path: str, found: Pieces) -> str:
-    """Everything that was found but the vertices themselves."""
+    """The results as a dictionary, without the vertices."""
     return json.dumps({
         "mesh": path, "source": found.source, "pieces": len(found.pieces), "vertices": found.vertices, "size": found.size,
         "hausdorff": found.hausdorff, "uncovered": found.uncovered, "added": found.added, "reached": found.reached,

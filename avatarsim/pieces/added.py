@@ -1,4 +1,4 @@
-"""How far pieces stick out of a mesh, cavities that they fill included: a bound that no point of a piece exceeds."""
+"""One-sided Hausdorff distance from pieces to a mesh, filled cavities included: an upper bound by branch and bound over boxes."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Answers kept in the user's cache folder, by a hash of everything that shapes them; damage is found and made good.
+"""Cache of decompositions in the user's cache folder, by content hash of mesh and options; damaged entries are made anew.
 
 The folder is chosen and trusted as for compiled kernels (`avatarsim/cache_folder.py`), and entries are written and checked as
 theirs are (`avatarsim/cache_entry.py`).
@@ -26,7 +26,7 @@ NAME = "avatarsim-pieces"
 """What the folder of answers is called wherever it lies."""
 
 FORMAT = 2
-"""Raise it whenever the same mesh and wishes give other pieces than before, or the file looks different."""
+"""Version of the entries: raise it when the same mesh and options give other pieces than before, or the layout changes."""
 
 @dataclass(frozen=True, eq=False)
 class Answer:
@@ -39,7 +39,7 @@ class Answer:
 
 
 def key_of(mesh: Mesh, wishes: Wishes) -> str:
-    """Name of the entry: the mesh's numbers, the wishes, and the versions that shape the answer."""
+    """Content hash that names the entry: of the mesh's numbers, the options, and the versions that shape the answer."""
     try:
         by = version("coacd")
     except PackageNotFoundError:

@@ -1,6 +1,6 @@
-"""The process in which CoACD runs: `python -m avatarsim.pieces.coacd_process IN.npz OUT.npz`. Only here it is imported.
+"""Worker process of CoACD, the only module that imports it: `python -m avatarsim.pieces.coacd_process IN.npz OUT.npz`.
 
-A process of its own, because CoACD writes to the standard output, does not hear Ctrl-C, and may crash on a bad mesh.
+A process of its own, because CoACD writes to the standard output, ignores Ctrl-C, and may crash on a bad mesh.
 """
 
 import sys

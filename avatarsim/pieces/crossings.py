@@ -1,4 +1,4 @@
-"""Triangles of one mesh that go through one another: every edge against every triangle whose box it meets."""
+"""Self-intersections of a mesh: edges against triangles by signed volumes, for pairs from sweep and prune over their boxes."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ PAIRS_AT_ONCE = 2_000_000
 def crossing_pairs(vertices: Array, triangles: Indices) -> Indices:
     """Pairs (k, 2) of triangles without a common vertex, of which an edge of one goes through the other.
 
-    Vertices must be merged, or neighbours would count as strangers. Not found: triangles that overlap within one plane,
+    Vertices must be merged, else neighbours have no common vertex. Not found: triangles that overlap within one plane,
     and neighbours folded onto each other.
     """
     corners = vertices[triangles]

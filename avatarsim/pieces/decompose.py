@@ -1,4 +1,4 @@
-"""A mesh decomposed by CoACD, in a process of its own that is watched, and ended with us."""
+"""Approximate convex decomposition by CoACD (Wei et al. 2022), in a worker process that ends with its parent."""
 
 import os
 import re
@@ -27,7 +27,7 @@ _SHARE = re.compile(r"Processing \[([\d.]+)%\]")
 
 
 def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO | None) -> list[Array]:
-    """Vertices (n, 3) of convex hulls that stand for the meshes, in their unit. The same wishes give the same bits.
+    """Vertices (n, 3) of convex hulls that approximate the meshes, in their unit. The same options give the same bits.
 
     `remesh` first wraps each surface in a closed one. Raises MissingPackage without coacd, InvalidShape if CoACD fails.
     """
@@ -62,7 +62,7 @@ def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO 
 
 
 def _run(command: list[str], meshes: int, progress: Progress) -> tuple[list[str], int]:
-    """Run the process to its end: its last lines and its code. Ended with us, also by Ctrl-C."""
+    """Run the worker process to its end: its last lines and its exit code. It ends with this process, also by Ctrl-C."""
     # threads that wait without spinning: on a busy machine CoACD otherwise spends most of its time waiting
     calm = {"OMP_WAIT_POLICY": "PASSIVE", **os.environ}
     process = subprocess.Popen(

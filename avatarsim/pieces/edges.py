@@ -1,4 +1,4 @@
-"""Edges of a triangle mesh: is the surface closed, do its triangles face the same way, which hang together?"""
+"""Edge topology of a triangle mesh: closedness, orientation and connected components."""
 
 from dataclasses import dataclass
 

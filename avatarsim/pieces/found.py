@@ -1,4 +1,4 @@
-"""What came out: convex pieces for a body, and how well they stand for the mesh."""
+"""Result of a convex decomposition: convex pieces for a body, with bounds of their distance from the mesh."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Convex pieces of any mesh: as authored where they are convex already, decomposed where not, with a bound of the error."""
+"""Convex pieces of any mesh: as authored where already convex, else by approximate convex decomposition, with error bounds."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""The Hausdorff distance of pieces from a mesh, as a bound from above with the distance that is surely reached."""
+"""Hausdorff distance between pieces and a mesh: an upper bound, and a lower one that some point reaches."""
 
 from dataclasses import dataclass
 from functools import partial

@@ -1,4 +1,4 @@
-"""Convex hulls by qhull: their planes, how deep a surface lies beneath its hull, and hulls with fewer vertices."""
+"""Convex hulls by Qhull (Barber, Dobkin and Huhdanpaa 1996): planes, depth of a surface in its hull, hulls of fewer vertices."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Which points lie inside a surface of triangles: rays for closed surfaces, solid angles for open ones."""
+"""Point-in-mesh test: ray crossings for closed surfaces, generalised winding number for open ones (Jacobson et al. 2013)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ BUCKETS = 128
 """Most squares along each side of the grid that finds the triangles above a point. Fewer: more triangles per point."""
 
 AT_ONCE = 20_000
-"""Points asked about in one go, for the memory."""
+"""Most points tested in one batch, to bound the memory."""
 
 
 def inside_closed(points: Array, corners: Array) -> NDArray[np.bool_]:
@@ -37,9 +37,9 @@ def inside_closed(points: Array, corners: Array) -> NDArray[np.bool_]:
         place = ((some[:, :2] - low) // width).astype(np.int64)
         over = ((place >= 0) & (place < side)).all(axis=1)
         at = np.where(over, place[:, 0] * side + place[:, 1], 0)
-        who, step = ragged(np.where(over, starts[at + 1] - starts[at], 0))
-        turns = _crossings(some[who], triangles[listed[starts[at[who]] + step]])
-        found[begin : begin + AT_ONCE] = np.bincount(who, turns, minlength=len(some)) > 0.5
+        chosen, step = ragged(np.where(over, starts[at + 1] - starts[at], 0))
+        turns = _crossings(some[chosen], triangles[listed[starts[at[chosen]] + step]])
+        found[begin : begin + AT_ONCE] = np.bincount(chosen, turns, minlength=len(some)) > 0.5
     return found
 
 

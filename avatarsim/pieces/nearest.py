@@ -1,4 +1,4 @@
-"""How far points are from a surface of triangles: a bound from above and one from below, close together."""
+"""Distance of points from a triangle mesh, as close upper and lower bounds, by the triangles with the nearest middles."""
 
 import numpy as np
 

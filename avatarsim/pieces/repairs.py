@@ -1,4 +1,4 @@
-"""Is a mesh sound? What can be mended without changing the surface is mended and said; the rest is refused by name."""
+"""Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses all other faults."""
 
 from dataclasses import dataclass, replace
 

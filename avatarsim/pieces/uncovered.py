@@ -1,4 +1,4 @@
-"""How far the surface of a mesh sticks out of its pieces: a bound that no point of the surface exceeds."""
+"""One-sided Hausdorff distance from a mesh to its pieces: an upper bound by branch and bound over triangles."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What a user may ask for, checked at the door."""
+"""Options of the convex decomposition, checked for type and range."""
 
 from dataclasses import dataclass
 

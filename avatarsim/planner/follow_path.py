@@ -13,7 +13,7 @@ from avatarsim.ik.solve import activate
 from avatarsim.ik.sqp_step import copy_poses, scale_step
 from avatarsim.ik.state import Avatars, Budget, IkScratch, IkState, Mode
 from avatarsim.ik.target import copy_posture
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.sight import is_in_sight
 from avatarsim.planner.state import Plan
 from avatarsim.planner.tree import get_node

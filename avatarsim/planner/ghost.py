@@ -14,7 +14,7 @@ from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.sqp_step import copy_poses, sqp_step
 from avatarsim.ik.state import FORWARDS, Avatars
 from avatarsim.ik.target import copy_posture, largest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings

@@ -10,7 +10,7 @@ from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.objective import LOSS_RADIUS, value_of
 from avatarsim.ik.state import Avatars
 from avatarsim.ik.target import copy_posture
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.ghost import put_ghost
 from avatarsim.planner.state import Ghost
 from avatarsim.settings import PostureSettings

@@ -11,7 +11,7 @@ from avatarsim.ik.motion_budget import time_of
 from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.state import FORWARDS, Avatars
 from avatarsim.ik.target import copy_posture
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.goal_test import CLOSER
 from avatarsim.planner.state import GOAL_NODE, Ghost, Outcome, Phase, Plan
 from avatarsim.planner.tree import get_node

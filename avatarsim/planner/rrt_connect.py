@@ -9,7 +9,7 @@ from avatarsim.ik.kinematics import longest_part, tangent_error
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,

@@ -7,7 +7,7 @@ from math import pi, sqrt
 
 from avatarsim.ik.state import Avatars
 from avatarsim.ik.target import clip_avatar, copy_posture
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import AIM, get_node, put_node
 from avatarsim.spatial.random import MODULUS, MULTIPLIER

@@ -10,7 +10,7 @@ from avatarsim.ik.motion_budget import time_of
 from avatarsim.ik.solve import ARRIVED
 from avatarsim.ik.state import Avatars
 from avatarsim.ik.target import largest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.sample import drawn
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, get_node

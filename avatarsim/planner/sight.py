@@ -4,7 +4,7 @@ from avatarsim.ik.certify import certify
 from avatarsim.ik.kinematics import tangent_error, try_step
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.settings import PostureSettings
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.skeleton import Posture, Skeleton

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.record import table_of
+from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line
+from avatarsim.jit.record import known_as_table
 from avatarsim.world.geometry import Poses
 from avatarsim.world.skeleton import BALL, FREE, Posture, Skeleton
 
@@ -129,8 +130,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     """State of the generator (Park and Miller 1988)."""
 
 
-searches_in = table_of(Searches, SEARCH)
-"""The Searches in these words, in a tuple of one."""
+known_as_table(Searches, SEARCH)
 
 
 class Plan(NamedTuple):
@@ -140,11 +140,11 @@ class Plan(NamedTuple):
     (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first slice."""
 
     searches: Searches
-    node: Array
-    before: Index
-    tree: Index
-    path: Index
-    turn: Index
+    node: Cube
+    before: IndexGrid
+    tree: IndexGrid
+    path: IndexGrid
+    turn: IndexLine
 
 
 class Ghost(NamedTuple):
@@ -157,7 +157,7 @@ class Ghost(NamedTuple):
     scratch: IkScratch
     aim: Posture
     travel: Posture
-    up: Array
+    up: Line
 
 
 def packed_width(skel: Skeleton, avatars: Avatars) -> int:

@@ -9,7 +9,7 @@ from avatarsim.ik.objective import locate, value_of
 from avatarsim.ik.progress import measure
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.follow_path import AT, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search

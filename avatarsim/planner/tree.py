@@ -7,7 +7,7 @@ metres of link origins, and radians as the mean reach of a link.
 from math import inf
 
 from avatarsim.ik.state import Avatars
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.planner.state import NODES, NONE, Plan
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 

@@ -22,7 +22,7 @@ from avatarsim.spatial import rotation
 
 
 class Role(Enum):
-    """Who moves a body: nobody, the laws of physics, or the user (the paper's three classes)."""
+    """Role of a body: fixed, moved by the laws of physics, or driven by the user (the paper's three classes)."""
 
     FIXED = 0
     SIMULATED = 1

@@ -76,7 +76,7 @@ class Scene:
             each(f"{said} of scene {self.name}", getattr(self, said), str, "the name of an effect")
 
     def _agree_on_effects(self) -> None:
-        """InvalidScene for an effect that nobody knows, that is required and lacks its part, or is required and narrowed away."""
+        """InvalidScene for an effect that is unknown, that is required and lacks its part, or is required and narrowed away."""
         Effects().narrowed(*self.narrow, *self.require, *self.force)
         for call in CALLS:
             effect, said = call.effect, f"effect that scene {self.name}"

@@ -1,8 +1,8 @@
-"""Which bodies overlap: sweep and prune over the bodies' boxes, then signed distances of pieces (Algorithm 1, steps 1 and 2).
+"""Overlap test: sweep and prune over the bodies' boxes, then signed distances of pieces (Schmidl and Lin 2004, Algorithm 1).
 
-Every state that method `paper` shows has been through `find_overlaps` with the answer 0: each wanted pair of bodies with at
-least one link in it has piece pairs whose boxes are apart or whose signed distance is not negative. It says nothing about the
-way from one shown state to the next: what is thinner than a frame's motion may be jumped, as the paper's conclusion admits.
+Steps 1 and 2 of the algorithm. For every state that method `paper` shows `find_overlaps` returned 0: in each wanted pair of
+bodies with at least one link the boxes of all pieces are apart or their signed distance is not negative. The motion between two
+shown states is not tested: a body thinner than a frame's motion may be passed through, as the paper's conclusion says.
 """
 
 from typing import Final, NamedTuple
@@ -15,7 +15,8 @@ from avatarsim.collide.signed_distance import signed_distance_up_to
 from avatarsim.collide.status import CONVERGED
 from avatarsim.collide.sweep import boxes_meet, forget, sweep_and_prune
 from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.spatial.vec3 import put_row, row
 from avatarsim.world.geometry import Geometry, Poses
 from avatarsim.world.pair_filter import OPEN, PairFilter
@@ -23,18 +24,18 @@ from avatarsim.world.pair_filter import OPEN, PairFilter
 Flags = NDArray[np.bool_]
 
 NOT_CHECKED: Final = -1
-"""A pose is not finite, or there are more pairs than room: nothing is known, so nothing may be shown."""
+"""A pose is not finite, or there are more pairs than room: the state is not checked and must not be shown."""
 
 NOTHING_KNOWN: Final = (0.0, 0.0, 0.0)
 
 PAIRS_PER_LINK: Final = 8
-"""Room for this many times the number of links more pairs than links with bodies: for pairs of bodies that had to give way."""
+"""Room for so many more pairs per link than links with bodies: for pairs of simulated bodies that were pushed."""
 
 CANDIDATES_MORE: Final = 4
 """Room for so many times the number of bodies more candidates than pairs: boxes have room to move, and so more of them meet."""
 
 OBSTACLE: Final = 0
-"""Family of the bodies that are no links: what they do among themselves is none of the driven loop's business."""
+"""Family of the bodies that are no links: pairs among them are not tested by the lower loop."""
 
 # places in Overlaps.tally
 ASKED, DOUBTED = 0, 1
@@ -43,7 +44,7 @@ ASKED, DOUBTED = 0, 1
 class Overlaps(NamedTuple):
     """Memory of the search, for nb bodies of which the last are links, with D pieces of links among ns pieces.
 
-    ours    pairs this loop answers for: wanted, and one of the two is a link (or a body that was made to give way)
+    ours    pairs that this loop tests: wanted, and one of the two is a link (or a simulated body that was pushed)
     sweep   what sweep and prune keeps from call to call
     pairs   (cap, 2) pairs whose boxes meet, found (cap, 2) those that overlap
     hit     (nb) bodies that overlap another
@@ -53,11 +54,11 @@ class Overlaps(NamedTuple):
 
     ours: PairFilter
     sweep: SweepMemory
-    pairs: NDArray[np.int64]
-    found: NDArray[np.int64]
-    hit: Flags
-    seed: NDArray[np.float64]
-    tally: NDArray[np.int64]
+    pairs: IndexGrid
+    found: IndexGrid
+    hit: FlagLine
+    seed: Cube
+    tally: IndexLine
     scratch: Scratch
 
 
@@ -78,7 +79,7 @@ def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
 
 @kernel
 def answer_for(body: int, moved: bool, overlaps_out: Overlaps) -> None:
-    """Take the pairs of a simulated body into those answered for, because it was moved, or out of them again."""
+    """Add the pairs of a simulated body to those tested, because it was moved, or take them out again."""
     overlaps_out.ours.family[body] = OPEN if moved else OBSTACLE
     forget(overlaps_out.sweep, body)
 
@@ -113,7 +114,7 @@ def bodies_overlap(geo: Geometry, poses: Poses, a: int, b: int, overlaps_out: Ov
 
 @kernel
 def find_overlaps(geo: Geometry, poses: Poses, overlaps_out: Overlaps) -> int:
-    """Find every overlapping pair that this loop answers for; return how many, or NOT_CHECKED."""
+    """Find every overlapping pair of those that this loop tests; return how many, or NOT_CHECKED."""
     overlaps_out.hit[:] = False
     status, count = sweep_and_prune(poses.hulls, overlaps_out.ours, overlaps_out.sweep, overlaps_out.pairs)
     if status != CONVERGED:

@@ -1,9 +1,9 @@
-"""Push two overlapping bodies apart by their global penetration depth, by pure translation."""
+"""Push two overlapping bodies apart by their global penetration depth (Schmidl and Lin 2004, eq. 1), by pure translation."""
 
 from avatarsim.collide.global_depth import global_depth
 from avatarsim.collide.scratch import Scratch
 from avatarsim.collide.status import CANCELLING, NOT_FINITE, OUT_OF_ROOM
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, norm, scale
 from avatarsim.world.geometry import Geometry, Poses
 

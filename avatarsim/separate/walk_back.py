@@ -1,9 +1,9 @@
-"""Walk back: states between the last checked one and the present one (Algorithm 1, step 4), and the search among them."""
+"""Walk back (Schmidl and Lin 2004, Algorithm 1, step 4): interpolation to the last checked state, and its bisection."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
 from avatarsim.spatial.vec3 import along, put_row, row, scale, sub
 from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
@@ -42,6 +42,6 @@ def interpolate(
 
 @kernel
 def narrowed(low: float, high: float, is_free: bool) -> tuple[float, float]:
-    """One bisection: the interval whose lower end is free and whose upper end is not, after its middle was looked at."""
+    """One bisection: the half interval whose lower end is free and whose upper end is not, after its middle was tested."""
     middle = 0.5 * (low + high)
     return (middle, high) if is_free else (low, middle)

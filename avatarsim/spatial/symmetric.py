@@ -1,6 +1,6 @@
 """Symmetric 3 x 3 matrices inside kernels: three column tuples."""
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, cross, dot
 
 

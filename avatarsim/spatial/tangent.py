@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, scale, unit
 
 Columns: TypeAlias = tuple[Vec3, Vec3, Vec3]

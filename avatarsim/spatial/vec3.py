@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 
 Vec3: TypeAlias = tuple[float, float, float]
 Rows: TypeAlias = NDArray[np.float64]

@@ -1,1 +1,1 @@
-"""The scene as arrays: what never changes, and the state that does."""
+"""Model and state: the scene as arrays, constant ones and those that frames change."""

@@ -1,11 +1,11 @@
-"""The two doors of the hot path: tracker samples in, shown poses out, each as one kernel call."""
+"""Conversion at the ends of a frame: tracker samples to postures, poses to positions and quaternions, one kernel call each."""
 
 from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import along, row
 from avatarsim.world.skeleton import Posture

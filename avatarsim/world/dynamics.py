@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.world.pair_filter import OPEN
@@ -18,7 +19,7 @@ FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int
 
 
 class Dynamics(NamedTuple):
-    """What never changes about how bodies move.
+    """Constants of the dynamics.
 
     role              (nb) int64, values of `Role`
     inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
@@ -29,21 +30,21 @@ class Dynamics(NamedTuple):
     gravity           (3) [m/s^2]
     """
 
-    role: NDArray[np.int64]
-    inverse_mass: Array
-    inertia: Array
-    inverse_inertia: Array
-    material: NDArray[np.int64]
-    restitution: Array
-    friction: Array
-    gravity: Array
+    role: IndexLine
+    inverse_mass: Line
+    inertia: Matrices
+    inverse_inertia: Matrices
+    material: IndexLine
+    restitution: Grid
+    friction: Grid
+    gravity: Line
 
 
 class Velocities(NamedTuple):
     """Linear velocity of the centre of mass (nb, 3) [m/s] and angular velocity (nb, 3) [rad/s], world axes."""
 
-    linear: Array
-    angular: Array
+    linear: Vectors
+    angular: Vectors
 
 
 def dynamics(scene: Scene) -> Dynamics:

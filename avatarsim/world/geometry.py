@@ -5,7 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Grid, IndexLine, Matrices, Vectors
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
@@ -21,7 +22,7 @@ CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).resh
 
 
 class Geometry(NamedTuple):
-    """What never changes about the shapes of a world of nb bodies and ns pieces.
+    """Constant geometry of a world of nb bodies and ns pieces.
 
     shapes       kind, start, radius and size of every piece
     local        (nv, 3) vertices in the frame of their body
@@ -31,9 +32,9 @@ class Geometry(NamedTuple):
     """
 
     shapes: Shapes
-    local: Array
-    first_shape: Index
-    body: Index
+    local: Vectors
+    first_shape: IndexLine
+    body: IndexLine
     wanted: PairFilter
 
 
@@ -41,11 +42,11 @@ class Poses(NamedTuple):
     """Where every body is: position (nb, 3), rotation (nb, 3, 3), vertices (nv, 3) in the world, boxes (ns, 6)
     around the pieces and hulls (nb, 6) around the bodies, each as low x, y, z, high x, y, z."""
 
-    position: Array
-    rotation: Array
-    vertices: Array
-    boxes: Array
-    hulls: Array
+    position: Vectors
+    rotation: Matrices
+    vertices: Vectors
+    boxes: Grid
+    hulls: Grid
 
 
 def piece_points(piece: Piece) -> tuple[int, Array, float]:
@@ -115,7 +116,7 @@ def place(geo: Geometry, poses: Poses, b: int) -> None:
     r10, r11, r12 = R[b, 1, 0], R[b, 1, 1], R[b, 1, 2]
     r20, r21, r22 = R[b, 2, 0], R[b, 2, 1], R[b, 2, 2]
     px, py, pz = p[b, 0], p[b, 1], p[b, 2]
-    # a body without pieces is a point, which has a place among the boxes and nothing to meet anybody with
+    # the box of a body without pieces is a point; it has no pairs of pieces
     bare = geo.first_shape[b] == geo.first_shape[b + 1]
     for k in range(3):
         poses.hulls[b, k] = p[b, k] if bare else np.inf

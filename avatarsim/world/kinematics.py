@@ -4,7 +4,7 @@ Tangent space: translation of a free root in the world's axes, rotation vector o
 R exp(w)), angles of hinges. World axes are those of the geometric Jacobian (Featherstone 2008, chapter 4).
 """
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import about, columns, product, put_columns, stepped, straightened, turned
 from avatarsim.spatial.vec3 import Rows, add, put_row, row
 from avatarsim.world.geometry import Geometry, Poses, place

@@ -1,13 +1,12 @@
-"""Joint limits: how far a posture is beyond them, and the nearest target inside.
+"""Joint limits: intervals of hinges, swing cone and twist interval of ball joints; excess beyond them, projection into them.
 
-Hinges have an interval. A ball has a cone for the direction of its limb and an interval for the twist about it:
-with T the shortest turn of `axis` onto `centre` and R the joint's rotation, R T^-1 is swung and twisted about
-`centre`; the swing is the angle between R axis and centre, the twist the turn about centre that is left.
+With T the shortest rotation of `axis` onto `centre` and R the rotation of a ball joint, R T^-1 is decomposed into swing and twist
+about `centre`: the swing is the angle between R axis and centre, the twist the remaining rotation about centre.
 """
 
 from math import atan2, cos, sin
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, scale, unit
 from avatarsim.world.reach_cone import has_reach, is_in_reach, nearest_in_reach, reach_excess
@@ -17,14 +16,14 @@ UNLIMITED_COSINE = -2.0
 """Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
 
 SURELY = 1e-10
-"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller, and rounding could let one out. It is within
-rounding of a half turn from an end that the sine of the rest cannot tell; then the angles are asked for."""
+"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller: rounding could pass one that is outside. Within
+this of a half turn from an end the sine is not conclusive; then the angles are computed."""
 
 INWARD = 1e-9
 """Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
 
 LEFT_ALONE = 2.0 * INWARD
-"""[rad] a target so far inside its limits stays as it is, and no angle of it is asked for."""
+"""[rad] a target so far inside its limits stays as it is, without computing its angles."""
 
 
 @kernel
@@ -74,8 +73,8 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
 
 @kernel
 def surely_inside(skel: Skeleton, link: int, turn: Columns, spare: float) -> bool:
-    """Whether the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: `cone_excess` without
-    angles, as nearly every ball of every trial is. False where that is to be asked."""
+    """Whether the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: a test without angles,
+    which nearly every ball of every trial passes. Where it fails `cone_excess` decides."""
     limb, t = limb_of(skel, link, turn), skel.cone
     centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
     probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])
@@ -90,14 +89,14 @@ def surely_in_cone(
     limb: Vec3, centre: Vec3, edge: tuple[float, float], probe: Vec3, swung: Vec3, low: tuple[float, float],
     high: tuple[float, float], spare: float,
 ) -> bool:
-    """The same of the swing, whose largest has cosine and sine `edge`, and of the twist, which takes `probe` to where `swung` is
-    once the swing is turned back; of its ends cosines and sines.
+    """The same for swing and twist alone. `edge`: cosine and sine of the largest swing; the twist takes `probe` to `swung` with
+    the swing undone; low, high: cosines and sines of its ends.
 
-    It is given numbers and no skeleton: to hand over the skeleton takes longer than to answer.
+    Takes numbers and not the skeleton, since passing that takes longer than the test.
     """
     back, cosine = cross(limb, centre), dot(limb, centre)
     sine = norm(back)
-    # the sine of the angle that is left to the edge of the cone
+    # sine of the angle between the limb and the edge of the cone
     if not (edge[1] * cosine - edge[0] * sine > spare and sine > spare):
         return False
     back = scale(back, 1.0 / sine)

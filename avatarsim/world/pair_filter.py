@@ -1,4 +1,4 @@
-"""Which pairs of bodies are of interest: a family for every body, and a sparse list of pairs that are not."""
+"""Pair filter: which pairs of bodies may collide, by a family per body and a sparse list of excluded pairs."""
 
 from collections.abc import Iterable
 from typing import Final, NamedTuple
@@ -6,12 +6,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import IndexLine
 
 Index = NDArray[np.int64]
 
 OPEN: Final = -1
-"""The family of a body that may meet everybody."""
+"""Family of bodies that may collide with bodies of any family."""
 
 
 class PairFilter(NamedTuple):
@@ -22,9 +23,9 @@ class PairFilter(NamedTuple):
     never    (m) bodies k > i, in ascending order for each i: neighbours in a chain, the author's exclusions
     """
 
-    family: Index
-    first: Index
-    never: Index
+    family: IndexLine
+    first: IndexLine
+    never: IndexLine
 
 
 def pair_filter(family: ArrayLike, skipped: Iterable[tuple[int, int]] = ()) -> PairFilter:

@@ -1,12 +1,12 @@
-"""Reach cones: the directions of a limb as a spherical polygon (Wilhelms and Van Gelder), which the paper limits its balls by.
+"""Reach cones (Wilhelms and Van Gelder 2001): the allowed directions of a limb as a spherical polygon; tests and projection.
 
-The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles that the point that sees every
-edge spans with the edges. A circular swing cone holds as well; the nearest direction inside is that inside both.
+The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles between its edges and a point
+that sees every edge. A circular swing cone applies as well; the projection is into both.
 """
 
 from math import atan2, cos, sin, sqrt
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub
 from avatarsim.world.skeleton import Skeleton
 
@@ -132,7 +132,7 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
 
 @kernel
 def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
-    """Whether a limb's direction is farther from the plane of an edge than the root of `square`: told without a root."""
+    """Whether a limb's direction is farther from the plane of an edge than the root of `square`, without computing the root."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
     away = dot(normal, limb)

@@ -1,4 +1,4 @@
-"""All convex pieces of a world as flat arrays: what the collision kernels read."""
+"""All convex pieces of a world as flat arrays, which the collision kernels read."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.record import table_of
+from avatarsim.jit.record import known_as_table
 
 POINTS = 0
 """Kind: the convex hull of points, swept by a ball. Sphere: 1 point, capsule: 2, box: 8, hull: n."""
@@ -17,14 +17,14 @@ points."""
 
 
 SHAPE = np.dtype([("kind", "i8"), ("start", "i8"), ("radius", "f8"), ("extent", "f8")], align=True)
-"""One row of Shapes; whole words, as an arena wants them."""
+"""One row of Shapes; whole words, as arenas require."""
 
 
 class Shapes(np.recarray[Any, np.dtype[Any]]):
     """The convex pieces of a world: ns rows, and one more of which only ``start`` means anything.
 
-    Vertex rows are given apart, in world coordinates, at every call. One array of records and no tuple of arrays: it is handed
-    from kernel to kernel as seven words, and what a query wants to know of a shape lies in one line of the processor's cache.
+    Vertex rows are passed separately, in world coordinates, at every call. One array of records and no tuple of arrays: it is
+    passed from kernel to kernel as seven words, and all fields of a shape lie in one line of the processor's cache.
     """
 
     kind: NDArray[np.int64]
@@ -49,5 +49,4 @@ def make_shapes(
     return made.view(Shapes)
 
 
-shapes_in = table_of(Shapes, SHAPE)
-"""The Shapes in these words, in a tuple of one."""
+known_as_table(Shapes, SHAPE)

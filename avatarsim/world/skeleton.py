@@ -1,10 +1,11 @@
-"""The links of all avatars as arrays: joints, limits, metric of the posture."""
+"""Kinematic trees of all avatars as arrays: links, joints and joint limits."""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.layout import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, Rigid, SwingTwist
 from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene
@@ -21,7 +22,7 @@ UNLIMITED = 1e9
 
 
 class Skeleton(NamedTuple):
-    """What never changes about nl links with nd tangent degrees of freedom.
+    """Constants of nl links with nd tangent degrees of freedom.
 
     first      body index of link 0; link i is body first + i
     kind       (nl) joint kind
@@ -44,28 +45,28 @@ class Skeleton(NamedTuple):
     """
 
     first: int
-    kind: Index
-    parent: Index
-    first_dof: Index
-    anchor: Array
-    rest: Array
-    axis: Array
-    limits: Array
-    cone: Array
-    untwist: Array
-    reach_first: Index
-    reach_corner: Array
-    reach_side: Array
-    sight: Array
-    related: NDArray[np.bool_]
+    kind: IndexLine
+    parent: IndexLine
+    first_dof: IndexLine
+    anchor: Vectors
+    rest: Matrices
+    axis: Vectors
+    limits: Grid
+    cone: Grid
+    untwist: Matrices
+    reach_first: IndexLine
+    reach_corner: Vectors
+    reach_side: Vectors
+    sight: Vectors
+    related: FlagGrid
 
 
 class Posture(NamedTuple):
     """A posture: root position (nl, 3), rotation (nl, 3, 3) of balls and roots, hinge angle (nd)."""
 
-    root: Array
-    turn: Array
-    angle: Array
+    root: Vectors
+    turn: Matrices
+    angle: Line
 
 
 def skeleton(scene: Scene) -> Skeleton:
@@ -127,7 +128,7 @@ def skeleton(scene: Scene) -> Skeleton:
 
 
 def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
-    """What tells whether a twist is between two angles [rad] without asking for the angle: `Skeleton.cone` 10:20."""
+    """Precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
     aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
     aside /= np.linalg.norm(aside)
     ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4

@@ -1,16 +1,17 @@
-"""The tracker's posture of this frame as arrays, and how fast the tracker's links move."""
+"""Target posture of a frame: the tracker sample as arrays, checked as it is read."""
 
 from collections.abc import Mapping
 from math import isfinite
 from typing import ClassVar
 
 from avatarsim.errors import InvalidSample
-from avatarsim.kernel import kernel
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Array, Index
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample, checked
-from avatarsim.world.arena import Array, Index, index_line, opening, packed
 from avatarsim.world.doors import read_sample
-from avatarsim.world.opened import opened_posture
+from avatarsim.world.parts import TargetParts
 from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import World, posture_of, sample_arrays
 
@@ -18,11 +19,10 @@ from avatarsim.world.world import World, posture_of, sample_arrays
 @kernel
 def read_opened(positions: Array, rotations: Array, angles: Array, target: Index) -> bool:
     """`read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
-    o = opening(target)
-    posture, incoming, hinges = opened_posture(o), opened_posture(o), index_line(o)[0]
-    if not read_sample(positions, rotations, angles, hinges, incoming):
+    parts = opened(target, TargetParts)
+    if not read_sample(positions, rotations, angles, parts.hinges, parts.incoming):
         return False
-    return read_sample(positions, rotations, angles, hinges, posture)
+    return read_sample(positions, rotations, angles, parts.hinges, parts.posture)
 
 
 class Target:
@@ -37,7 +37,7 @@ class Target:
         self.world = world
         first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
         incoming = Posture(*(array.copy() for array in first))
-        self.words, (self.posture, _, hinges) = packed((first, incoming, world.hinges))
+        self.words, (self.posture, _, hinges) = packed(TargetParts(first, incoming, world.hinges))
         self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
@@ -54,6 +54,6 @@ class Target:
         time, fits = sample.time, (positions.shape, rotations.shape, angles.shape) == self._shapes
         good = fits and isfinite(time if type(time) is float else as_number(time))
         if not (good and read_opened(positions, rotations, angles, self.words)):
-            # the slow check knows what is wrong and says it
+            # the slow check finds which value is wrong, for the message
             checked(sample, self.world.scene.avatars)
             raise InvalidSample("tracker sample", sample, "finite, and quaternions of length 1")

@@ -1,4 +1,4 @@
-"""The whole world as arrays: what never changes, and the state that the stages write."""
+"""World: all arrays of a scene, the constant model and the state that the stages of a frame write."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,15 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
+from avatarsim.jit.arena import packed
 from avatarsim.scene.body import Role
 from avatarsim.scene.checks import real_array
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
-from avatarsim.world.arena import packed
 from avatarsim.world.doors import read_sample, write_shown
 from avatarsim.world.dynamics import Dynamics, Velocities, dynamics, velocities
 from avatarsim.world.geometry import Geometry, Poses, geometry, poses
+from avatarsim.world.parts import WorldParts
 from avatarsim.world.skeleton import Posture, Skeleton, hinge_dofs, skeleton
 
 Array = NDArray[np.float64]
@@ -63,7 +64,7 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
-    """Positions, rotations and angles as the kernels want them: float64, C-contiguous, writeable."""
+    """Positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
     return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
 
 
@@ -88,9 +89,9 @@ def build(scene: Scene) -> World:
         [np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4), link_orientation]
     )
     placed = poses(geo, position + rotation.rotate(orientation, centres), orientation)
-    # in the order in which kernels open them: simulated bodies need neither the skeleton nor the posture
+    posture = posture_of(skel, hinges, scene.first_sample)
     words, (geo, masses, placed, speeds, skel, posture) = packed(
-        (geo, dynamics(scene), placed, velocities(scene), skel, posture_of(skel, hinges, scene.first_sample))
+        WorldParts(geo, dynamics(scene), placed, velocities(scene), skel, posture)
     )
     return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
 
@@ -102,7 +103,7 @@ def shown_poses(world: World) -> tuple[Array, Array]:
 
 
 def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
-    """The same for who has not moved below body `first` since it was shown as `before`: most of a room is furniture."""
+    """The same, with the entries of `before` for bodies below `first`, which have not moved since: most bodies are furniture."""
     position, orientation = before[0].copy(), before[1].copy()
     if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
         raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.sweep import boxes_meet
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.world.pair_filter import PairFilter, may_meet
 
 Array = NDArray[np.float64]

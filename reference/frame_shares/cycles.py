@@ -12,7 +12,7 @@ from numba.core import types
 from numba.extending import intrinsic
 
 from avatarsim.errors import InvalidInput
-from avatarsim.kernel import OPTIONS, config, njit
+from avatarsim.jit.kernel import OPTIONS, config, njit
 
 COUNTERS = ("x86_64", "AMD64")
 """Processors whose cycle counter any program may read, and which ticks at one rate whatever the clock frequency."""

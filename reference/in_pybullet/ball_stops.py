@@ -11,7 +11,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.scene.joint import SwingTwist
 from avatarsim.spatial import rotation
 

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collide.coherent import signed_distance_coherent
-from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
-from avatarsim.collide.scratch import Scratch, make_scratch, opened_scratch
+from avatarsim.collide.pair_memory import PairMemory, make_pair_memory
+from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.kernel import kernel
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Line, Matrices, Vectors
 from avatarsim.scene.shape import Piece, Shape
 from avatarsim.spatial.vec3 import row
-from avatarsim.world.arena import Opening, index_line, line, matrices, opening, packed, vectors
 from avatarsim.world.geometry import piece_points
-from avatarsim.world.shapes import Shapes, make_shapes, shapes_in
-from avatarsim.world.view import opened
+from avatarsim.world.shapes import Shapes, make_shapes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -28,28 +28,19 @@ class Table(NamedTuple):
     turns (2 n, 3, 3), at (2 n, 3) [m] of the shapes; gaps (n) [m], the answers; memory of the pairs."""
 
     shapes: Shapes
-    vertices: Array
-    local: Array
-    turns: Array
-    at: Array
-    gaps: Array
+    vertices: Vectors
+    local: Vectors
+    turns: Matrices
+    at: Vectors
+    gaps: Line
     scratch: Scratch
     memory: PairMemory
-
-
-@opened
-def opened_table(o: Opening) -> Table:
-    """The next Table, field by field in its order, see `world.arena`."""
-    return Table(
-        shapes_in(index_line(o)[0])[0], vectors(o)[0], vectors(o)[0], matrices(o)[0], vectors(o)[0], line(o)[0],
-        opened_scratch(o), pair_memory_in(index_line(o)[0])[0],
-    )
 
 
 @kernel
 def place_pairs(words: Index, first: int, last: int) -> None:
     """World vertices of the shapes of pairs first .. last - 1: v = R x + p."""
-    t = opened_table(opening(words))
+    t = opened(words, Table)
     shapes, vertices, local, turns, at = t.shapes, t.vertices, t.local, t.turns, t.at
     for s in range(2 * first, 2 * last):
         R, p = turns[s], at[s]
@@ -62,7 +53,7 @@ def place_pairs(words: Index, first: int, last: int) -> None:
 @kernel
 def cold_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, with nothing known about them."""
-    t = opened_table(opening(words))
+    t = opened(words, Table)
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance(t.vertices, t.shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), t.scratch)
         t.gaps[k] = gap
@@ -71,7 +62,7 @@ def cold_queries(words: Index, first: int, last: int) -> None:
 @kernel
 def coherent_queries(words: Index, first: int, last: int) -> None:
     """Signed distances of pairs first .. last - 1, each begun from what its last query left in the memory."""
-    t = opened_table(opening(words))
+    t = opened(words, Table)
     for k in range(first, last):
         _, gap, _, _, _ = signed_distance_coherent(t.vertices, t.shapes, 2 * k, 2 * k + 1, inf, t.scratch, t.memory, k)
         t.gaps[k] = gap

@@ -13,7 +13,7 @@ from tests import longest_first
 HOUSE = Path(__file__).resolve().parents[2]
 ENGINE = HOUSE / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
-BROTHERS = ("separate", "posture", "impact", "motion")
+BROTHERS = ("separate", "paper", "ik", "impact", "motion")
 """Rooms that do not import one another: only the frame, above them, composes them."""
 LONGEST = 500
 """Most lines of an engine file. Longer ones answer more than one question."""
@@ -23,8 +23,8 @@ HEAVY = (
 )
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
 
-WRITES = {"posture": ("velocities",), "ik": ("velocities",), "impact": ("posture",), "separate": ("velocities",)}
-"""What a room may not write: posture, ik and separation leave velocities alone, impacts leave joint angles alone."""
+WRITES = {"ik": ("velocities",), "impact": ("posture",), "separate": ("velocities",)}
+"""What a room may not write: the posture solver and separation leave velocities alone, impacts leave joint angles alone."""
 
 
 def imports(file: Path) -> Iterator[str]:
@@ -46,13 +46,7 @@ def test_brothers_do_not_know_each_other(room: str) -> None:
                 assert brother == room or not module.startswith(f"avatarsim.{brother}"), f"{file.name} imports {module}"
 
 
-def test_the_posture_solver_knows_of_other_stages_only_the_limits_of_joints() -> None:
-    known = {module for file in (ENGINE / "ik").glob("*.py") for module in imports(file)}
-    other = {module for module in known for brother in BROTHERS if module.startswith(f"avatarsim.{brother}")}
-    assert {module.split(".")[2] for module in other} <= {"limit_row", "limits", "metric", "reach_cone"}
-
-
-@pytest.mark.parametrize("room", ["spatial", "scene", "world", "collide", "ik", *BROTHERS])
+@pytest.mark.parametrize("room", ["spatial", "scene", "world", "collide", *BROTHERS])
 def test_no_room_looks_up_to_the_frame_or_out_of_the_house(room: str) -> None:
     for file in sorted((ENGINE / room).glob("*.py")):
         for module in imports(file):

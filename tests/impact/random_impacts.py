@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from avatarsim.impact.contacts import Contacts, add_contact, make_contacts, weigh
 from avatarsim.impact.impact_queue import fastest_approach, resolve_impact
 from avatarsim.impact.masses import Masses
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, cross, row, unit
 from tests.progress_bar import bar
 

@@ -13,7 +13,7 @@ from avatarsim.world.target import Target
 from avatarsim.world.world import build, posture_of
 from tests.ik.scenes import SCENES, drawn
 from tests.ik.solvers import solver_of
-from tests.world.test_arena import leaves
+from tests.jit.test_arena import leaves
 
 
 @pytest.mark.parametrize("name", ["two", "hinged"])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.collide.signed_distance import signed_distance
 from avatarsim.impact.events import make_events
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
 from avatarsim.loops.upper import advance
 from avatarsim.loops.upper_memory import Switches, make_memory
 from avatarsim.scene.avatar import Avatar, rigid_avatar

@@ -1,8 +1,6 @@
 """Rows of the table are the shapes, and the one row more says where the last one ends."""
 
-import numpy as np
-
-from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes, shapes_in
+from avatarsim.world.shapes import ELLIPSOID, POINTS, Shapes, make_shapes
 
 
 def test_fields_are_as_given_and_the_last_row_is_a_start_only():
@@ -10,10 +8,3 @@ def test_fields_are_as_given_and_the_last_row_is_a_start_only():
     assert isinstance(shapes, Shapes) and len(shapes) == 3
     assert shapes.start.tolist() == [0, 8, 12] and shapes.kind[:2].tolist() == [POINTS, ELLIPSOID]
     assert shapes[0].radius == 0.1 and shapes[1].extent == 2.0 and shapes[2].extent == 0.0
-
-
-def test_words_hold_the_same_table():
-    shapes = make_shapes([POINTS], [0, 1], [0.5], [1.0])
-    words = shapes.view(np.ndarray).view(np.int64)
-    (again,) = shapes_in(words)
-    assert (again == shapes).all() and np.shares_memory(again, shapes)

@@ -7,7 +7,7 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput
-from avatarsim.kernel import OPTIONS, njit
+from avatarsim.jit.kernel import OPTIONS, njit
 from avatarsim.loops import paper
 from avatarsim.simulator import AvatarsimEngine
 from reference.frame_shares import cycles

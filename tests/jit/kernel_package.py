@@ -6,11 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-from avatarsim import kernel
+from avatarsim.jit import kernel
 
 COPIED = (
-    "kernel.py", "linking.py", "compiler_passes.py", "kernel_library.py", "errors.py", "progress.py", "say_once.py",
-    "cache_folder.py", "cache_entry.py", "jit",
+    "errors.py", "progress.py", "say_once.py", "cache_folder.py", "cache_entry.py", "jit",
 )
 """What the decorator is made of."""
 

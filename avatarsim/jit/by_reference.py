@@ -19,7 +19,8 @@ from numba.core.imputils import lower_getattr_generic
 from numba.core.types.containers import BaseNamedTuple
 from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
 
-from avatarsim.kernel import config
+from avatarsim.jit.kernel import config
+from avatarsim.jit.layout import numba_type
 
 Tree = TypeVar("Tree")
 
@@ -62,7 +63,7 @@ def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str)
 
 
 def parts(builder: Any, pointer: Any) -> Any:
-    """Load a value part by part, for LLVM drops the reading of parts that nobody uses, but not of parts of a whole."""
+    """Load a value part by part, since LLVM drops unused loads of single parts, but not unused parts of a whole load."""
     kind = pointer.type.pointee
     if not isinstance(kind, ir.Aggregate):
         return builder.load(pointer)
@@ -97,3 +98,31 @@ def place_of(builder: Any, value: Any) -> Any:
         if any(call.args and call.args[0] is place for call in calls):
             return place
     return cgutils.alloca_once_value(builder, value)
+
+
+def address_of(_context: Any, words: Any) -> Any:
+    """Type and code of `address`."""
+
+    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, values[0])
+        return builder.ptrtoint(array.data, ir.IntType(64))
+
+    return types.int64(words), build
+
+
+def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
+    """Type and code of `referred`."""
+    found = Reference(numba_type(kind.instance_class))
+
+    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        first = context.make_array(signature.args[0])(context, builder, values[0]).data
+        start = builder.gep(builder.bitcast(first, ir.IntType(8).as_pointer()), [values[1]])
+        return builder.bitcast(start, context.get_value_type(found))
+
+    return found(words, types.int64, kind), build
+
+
+address: Any = intrinsic(address_of)
+"""In a kernel: where an array of words lies."""
+referred: Any = intrinsic(reference_in)
+"""In a kernel: a reference to the named tuple of a class that lies from a byte of an array of words on."""

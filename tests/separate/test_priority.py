@@ -2,7 +2,7 @@
 
 import pytest
 
-from avatarsim.separate.who_gives_way import shares
+from avatarsim.separate.priority import shares
 from avatarsim.world.dynamics import DRIVEN, FIXED, SIMULATED
 
 ROLES = (FIXED, SIMULATED, DRIVEN)

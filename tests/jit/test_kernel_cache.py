@@ -11,14 +11,14 @@ from types import ModuleType
 import numba
 import pytest
 
-from avatarsim import kernel as real
+from avatarsim.jit import kernel as real
 from avatarsim.jit.baseline import LISTED, NAME, runs_baseline
-from tests.house.kernel_package import make_package, run_in
+from tests.jit.kernel_package import make_package, run_in
 
 CALLEE = (
-    "from avatarsim.kernel import kernel\n\n\n@kernel\ndef twice(x: float) -> float:\n    return {} * x\n"
+    "from avatarsim.jit.kernel import kernel\n\n\n@kernel\ndef twice(x: float) -> float:\n    return {} * x\n"
 )
-CALLER = """from avatarsim.kernel import kernel
+CALLER = """from avatarsim.jit.kernel import kernel
 from avatarsim.{} import twice
 
 
@@ -54,7 +54,7 @@ def run(package: Path, before: str = "", **environment: str) -> tuple[float, int
 
 def loaded(package: Path) -> ModuleType:
     """The copied kernel.py as a module of its own."""
-    spec = importlib.util.spec_from_file_location("copied_kernel", package / "kernel.py")
+    spec = importlib.util.spec_from_file_location("copied_kernel", package / "jit" / "kernel.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -20,20 +20,20 @@ constants or named tuples it uses. How entries are kept is the matter of `jit/ca
 
 import functools
 import hashlib
+import os
 import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import llvmlite
 import numba
 
-from avatarsim.jit.tested_versions import guarded
+from avatarsim.jit.tested_versions import guarded, installed
 
 # Whatever imports a kernel comes past here first.
 with guarded():
-    from avatarsim.linking import KernelDispatcher
+    from avatarsim.jit.linking import KernelDispatcher
 
 # numba makes its settings at run time; its annotations know neither them nor the option `_nrt`.
 config: Any = numba.config
@@ -42,19 +42,28 @@ njit: Any = numba.njit
 Function = TypeVar("Function", bound=Callable[..., object])
 
 OPTIONS = {"error_model": "numpy", "fastmath": False, "_nrt": False, "boundscheck": None, "no_cfunc_wrapper": True}
-"""numba's options, as explained above; the wrapper for calls from C, which nobody makes, is left out."""
+"""numba's options, as explained above; the unused wrapper for calls from C is left out."""
 
-ROOT = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]
 """The package's own folder."""
 
 FLAGS = ("DISABLE_JIT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "OPT")
 """numba settings that change the machine code; the processor is in the name of each entry instead."""
 
-SHAPING = ("kernel.py", "linking.py", "compiler_passes.py", "kernel_library.py")
+SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py", "jit/kernel_library.py")
 """Files that shape the machine code of every kernel."""
+
+STOCK = "AVATARSIM_STOCK_NUMBA"
+"""Environment variable: 1 compiles with numba alone, as `numba.njit(cache=True)` does, to tell a fault of what is built upon it
+from others. Compiling takes several times as long, and numba's cache does not notice an edit of what a kernel calls."""
 
 _IMPORT = re.compile(rf"^\s*(?:from|import)\s+({ROOT.name}(?:\.\w+)*)\b", re.MULTILINE)
 _RELATIVE_IMPORT = re.compile(r"^\s*from\s+\.", re.MULTILINE)
+
+
+def is_stock() -> bool:
+    """Whether kernels are compiled with numba alone."""
+    return os.environ.get(STOCK) == "1" and not config.DISABLE_JIT
 
 
 def kernel(function: Function) -> Function:
@@ -63,6 +72,8 @@ def kernel(function: Function) -> Function:
     The result is typed as the function itself, so kernels are checked like any Python function.
     """
     source = function.__code__.co_filename
+    if is_stock():
+        return cast(Function, njit(cache=True, error_model="numpy", _nrt=False)(function))
     if config.DISABLE_JIT or not Path(source).is_file():  # typed at a prompt
         return cast(Function, njit(**OPTIONS)(function))
     return cast(Function, KernelDispatcher(function, {"nopython": True, **OPTIONS}, kernel_folder(source)))
@@ -81,7 +92,7 @@ def source_hash(source: str) -> str:
     """Hash of one file, of all it imports from this package (directly or not), and of versions and flags."""
     # Any build of a Python of this minor version runs the same code.
     python = sys.implementation.cache_tag, getattr(sys, "abiflags", "")
-    state = [*python, numba.__version__, llvmlite.__version__, *(f"{flag}={getattr(config, flag)}" for flag in FLAGS)]
+    state = [*python, *installed().values(), *(f"{flag}={getattr(config, flag)}" for flag in FLAGS)]
     digest = hashlib.sha256("\n".join(state).encode())
     for name, path in sorted((_place(path), path) for path in _closure(Path(source).resolve())):
         digest.update(f"\n{name}\n".encode() + _content(path))

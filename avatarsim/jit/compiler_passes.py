@@ -11,7 +11,7 @@ from numba.core import compiler, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, register_pass
 from numba.core.errors import new_error_context  # type: ignore[attr-defined]  # its annotations leave it out
 
-from avatarsim.kernel_library import KernelLibrary
+from avatarsim.jit.kernel_library import KernelLibrary
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from avatarsim.collide.farthest import LANES, MANY, farthest
-from avatarsim.kernel import kernel
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.simd import LANES, MANY, farthest
 
 pytestmark = pytest.mark.nojit
 

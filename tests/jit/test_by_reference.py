@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from avatarsim.by_reference import refer
-from avatarsim.kernel import config, kernel
+from avatarsim.jit.by_reference import refer
+from avatarsim.jit.kernel import config, kernel
 
 pytestmark = pytest.mark.nojit
 

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from numba.core.registry import cpu_target
 
-from avatarsim.collide.pair_memory import PairMemory, make_pair_memory, pair_memory_in
-from avatarsim.collide.scratch import Scratch, make_scratch, scratch_at
-from avatarsim.coupling.opened import opened_springs
+from avatarsim.collide.pair_memory import PairMemory, make_pair_memory
+from avatarsim.collide.scratch import Scratch, make_scratch
 from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
 from avatarsim.impact.events import make_events
-from avatarsim.kernel import kernel
-from avatarsim.loops import opened_ik, opened_paper, opened_upper
+from avatarsim.jit.arena import Image, opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import FlagLine, Grid, Line, Matrices, Stack, numba_type
 from avatarsim.loops.paper_memory import make_paper_memory
 from avatarsim.loops.upper_memory import Switches
 from avatarsim.loops.upper_memory import make_memory as make_upper_memory
@@ -29,12 +29,7 @@ from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings, PostureSettings
-from avatarsim.world import arena, opened
-from avatarsim.world.arena import opening, packed
-from avatarsim.world.image import Image
 from avatarsim.world.shapes import SHAPE
-from avatarsim.world.view import declared
-from avatarsim.world.view import opened as laid_open
 from avatarsim.world.world import World, build
 from tests.worlds.little_worlds import mixed_avatar, panel
 
@@ -62,7 +57,7 @@ def same_memory(a: object, b: object) -> bool:
 
 
 def parts(world: World, cap: int = 3) -> dict[str, tuple]:
-    """What is packed in the engine, by the name of what opens it."""
+    """What is packed in the engine."""
     geo, skel, dyn, posture, poses = world.geometry, world.skeleton, world.dynamics, world.posture, world.poses
     avatars, state, working = make_solver(geo, skel, posture, poses, cap)
     plan, ghost = make_planner(geo, skel, avatars, state, posture, poses, np.zeros(3), 1)
@@ -76,18 +71,6 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
         "paper memory": make_paper_memory(world, 1), "paper settings": PaperSettings(rounds=3),
         "coupling": CouplingSettings(5.0, 6.0), "attraction": AttractionSettings(7.0),
     }
-
-
-OPEN = {
-    "geometry": opened.opened_geometry, "dynamics": opened.opened_dynamics, "poses": opened.opened_poses,
-    "velocities": opened.opened_velocities, "skeleton": opened.opened_skeleton, "posture": opened.opened_posture,
-    "avatars": opened_ik.opened_avatars, "state": opened_ik.opened_state, "working": opened_ik.opened_working,
-    "plan": opened_ik.opened_plan, "ghost": opened_ik.opened_ghost, "settings": opened_ik.opened_settings,
-    "springs": opened_springs, "upper memory": opened_upper.opened_memory, "events": opened_upper.opened_events,
-    "switches": opened_upper.opened_switches, "paper memory": opened_paper.opened_memory,
-    "paper settings": opened_paper.opened_settings, "coupling": opened_paper.opened_coupling,
-    "attraction": opened_paper.opened_attraction,
-}
 
 
 def test_a_packed_tuple_is_the_same_tuple_in_one_memory() -> None:
@@ -136,10 +119,18 @@ def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
         packed((bad,))
 
 
+class Found(NamedTuple):
+    """What the test below packs."""
+
+    one: Scratch
+    table: PairMemory
+    other: Scratch
+
+
 def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> None:
     scratch, memory = make_scratch(), make_pair_memory(3)
     scratch.w[5], memory.axis[2], memory.twin[1, 4] = (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), (7, 8, 9)
-    words, (one, table, other) = packed((scratch, memory, scratch))
+    words, (one, table, other) = packed(Found(scratch, memory, scratch))
     assert one == scratch and (table == memory).all() and type(table) is type(memory)
     other.rows[0, 1] = 3
     assert one.rows[0, 1] == 3 and scratch.rows[0, 1] == 0
@@ -147,16 +138,10 @@ def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> N
     assert (one.w[5] == 10.0).all() and (table.axis[2] == 10.0).all()
 
 
-@laid_open
-def opened_scratch_and_pairs(o: arena.Opening) -> tuple[Scratch, PairMemory]:
-    """What the test above packs."""
-    return scratch_at(arena.index_line(o)[0]), pair_memory_in(arena.index_line(o)[0])[0]
-
-
 @kernel
 def sum_of_some(words: np.ndarray) -> float:
     """The numbers that the test above put into a scratch and a memory; all become 10."""
-    scratch, memory = opened_scratch_and_pairs(opening(words))
+    scratch, memory = opened(words, Found).one, opened(words, Found).table
     total = 0.0
     for k in range(3):
         total += scratch.w[5, k] + memory.axis[2, k] + memory[1].twin[4, k]
@@ -164,12 +149,12 @@ def sum_of_some(words: np.ndarray) -> float:
     return total
 
 
-def test_kernels_know_what_was_packed_by_its_types_and_its_size() -> None:
+def test_kernels_know_what_was_packed_by_its_annotations() -> None:
     """As numba types the views themselves, and as LLVM lays out a value of that type."""
     target = cpu_target.target_context
     for name, part in parts(build(SCENE)).items():
-        kind, count = declared(OPEN[name].plain)  # type: ignore[attr-defined]  # compiled code knows it as one of ours
-        assert kind == numba.typeof(packed(part)[1]) and count == len(leaves(part)), name
+        kind = numba_type(type(part))
+        assert kind == numba.typeof(packed(part)[1]), name
         image = Image()
         image.lay(part, {id(leaf): 0 for leaf in leaves(part)})
         assert len(image.data) == target.get_abi_sizeof(target.get_value_type(kind)), name
@@ -179,7 +164,7 @@ class Two(NamedTuple):
     """Something to be packed in something."""
 
     flag: bool
-    grid: np.ndarray
+    grid: Grid
 
 
 class Mixed(NamedTuple):
@@ -189,26 +174,25 @@ class Mixed(NamedTuple):
     two: Two
     switches: Switches
     whole: int
-    turns: np.ndarray
-    flags: np.ndarray
+    turns: Matrices
+    flags: FlagLine
     scratch: Scratch
     real: float
 
 
-@laid_open
-def opened_mixed(o: arena.Opening) -> Mixed:
-    """The next Mixed."""
-    return Mixed(
-        arena.yes(o), Two(arena.yes(o), arena.grid(o)[0]), opened_upper.opened_switches(o), arena.whole(o), arena.matrices(o)[0],
-        arena.flag_line(o)[0], scratch_at(arena.index_line(o)[0]), arena.real(o),
-    )
+class Framed(NamedTuple):
+    """A Mixed between two numbers."""
+
+    first: int
+    mixed: Mixed
+    last: float
 
 
 @kernel
 def digits(words: np.ndarray) -> tuple[float, float]:
     """Every part of a Mixed between two numbers, as digits of one number; the Mixed is left with its last turn doubled."""
-    o = opening(words)
-    first, m, last = arena.whole(o), opened_mixed(o), arena.real(o)
+    framed = opened(words, Framed)
+    first, m, last = framed.first, framed.mixed, framed.last
     s = m.switches
     found = 1.0 * m.flag + 2.0 * m.two.flag + 4.0 * s.gyroscopic + 8.0 * s.continuous + 16.0 * s.sleeping + 32.0 * s.paper
     found += 64.0 * s.record
@@ -225,7 +209,7 @@ def test_a_kernel_reads_every_kind_of_part_where_it_lies_also_when_the_words_wer
     grid, turns = np.arange(8.0).reshape(2, 4), np.arange(27.0).reshape(3, 3, 3)
     flags = np.array([True, False, True])
     mixed = Mixed(True, Two(False, grid), Switches(False, True, False, True, True), 1000, turns, flags, scratch, 0.5)
-    words, (_, views, _) = packed((10000, mixed, 0.125))
+    words, (_, views, _) = packed(Framed(10000, mixed, 0.125))
     expected = (1.0 + 8.0 + 32.0 + 64.0) * 8.0 + 5.0, 28.0 + 6.0 + 15.0 + 0.25 + 1000.0 + 0.5 + 10000.0 + 0.125 + 2 + 3 + 72 + 3
     assert digits(words) == expected and views.turns[1, 2, 0] == 30.0
     moved = words.copy()
@@ -245,25 +229,35 @@ def test_the_world_is_packed() -> None:
         assert all(np.shares_memory(world.words, leaf) for leaf in leaves(part) if isinstance(leaf, np.ndarray) and leaf.size)
 
 
+class Rest(NamedTuple):
+    """What no part of the engine has at its end."""
+
+    real: float
+    yes: bool
+    no: bool
+    stack: Stack
+    line: Line
+
+
 def open_everything() -> None:
     """Every opening in plain Python, where what is opened can be looked at: a compiled kernel may not hand it out."""
     world = build(SCENE)
+    rest = Rest(2.5, True, False, np.zeros((2, 3, 4, 5)), np.arange(3.0))
     for cap in (0, 3):
-        for name, part in parts(world, cap).items():
-            words, views = packed((np.zeros(7), part, 5))
-            o = opening(words)
-            arena.line(o)
-            found = OPEN[name](o)
-            assert type(found) is type(part), name
-            assert all(map(same_memory, leaves(views[1]), leaves(found))), name
-            assert len(leaves(found)) == len(leaves(part)) and arena.whole(o) == 5, name
-    words, _ = packed((2.5, True, False, np.zeros((2, 3, 4, 5))))
-    o = opening(words)
-    assert arena.real(o) == 2.5 and arena.yes(o) and not arena.yes(o) and arena.stack(o)[0].shape == (2, 3, 4, 5)
+        for name, part in {**parts(world, cap), "rest": rest}.items():
+            words, views = packed(part)
+            found = opened(words, type(part))
+            assert type(found) is type(part) and len(leaves(found)) == len(leaves(part)), name
+            assert all(map(same_memory, leaves(views), leaves(found))), name
+
+
+def test_what_no_arena_can_hold_is_named() -> None:
+    with pytest.raises(AvatarsimError, match="an arena holds no <class 'str'>"):
+        numba_type(str)
 
 
 def test_what_is_opened_is_what_was_packed_field_by_field() -> None:
-    code = "from tests.world.test_arena import open_everything; open_everything()"
+    code = "from tests.jit.test_arena import open_everything; open_everything()"
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

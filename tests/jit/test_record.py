@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from avatarsim.kernel import kernel
-from avatarsim.record import pointed_at, table_of
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.record import known_as_table, known_by_pointer
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -27,7 +28,8 @@ class Boxes(np.recarray):
 
 LAYOUT = np.dtype([("w", np.float64, (4, 3)), ("k", np.int64)], align=True)
 KIND = np.dtype((Box, LAYOUT))
-box_at, boxes_in = pointed_at(Box, KIND), table_of(Boxes, LAYOUT)
+known_by_pointer(Box, KIND)
+known_as_table(Boxes, LAYOUT)
 
 
 class Two(NamedTuple):
@@ -35,6 +37,12 @@ class Two(NamedTuple):
 
     number: float
     box: Box
+
+
+class Many(NamedTuple):
+    """A tuple that holds a table."""
+
+    boxes: Boxes
 
 
 @kernel
@@ -46,7 +54,7 @@ def wrapped(box: Box) -> Two:
 @kernel
 def doubled(words: np.ndarray) -> float:
     """Through words, an argument, a tuple and a result to a row that is written to."""
-    two = wrapped(box_at(words))
+    two = wrapped(opened(words, Two).box)
     two.box.w[2, 1] *= two.number
     return two.box.w[2, 1]
 
@@ -61,7 +69,7 @@ def written(box: Box, two: Two) -> None:
 @kernel
 def table_sum(words: np.ndarray) -> float:
     """Row by row and field by field."""
-    boxes = boxes_in(words)[0]
+    boxes = opened(words, Many).boxes
     boxes[1].w[0, 0] = 5.0
     return boxes.w[1, 0, 0] + boxes[2].k + boxes.k[2]
 
@@ -79,13 +87,12 @@ def test_python_and_kernels_share_the_memory():
 
 
 def test_words_are_opened_as_the_record_that_lies_in_them():
-    words = np.zeros(LAYOUT.itemsize // 8, np.int64)
-    box_at(words).w[2, 1] = 4.0
-    assert doubled(words) == 8.0 and box_at(words).w[2, 1] == 8.0
+    words, (_, box) = packed(Two(0.0, fresh()))
+    box.w[2, 1] = 4.0
+    assert doubled(words) == 8.0 and box.w[2, 1] == 8.0
 
 
 def test_a_table_is_read_by_rows_and_by_fields():
-    words = np.zeros(3 * LAYOUT.itemsize // 8, np.int64)
-    boxes = boxes_in(words)[0]
+    words, (boxes,) = packed(Many(np.zeros(3, LAYOUT).view(Boxes)))
     boxes.k[2] = 7
     assert isinstance(boxes, Boxes) and table_sum(words) == 19.0 and boxes[1].w[0, 0] == 5.0

@@ -27,12 +27,13 @@ from numba.core import sigutils, types
 from numba.core.compiler import CompileResult, compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
 from numba.core.types.misc import unliteral
 
-from avatarsim.compiler_passes import KernelCompiler
 from avatarsim.jit.cache import KernelFiles
+from avatarsim.jit.compiler_passes import KernelCompiler
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.kernel_library import NEVER_RAISE, KernelLibrary, is_large, may_raise
+from avatarsim.jit.kernel_library import KernelLibrary, is_large
 
 PREFIX = "avatarsim-sealed:"
 """What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""
@@ -77,8 +78,6 @@ class CalledKernel(CPUDispatcher):
 
     def _seal(self, compiled: Any, callee: Callee) -> None:
         name = sealed_name(compiled)
-        if not raises(compiled):
-            NEVER_RAISE.update({compiled.fndesc.llvm_func_name} if name is None else {compiled.fndesc.llvm_func_name, name})
         if name is None:
             return
         if name not in _CALLEES:
@@ -155,11 +154,17 @@ class CodeAlone:
 
 
 class KernelCache(KernelFiles):
-    """What is kept on disk of a compiled kernel: numba's data, whether it is sealed or raises, the sealed kernels it calls."""
+    """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, the sealed kernels it calls."""
+
+    def pickled(self, tree: object) -> bytes:
+        return cast(bytes, dumps(tree))
+
+    def arguments(self, signature: Any) -> tuple[types.Type, ...]:
+        return tuple(sigutils.normalize_signature(signature)[0])
 
     def reduce(self, compiled: Any) -> Any:
         name, library = sealed_name(compiled), compiled.library
-        said = name, library.only_inlined, raises(compiled), called(library)
+        said = name, library.only_inlined, called(library)
         if library.only_inlined:
             compiled = compiled._replace(library=CodeAlone(library))
         elif name is not None:
@@ -168,11 +173,11 @@ class KernelCache(KernelFiles):
         return *said, compiled._reduce()
 
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        name, only_inlined, may_raise, callees, rest = payload
+        name, only_inlined, callees, rest = payload
         if not all(load(callee, known_as) for known_as, callee in callees.items()):
             return None  # as if nothing were on disk
         compiled = (small_again if only_inlined else CompileResult._rebuild)(target_context, *rest)
-        compiled.library.sealed_name, compiled.library.raises = name, may_raise
+        compiled.library.sealed_name = name
         return compiled
 
 
@@ -198,16 +203,8 @@ def sealed_name(compiled: Any) -> str | None:
     return cast("str | None", library.sealed_name)
 
 
-def raises(compiled: Any) -> bool:
-    """Whether a compiled kernel may raise, or something that it calls."""
-    library = compiled.library
-    if not hasattr(library, "raises"):
-        library.raises = may_raise(library._final_module.get_function(compiled.fndesc.llvm_func_name))
-    return cast(bool, library.raises)
-
-
 def _name(compiled: Any) -> str:
-    from avatarsim.kernel import source_hash  # which imports this file
+    from avatarsim.jit.kernel import source_hash  # which imports this file
 
     descriptor = compiled.fndesc
     digest = hashlib.sha256(repr((descriptor.argtypes, descriptor.restype)).encode()).hexdigest()[:16]

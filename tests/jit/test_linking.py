@@ -8,11 +8,11 @@ import sys
 
 import pytest
 
-from avatarsim import linking
 from avatarsim.collide.support import support
-from tests.house.kernel_package import make_package, plain_environment
+from avatarsim.jit import linking
+from tests.jit.kernel_package import make_package, plain_environment
 
-LARGE = """from avatarsim.kernel import kernel
+LARGE = """from avatarsim.jit.kernel import kernel
 
 
 @kernel
@@ -21,7 +21,7 @@ def large(x: float, n: int) -> float:
 {}
     return y + n
 """
-CALLER = """from avatarsim.kernel import kernel
+CALLER = """from avatarsim.jit.kernel import kernel
 from avatarsim.large import large
 
 
@@ -36,7 +36,7 @@ def top(x: float) -> float:
 """
 ASK = """
 import json
-from avatarsim import linking
+from avatarsim.jit import linking
 from avatarsim.caller import {names}
 from avatarsim.caller import small
 from avatarsim.large import large

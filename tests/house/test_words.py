@@ -1,0 +1,63 @@
+"""Docstrings and comments of the engine name bodies, links, avatars and contacts, and each module says what it is about."""
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ENGINE = Path(__file__).resolve().parents[2] / "avatarsim"
+FILES = sorted(ENGINE.rglob("*.py"))
+
+PERSONS = re.compile(r"\b(who|whom|whoever|nobody|somebody|everybody|anybody)\b", re.IGNORECASE)
+"""Subjects of which a reader cannot tell whether a body, a link, an avatar, a process or a user is meant."""
+
+SENTENCE = re.compile(r"[A-Z0-9`\"(]\S*( \S+){2,}[.?]")
+"""At least three words, the first with a capital, up to a full stop or a question mark."""
+
+
+def prose(text: str) -> Iterator[tuple[int, str]]:
+    """(line, text) of every docstring, those after constants and fields included, and of every comment."""
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield from enumerate(lines[node.lineno - 1 : node.end_lineno], node.lineno)
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+
+
+def persons_in(text: str) -> list[str]:
+    """Lines of prose with such a subject."""
+    return [f"{line}: {said.strip()}" for line, said in prose(text) if PERSONS.search(said)]
+
+
+def opens_with_a_sentence(text: str) -> bool:
+    """Whether the module's docstring begins with one."""
+    said = ast.get_docstring(ast.parse(text)) or ""
+    return SENTENCE.match(" ".join(said.split())) is not None
+
+
+@pytest.mark.parametrize("file", FILES, ids=[str(file.relative_to(ENGINE)) for file in FILES])
+def test_prose_has_no_persons_for_subjects(file: Path) -> None:
+    assert persons_in(file.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("file", FILES, ids=[str(file.relative_to(ENGINE)) for file in FILES])
+def test_modules_open_with_a_sentence(file: Path) -> None:
+    assert opens_with_a_sentence(file.read_text(encoding="utf-8"))
+
+
+def test_prose_is_docstrings_and_comments_and_no_code() -> None:
+    text = 'NOBODY = 1  # Who.\n"""Of\nwhoever."""\n\ndef who(whom: str = "anybody") -> None:\n    """Somebody\'s."""\n'
+    assert persons_in(text) == ["3: whoever.\"\"\"", "6: \"\"\"Somebody's.\"\"\"", "1: # Who."]
+    assert persons_in('"""Whose body, in whole: somebody_else, anybodies."""\n') == []
+
+
+@pytest.mark.parametrize("text", ["", '"""Bodies."""', '"""bodies that move."""', '"""Bodies that move"""', "X = 1\n"])
+def test_less_than_a_sentence_is_none(text: str) -> None:
+    assert not opens_with_a_sentence(text)
+    assert opens_with_a_sentence('"""Islands: bodies that\nmay meet. And more."""\n')
