@@ -180,7 +180,7 @@ def test_who_went_ahead_is_called_back_at_the_start_of_a_frame() -> None:
     memory = world.memory
     begin(world.geometry, world.dynamics, world.poses, world.velocities, 1.0 / 60.0, memory, True)
     memory.islands.due[1], memory.paths.time[:] = H, -1.0
-    regroup(world.geometry, world.dynamics, world.poses, world.velocities, memory, memory.everybody, 0.0, H)
+    regroup(world.geometry, world.dynamics, world.poses, world.velocities, memory, memory.all_bodies, 0.0, H)
     assert memory.islands.label[1] == memory.islands.label[2]
     assert memory.islands.due.tolist() == [0.0, 0.0, 0.0]
 
