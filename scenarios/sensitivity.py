@@ -113,8 +113,9 @@ def write_changed(folder: Path, number: Number, value: float) -> None:
     path.write_text("\n".join(lines), encoding="utf-8")
 
 
-def measured(change: tuple[Number, float] | None, words: Sequence[str]) -> dict[str, float]:
-    """Figures, each the mean over the rooms, of the project with one number changed; AvatarsimError if it does not run."""
+def measured(change: tuple[Number, float] | None, words: Sequence[str], kernels: Path) -> dict[str, float]:
+    """Figures, each the mean over the rooms, of the project with one number changed; AvatarsimError if it does not run. Compiled
+    kernels are kept in the folder `kernels`: those that do not depend on the number are compiled once for all."""
     with tempfile.TemporaryDirectory(prefix="sensitivity-") as made:
         folder = Path(made)
         for name in COPIED:
@@ -128,7 +129,7 @@ def measured(change: tuple[Number, float] | None, words: Sequence[str]) -> dict[
             write_changed(folder, *change)
         table = folder / "table.csv"
         command = [sys.executable, "-m", "scenarios.posture_table", "--rivals", "--groups", "rooms", "-o", str(table)]
-        environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "kernels")}
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(kernels)}
         run = subprocess.run([*command, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False)
         if run.returncode != 0:
             raise AvatarsimError((run.stderr.strip().splitlines() or ["it ended without a word"])[-1])
@@ -178,18 +179,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _print_table(chosen: Sequence[Number], found: Sequence[Number], words: Sequence[str]) -> None:
     """A row per number and direction, written as it is known."""
     jiggled = next(number for number in found if not number.whole)
-    with Progress("sensitivity", 2 + 2 * len(chosen), sys.stderr) as progress:
-        base = measured(None, words)
+    kept = tempfile.TemporaryDirectory(prefix="sensitivity-")
+    with kept as kernels, Progress("sensitivity", 2 + 2 * len(chosen), sys.stderr) as progress:
+        base = measured(None, words, Path(kernels))
         progress.step("as it is")
         print(f"| number | value | {' | '.join(FIGURES)} |\n|{'---|' * (len(FIGURES) + 2)}")
         print(f"| as it is | | {' | '.join(f'{base[name]:.3g}' for name in FIGURES)} |")
-        print(f"| chance | | {told(measured((jiggled, jiggled.value * CHANCE), words), base)} |", flush=True)
+        print(f"| chance | | {told(measured((jiggled, jiggled.value * CHANCE), words, Path(kernels)), base)} |", flush=True)
         progress.step("chance")
         for number in chosen:
             for share in SHARES:
                 value = changed(number, share)
                 try:
-                    cells = told(measured((number, value), words), base)
+                    cells = told(measured((number, value), words, Path(kernels)), base)
                 except AvatarsimError as error:
                     cells = f"does not run: {error}"
                 print(f"| {number.name} | {number.value:g} to {value:g} | {cells} |", flush=True)

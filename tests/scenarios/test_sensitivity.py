@@ -45,7 +45,7 @@ def test_changes_are_told_in_percent_of_what_was(capsys: pytest.CaptureFixture[s
     assert told({**base, "chatter": 0.25}, {**base, "chatter": 0.0}).split(" | ")[0] == "0.25"
     seen: list[tuple[str, float] | None] = []
 
-    def figures(change: tuple[Number, float] | None, words: object) -> dict[str, float]:
+    def figures(change: tuple[Number, float] | None, words: object, kernels: object) -> dict[str, float]:
         seen.append(None if change is None else (change[0].name, change[1]))
         return dict.fromkeys(FIGURES, 1.0 if change is None else 1.5)
 
