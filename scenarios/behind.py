@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from scenarios.engines import BASELINE
-from scenarios.like_for_like import TIME, asleep, sleepers, with_avatar
+from scenarios.like_for_like import TIME, Measured, asleep, sleepers, with_avatar
 from scenarios.ranked import RANKED, Ranked
 from scenarios.sayable import Unsaid
 
@@ -32,19 +32,11 @@ POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})
 and masses stay (`scenarios.elsewhere`). What has another unit does not grow."""
 
 
-class Figure(Protocol):
-    """A row of results, fresh or read from a file."""
+class Figure(Measured, Protocol):
+    """A row of results with its seed and unit."""
 
     @property
-    def scenario(self) -> str: ...
-    @property
-    def run(self) -> str: ...
-    @property
     def seed(self) -> int: ...
-    @property
-    def metric(self) -> str: ...
-    @property
-    def value(self) -> float | None: ...
     @property
     def unit(self) -> str: ...
 

@@ -23,7 +23,7 @@ SHARES: Mapping[str, float] = MappingProxyType({"p50": 50.0, "p95": 95.0, "p99":
 """What a time is called after TIME -> share of resting frames [%] from which on it is the time of a frame at rest."""
 
 
-class Figure(Protocol):
+class Measured(Protocol):
     """A row of results, fresh or read from a file."""
 
     @property
@@ -36,12 +36,12 @@ class Figure(Protocol):
     def value(self) -> float | None: ...
 
 
-def with_avatar(rows: Iterable[Figure]) -> frozenset[str]:
+def with_avatar(rows: Iterable[Measured]) -> frozenset[str]:
     """Names of the scenes that have an avatar."""
     return frozenset(row.scenario for row in rows if row.metric == AVATAR)
 
 
-def sleepers(rows: Iterable[Figure], told: Container[tuple[str, str]] | None = None) -> Mapping[str, Mapping[str, float]]:
+def sleepers(rows: Iterable[Measured], told: Container[tuple[str, str]] | None = None) -> Mapping[str, Mapping[str, float]]:
     """Scene -> engine and preset that sleeps when all rests -> share of resting frames [%], the largest of its seeds. `told`:
     (scene, run) of those that a setting tells to sleep; where settings are not known, the preset of that name is."""
     found: dict[str, dict[str, float]] = {}

@@ -9,8 +9,9 @@ from avatarsim.ik.state import DROPPED, ROWS, Avatars, IkScratch, RowKind
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale
+from avatarsim.tolerances import ROUNDING
 from avatarsim.world.limits import SURELY, cone_excess, has_cone, limb_of, surely_inside, swing_and_twist
-from avatarsim.world.reach_cone import ROUNDING, has_reach, nearest_in_reach
+from avatarsim.world.reach_cone import has_reach, nearest_in_reach
 from avatarsim.world.skeleton import BALL, Posture, Skeleton
 
 LIMIT = int(RowKind.LIMIT)

@@ -12,6 +12,7 @@ import fcntl
 import hashlib
 import os
 import pickle
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -32,7 +33,7 @@ LATCH = ".compiling"
 """How the name of a lock file ends, which is there while a process compiles a kernel."""
 
 
-class KernelFiles:
+class KernelFiles(ABC):
     """The entries of one kernel, as numba's dispatcher asks for them. `folder` is that of its source file within a place; `kind`
     tells compilations of it apart."""
 
@@ -44,32 +45,26 @@ class KernelFiles:
         self._code = code.co_firstlineno, hashlib.sha256(code.co_code).hexdigest(), hashlib.sha256(closure).hexdigest()
         self._held = ExitStack()
 
+    @abstractmethod
     def pickled(self, tree: object) -> bytes:
-        """Bytes of what is kept; to be given by a subclass."""
-        raise NotImplementedError
+        """Bytes of what is kept."""
 
+    @abstractmethod
     def arguments(self, signature: Any) -> tuple[Any, ...]:
-        """Types of the arguments in a signature; to be given by a subclass."""
-        raise NotImplementedError
+        """Types of the arguments in a signature."""
 
+    @abstractmethod
     def reduce(self, compiled: Any) -> Any:
-        """What is kept of a compiled kernel; to be given by a subclass."""
-        raise NotImplementedError
+        """What is kept of a compiled kernel."""
 
+    @abstractmethod
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """A compiled kernel from what was kept, or None if it cannot be used; to be given by a subclass."""
-        raise NotImplementedError
+        """A compiled kernel from what was kept, or None if it cannot be used."""
 
     @property
     def cache_path(self) -> str:
         """The folder within each place."""
         return str(self.folder)
-
-    def enable(self) -> None:
-        """Asked for by numba; a kernel's cache is always on."""
-
-    def disable(self) -> None:
-        """Asked for by numba; a kernel's cache is always on."""
 
     def flush(self) -> None:
         """Remove this kernel's entries from the folder in which new ones are kept."""

@@ -155,8 +155,7 @@ def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, gh
 @kernel
 def step_ghost(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, strides: float, most_work: int,
-    value: float,
-    ghost_out: Ghost,
+    value: float, ghost_out: Ghost,
 ) -> tuple[int, float, float]:
     """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after
     it, and how long the next step may be."""

@@ -68,9 +68,8 @@ SEARCH = np.dtype(
     [
         ("phase", "i8"), ("candidate", "i8"), ("samples", "i8"), ("tree", "i8"), ("count", "i8"), ("at", "i8"), ("begun", "i8"),
         ("meeting", "i8"), ("here", "i8"), ("value", "f8"), ("pace", "f8"), ("edge", "f8"), ("length", "i8"), ("lasts", "f8"),
-        ("place", "i8"), ("late", "f8"),
-        ("cuts", "i8"), ("cut_from", "i8"),
-        ("cut_to", "i8"), ("spared", "f8"), ("rest", "f8"), ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
+        ("place", "i8"), ("late", "f8"), ("cuts", "i8"), ("cut_from", "i8"), ("cut_to", "i8"), ("spared", "f8"), ("rest", "f8"),
+        ("pause", "f8"), ("paid", "f8"), ("random", "i8"),
     ],
     align=True,
 )
@@ -136,8 +135,8 @@ known_as_table(Searches, SEARCH)
 class Plan(NamedTuple):
     """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the
     extension; before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of
-    shortcuts; path
-    (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first slice."""
+    shortcuts; path (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first
+    slice."""
 
     searches: Searches
     node: Cube

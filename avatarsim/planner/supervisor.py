@@ -20,8 +20,7 @@ from avatarsim.world.skeleton import Posture, Skeleton
 
 TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
 
-FOUND, FAILED, NO_GOAL = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL)
-STALE = int(Outcome.STALE)
+FOUND, FAILED, NO_GOAL, STALE = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL), int(Outcome.STALE)
 
 LONGEST_REST = 4.0
 """[s] that an avatar rests at most between two searches in vain."""
@@ -74,8 +73,7 @@ def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar
 @kernel
 def choose_mode(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture,
-    plan_out: Plan,
-    state_out: IkState,
+    plan_out: Plan, state_out: IkState,
 ) -> None:
     """The mode of an avatar but for what a search or a path decides."""
     t, s = state_out.tracking, plan_out.searches

@@ -8,10 +8,8 @@ from math import atan2, cos, sin, sqrt
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub
+from avatarsim.tolerances import ROUNDING
 from avatarsim.world.skeleton import Skeleton
-
-ROUNDING = 1e-12
-"""[rad] A direction so little outside an edge counts as on it: projected directions are, by rounding."""
 
 
 @kernel
@@ -39,6 +37,7 @@ def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
         following = k + 1 if k + 1 < last else first
         # the side where one triangle ends is where the next one begins
         next_beside = dot(row(skel.reach_side, following), limb)
+        # a direction so little outside an edge counts as on it: projected ones are, by rounding
         if beside >= -ROUNDING and next_beside <= ROUNDING:
             normal = cross(row(skel.reach_corner, k), row(skel.reach_corner, following))
             if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
