@@ -22,62 +22,47 @@ import avatarsim
 from docs.extensions.docstrings import restructured
 
 LISTED = (
-    "avatarsim.simulator.AvatarsimEngine",
-    "avatarsim.engine.Settings",
-    "avatarsim.engine.FrameRecord",
-    "avatarsim.engine.Snapshot",
+    "avatarsim.simulator.AvatarsimEngine", "avatarsim.engine.Settings", "avatarsim.engine.FrameRecord",
+    "avatarsim.engine.Snapshot", "avatarsim.scene.scene.Scene", "avatarsim.scene.body.fixed", "avatarsim.scene.body.simulated",
+    "avatarsim.scene.avatar.Avatar", "avatarsim.scene.avatar.Link", "avatarsim.scene.avatar.rigid_avatar",
+    "avatarsim.scene.joint.Rigid", "avatarsim.scene.joint.Hinge", "avatarsim.scene.joint.Hinges", "avatarsim.scene.joint.Ball",
+    "avatarsim.scene.joint.SwingTwist", "avatarsim.scene.joint.Free", "avatarsim.scene.shape.Sphere",
+    "avatarsim.scene.shape.Capsule", "avatarsim.scene.shape.Box", "avatarsim.scene.shape.Ellipsoid",
+    "avatarsim.scene.shape.ConvexHull", "avatarsim.scene.shape.Piece", "avatarsim.scene.mass.Mass",
+    "avatarsim.scene.mass.solid", "avatarsim.scene.material.PairTable", "avatarsim.scene.tracker.TrackerSample",
+    "avatarsim.scene.tracker.rest", "avatarsim.errors.AvatarsimError", "avatarsim.errors.InvalidInput",
+    "avatarsim.errors.StartOverlaps", "avatarsim.pieces.pieces_of_mesh",
+)
+"""Names that stand in as long as `avatarsim.__all__` has none."""
+
+RARER = (
     "avatarsim.engine.Engine",
-    "avatarsim.scene.scene.Scene",
     "avatarsim.scene.scene.EARTH",
     "avatarsim.scene.body.Body",
     "avatarsim.scene.body.Role",
-    "avatarsim.scene.body.fixed",
-    "avatarsim.scene.body.simulated",
-    "avatarsim.scene.avatar.Avatar",
-    "avatarsim.scene.avatar.Link",
-    "avatarsim.scene.avatar.rigid_avatar",
-    "avatarsim.scene.joint.Rigid",
-    "avatarsim.scene.joint.Hinge",
-    "avatarsim.scene.joint.Hinges",
-    "avatarsim.scene.joint.Ball",
-    "avatarsim.scene.joint.SwingTwist",
-    "avatarsim.scene.joint.Free",
     "avatarsim.scene.reach_cone.ReachCone",
-    "avatarsim.scene.shape.Sphere",
-    "avatarsim.scene.shape.Capsule",
-    "avatarsim.scene.shape.Box",
-    "avatarsim.scene.shape.Ellipsoid",
-    "avatarsim.scene.shape.ConvexHull",
-    "avatarsim.scene.shape.Piece",
-    "avatarsim.scene.mass.Mass",
-    "avatarsim.scene.mass.solid",
-    "avatarsim.scene.material.Contact",
-    "avatarsim.scene.material.PairTable",
     "avatarsim.scene.material.TABLE_1",
     "avatarsim.scene.effects.Effects",
-    "avatarsim.scene.tracker.TrackerSample",
-    "avatarsim.scene.tracker.rest",
     "avatarsim.scene.tracker.link_poses",
     "avatarsim.settings.PostureSettings",
     "avatarsim.settings.CouplingSettings",
     "avatarsim.settings.PaperSettings",
     "avatarsim.settings.AttractionSettings",
-    "avatarsim.errors.AvatarsimError",
-    "avatarsim.errors.InvalidInput",
     "avatarsim.errors.InvalidScene",
     "avatarsim.errors.InvalidShape",
     "avatarsim.errors.InvalidSample",
     "avatarsim.errors.InvalidFile",
     "avatarsim.errors.InvalidSnapshot",
     "avatarsim.errors.UnknownName",
-    "avatarsim.errors.StartOverlaps",
     "avatarsim.errors.EngineInUse",
     "avatarsim.errors.NotCopied",
     "avatarsim.errors.MissingPackage",
     "avatarsim.errors.UnsupportedVersion",
-    "avatarsim.pieces.pieces_of_mesh",
 )
-"""What is documented, each under the module that defines it, as long as `avatarsim.__all__` names nothing."""
+"""Names that the public ones return, raise or take, and that stand in their modules."""
+
+PLACES = {"avatarsim.simulator": 0, "avatarsim.engine": 1, "avatarsim.settings": 3, "avatarsim.errors": 4}
+"""Where modules stand on the page; all others between, by name."""
 
 
 class Public(NamedTuple):
@@ -121,11 +106,14 @@ def assigned(module: ModuleType) -> Mapping[str, str]:
 
 @cache
 def public_names() -> tuple[Public, ...]:
-    """Names of `avatarsim.__all__`, else those of `LISTED`."""
-    dotted = [f"avatarsim.{name}" for name in getattr(avatarsim, "__all__", ()) if not name.startswith("__")]
-    things = [(name, pkgutil.resolve_name(name)) for name in dotted or LISTED]
-    # looked for when all of them are imported
-    return tuple(Public(name, thing, home_of(name, thing)) for name, thing in things)
+    """Names of `avatarsim.__all__`, or those that stand in for them, then the rarer ones; what has two names has its first."""
+    said = [f"avatarsim.{name}" for name in getattr(avatarsim, "__all__", ()) if not name.startswith("__")]
+    things: dict[int, tuple[str, object]] = {}
+    for name in (*(said or LISTED), *RARER):
+        thing = pkgutil.resolve_name(name)
+        things.setdefault(id(thing), (name, thing))
+    # where they are defined is asked when all of them are imported
+    return tuple(Public(name, thing, home_of(name, thing)) for name, thing in things.values())
 
 
 def directive(public: Public) -> list[str]:
@@ -148,7 +136,7 @@ def page() -> Iterator[str]:
     modules: dict[str, list[Public]] = {}
     for public in public_names():
         modules.setdefault(public.home.__name__, []).append(public)
-    for name, those in modules.items():
+    for name, those in sorted(modules.items(), key=lambda item: (PLACES.get(item[0], 2), item[0])):
         said = inspect.cleandoc(those[0].home.__doc__ or "").partition("\n\n")[0]
         yield from (f"## {name}", "", " ".join(said.split()), "", "```{eval-rst}")
         for public in those:
