@@ -164,6 +164,10 @@ def of_function(node: ast.FunctionDef, is_method: bool) -> tuple[str, str | None
     is_bound = is_method and not any(ast.unparse(one) == "staticmethod" for one in node.decorator_list)
     if is_bound and node.args.args:
         del node.args.args[0]
+    given = node.args
+    for arg in (*given.posonlyargs, *given.args, *given.kwonlyargs, *filter(None, (given.vararg, given.kwarg))):
+        if arg.annotation is not None:
+            arg.annotation = ast.parse(unquoted(arg.annotation), mode="eval").body
     return f"({ast.unparse(node.args)})", unquoted(node.returns) if node.returns else None
 
 

@@ -79,7 +79,7 @@ def example(one: int, *rest: "float", keyed: tuple[int, ...] = (1, 2)) -> "dict[
 
 
 def test_signatures_stand_as_they_do_in_the_source() -> None:
-    assert signature_of(example, False) == ("(one: int, *rest: 'float', keyed: tuple[int, ...]=(1, 2))", "dict[str, int]")
+    assert signature_of(example, False) == ("(one: int, *rest: float, keyed: tuple[int, ...]=(1, 2))", "dict[str, int]")
     by_name = {public.short: public.found for public in public_names()}
     scene, _ = signature_of(by_name["Scene"], False)
     assert "materials: PairTable = TABLE_1" in scene and scene.startswith("(name: str, bodies: tuple[Body, ...] = ()")

@@ -152,7 +152,9 @@ def test_a_grip_pose_is_a_sample_that_the_engine_takes() -> None:
     np.testing.assert_allclose(sample.positions, [[0.4, -0.1, 1.5]])
 
 
-FREE_BODY = "<mujoco><worldbody><body><freejoint/><geom type='box' size='.1 .2 .3' mass='1'/></body></worldbody></mujoco>"
+FREE_BODY = """<mujoco><worldbody><body>
+<freejoint/><geom type="box" pos=".4 0 0" size=".1 .2 .3" mass="1"/>
+</body></worldbody></mujoco>"""
 
 
 def test_mujoco_itself_agrees() -> None:
@@ -164,9 +166,9 @@ def test_mujoco_itself_agrees() -> None:
     data.qpos[:], data.qvel[:] = NAMES["to_mujoco"](p, q, velocity, spin)
     mujoco.mj_forward(model, data)
     np.testing.assert_allclose(data.xmat[1].reshape(3, 3), rotation.to_matrix(q), atol=1e-14)
-    # MuJoCo's word for the velocity of the body, rotation first, in world axes
+    # MuJoCo's word for the velocity of the body's frame, rotation first, in world axes
     found = np.zeros(6)
-    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, 1, found, 0)
+    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, 1, found, 0)
     np.testing.assert_allclose(found, np.concatenate([spin, velocity]), atol=1e-14)
     for back, given in zip(NAMES["from_mujoco"](data.qpos, data.qvel), (p, q, velocity, spin), strict=True):
         np.testing.assert_allclose(back, given, atol=1e-14)
