@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
+.PHONY: help setup compare test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -111,8 +111,8 @@ headline: $(READY)  ## the README's table and pictures again, all of the last ru
 	@$(VENV_PYTHON) -m tests.look.pictures
 	@$(VENV_PYTHON) -m reports headline
 
-look: $(READY)  ## the report in a headless Chromium: nothing on the console, no request, charts drawn, replays play; screenshots
-	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py
+look: $(READY)  ## report and docs site in a headless Chromium: nothing on the console, no request, all drawn, replays play; screenshots
+	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py tests/look/look_docs.py
 
 # Everything runs, whatever fails; the exit status is then 1.
 fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, SEED=)
@@ -139,6 +139,10 @@ soak: $(READY)  ## one engine through a million frames: memory flat, frames as f
 
 wheel: $(READY)  ## the built wheel alone in each Python from 3.11 to 3.13 that runs: no checkout, no root, HOME read-only (KERNELS=1)
 	@$(VENV_PYTHON) -m tests.house.wheel $(if $(KERNELS),--with-kernels)
+
+docs: $(READY)  ## the docs site, build/docs/index.html: every warning is an error, nothing is fetched
+	@$(VENV_PYTHON) -m sphinx -q -E -W --keep-going -b html -d build/doctrees -c docs . build/docs
+	@echo "the docs site is build/docs/index.html"
 
 lint: $(READY)  ## ruff, mypy --strict, and who may import whom
 	$(VENV_PYTHON) -m ruff check --output-format concise .

@@ -1,0 +1,56 @@
+"""Parts of pages that are made from the sources while the site is built, so that nothing is written twice.
+
+A page holds the place with a comment, such as `<!-- public names -->`; `PARTS` says what comes there.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+from docs.extensions import public_names
+from reports.glossary import TERMS
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def first_example() -> str:
+    """The Python of the README, which a test runs."""
+    (code,) = re.findall(r"^```python\n.*?^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return str(code)
+
+
+def terms_of_the_report() -> str:
+    """The glossary of a run's report as a table."""
+    rows = [f"| {words} | {meaning.replace('|', chr(92) + '|')} |" for words, meaning in TERMS]
+    return "\n".join(["| term | means |", "|---|---|", *rows])
+
+
+def api() -> str:
+    """The reference of the public names."""
+    return "\n".join(public_names.page())
+
+
+PARTS: Mapping[str, Callable[[], str]] = {
+    "first example": first_example,
+    "public names": api,
+    "terms of the report": terms_of_the_report,
+}
+PLACE = re.compile(rf"^<!-- ({'|'.join(PARTS)}) -->$", re.MULTILINE)
+
+
+def filled(text: str) -> str:
+    """A page with its parts."""
+    return PLACE.sub(lambda place: PARTS[place[1]](), text)
+
+
+def read(app: Sphinx, page: str, source: list[str]) -> None:
+    """Called by Sphinx when it has read a page, which is changed in place."""
+    source[0] = filled(source[0])
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.connect("source-read", read)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,237 @@
+"""The public names of avatarsim for the API reference: which they are, where they are defined, and their signatures."""
+
+import ast
+import inspect
+import pkgutil
+import sys
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import is_dataclass
+from enum import Enum
+from functools import cache
+from types import ModuleType
+from typing import NamedTuple
+
+from docutils import nodes
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.util.nodes import make_refnode
+
+import avatarsim
+from docs.extensions.docstrings import restructured
+
+LISTED = (
+    "avatarsim.simulator.AvatarsimEngine", "avatarsim.engine.Settings", "avatarsim.engine.FrameRecord",
+    "avatarsim.engine.Snapshot", "avatarsim.scene.scene.Scene", "avatarsim.scene.body.fixed", "avatarsim.scene.body.simulated",
+    "avatarsim.scene.avatar.Avatar", "avatarsim.scene.avatar.Link", "avatarsim.scene.avatar.rigid_avatar",
+    "avatarsim.scene.joint.Rigid", "avatarsim.scene.joint.Hinge", "avatarsim.scene.joint.Hinges", "avatarsim.scene.joint.Ball",
+    "avatarsim.scene.joint.SwingTwist", "avatarsim.scene.joint.Free", "avatarsim.scene.shape.Sphere",
+    "avatarsim.scene.shape.Capsule", "avatarsim.scene.shape.Box", "avatarsim.scene.shape.Ellipsoid",
+    "avatarsim.scene.shape.ConvexHull", "avatarsim.scene.shape.Piece", "avatarsim.scene.mass.Mass",
+    "avatarsim.scene.mass.solid", "avatarsim.scene.material.PairTable", "avatarsim.scene.tracker.TrackerSample",
+    "avatarsim.scene.tracker.rest", "avatarsim.errors.AvatarsimError", "avatarsim.errors.InvalidInput",
+    "avatarsim.errors.StartOverlaps", "avatarsim.pieces.pieces_of_mesh",
+)
+"""Names that stand in as long as `avatarsim.__all__` has none."""
+
+RARER = (
+    "avatarsim.engine.Engine",
+    "avatarsim.scene.scene.EARTH",
+    "avatarsim.scene.body.Body",
+    "avatarsim.scene.body.Role",
+    "avatarsim.scene.reach_cone.ReachCone",
+    "avatarsim.scene.material.TABLE_1",
+    "avatarsim.scene.effects.Effects",
+    "avatarsim.scene.tracker.link_poses",
+    "avatarsim.settings.PostureSettings",
+    "avatarsim.settings.CouplingSettings",
+    "avatarsim.settings.PaperSettings",
+    "avatarsim.settings.AttractionSettings",
+    "avatarsim.errors.InvalidScene",
+    "avatarsim.errors.InvalidShape",
+    "avatarsim.errors.InvalidSample",
+    "avatarsim.errors.InvalidFile",
+    "avatarsim.errors.InvalidSnapshot",
+    "avatarsim.errors.UnknownName",
+    "avatarsim.errors.EngineInUse",
+    "avatarsim.errors.NotCopied",
+    "avatarsim.errors.MissingPackage",
+    "avatarsim.errors.UnsupportedVersion",
+)
+"""Names that the public ones return, raise or take, and that stand in their modules."""
+
+PLACES = {"avatarsim.simulator": 0, "avatarsim.engine": 1, "avatarsim.settings": 3, "avatarsim.errors": 4}
+"""Where modules stand on the page; all others between, by name."""
+
+
+class Public(NamedTuple):
+    """A public name: `dotted`, as users write it; `found`, what it is; `home`, the module that defines it."""
+
+    dotted: str
+    found: object
+    home: ModuleType
+
+    @property
+    def short(self) -> str:
+        """The name alone."""
+        return self.dotted.rpartition(".")[2]
+
+
+def home_of(dotted: str, found: object) -> ModuleType:
+    """The module that defines an object: what it says itself, else the one of avatarsim that assigns it."""
+    said = getattr(found, "__module__", None)
+    if isinstance(said, str) and said.startswith("avatarsim") and said in sys.modules:
+        return sys.modules[said]
+    place, _, short = dotted.rpartition(".")
+    for name, module in sorted(sys.modules.items()):
+        if name.startswith("avatarsim") and vars(module).get(short) is found and short in assigned(module):
+            return module
+    return sys.modules[place]
+
+
+@cache
+def assigned(module: ModuleType) -> Mapping[str, str]:
+    """Names that a module assigns at its top level, each with the docstring below it."""
+    if not getattr(module, "__file__", None):
+        return {}
+    body, found = ast.parse(inspect.getsource(module)).body, dict[str, str]()
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        said = after.value if isinstance(after, ast.Expr) else None
+        text = said.value if isinstance(said, ast.Constant) and isinstance(said.value, str) else ""
+        found |= {target.id: inspect.cleandoc(text) for target in targets if isinstance(target, ast.Name)}
+    return found
+
+
+@cache
+def public_names() -> tuple[Public, ...]:
+    """Names of `avatarsim.__all__`, or those that stand in for them, then the rarer ones; what has two names has its first."""
+    said = [f"avatarsim.{name}" for name in getattr(avatarsim, "__all__", ()) if not name.startswith("__")]
+    things: dict[int, tuple[str, object]] = {}
+    for name in (*(said or LISTED), *RARER):
+        thing = pkgutil.resolve_name(name)
+        things.setdefault(id(thing), (name, thing))
+    # where they are defined is asked when all of them are imported
+    return tuple(Public(name, thing, home_of(name, thing)) for name, thing in things.values())
+
+
+def directive(public: Public) -> list[str]:
+    """The directive that documents a name, in reStructuredText."""
+    found = public.found
+    if isinstance(found, ModuleType):
+        return [f".. automodule:: {public.dotted}", "   :members:"]
+    if isinstance(found, type):
+        if issubclass(found, BaseException):
+            return [f".. autoexception:: {public.dotted}", "   :show-inheritance:"]
+        return [f".. autoclass:: {public.dotted}", "   :members:", "   :member-order: bysource"]
+    if inspect.isroutine(found):
+        return [f".. autofunction:: {public.dotted}"]
+    said = assigned(public.home).get(public.short, "")
+    return [f".. py:data:: {public.dotted}", "", *(f"   {line}" for line in restructured(said.splitlines()))]
+
+
+def page() -> Iterator[str]:
+    """Lines of Markdown: a heading for each module that defines public names, its first sentence, and its names."""
+    modules: dict[str, list[Public]] = {}
+    for public in public_names():
+        modules.setdefault(public.home.__name__, []).append(public)
+    for name, those in sorted(modules.items(), key=lambda item: (PLACES.get(item[0], 2), item[0])):
+        said = inspect.cleandoc(those[0].home.__doc__ or "").partition("\n\n")[0]
+        yield from (f"## {name}", "", " ".join(said.split()), "", "```{eval-rst}")
+        for public in those:
+            yield from (*directive(public), "")
+        yield from ("```", "")
+
+
+def signature_of(found: object, is_method: bool) -> tuple[str, str | None]:
+    """Arguments in parentheses, as they stand in the source, and what is returned; both empty where there is nothing to write.
+
+    Python's own words for a default may be a page long: that of a scene's materials is all of Table 1."""
+    try:
+        node = ast.parse(textwrap.dedent(inspect.getsource(found))).body[0]  # type: ignore[arg-type]
+    except (OSError, TypeError, IndexError):
+        return "", None
+    if isinstance(node, ast.FunctionDef):
+        return of_function(node, is_method)
+    if isinstance(node, ast.ClassDef) and isinstance(found, type):
+        return of_class(node, found), None
+    return "", None
+
+
+def of_function(node: ast.FunctionDef, is_method: bool) -> tuple[str, str | None]:
+    """Of a function or a method."""
+    is_bound = is_method and not any(ast.unparse(one) == "staticmethod" for one in node.decorator_list)
+    if is_bound and node.args.args:
+        del node.args.args[0]
+    given = node.args
+    for arg in (*given.posonlyargs, *given.args, *given.kwonlyargs, *filter(None, (given.vararg, given.kwarg))):
+        if arg.annotation is not None:
+            arg.annotation = ast.parse(unquoted(arg.annotation), mode="eval").body
+    return f"({ast.unparse(node.args)})", unquoted(node.returns) if node.returns else None
+
+
+def of_class(node: ast.ClassDef, found: type) -> str:
+    """Of what makes an object of a class."""
+    for part in node.body:
+        if isinstance(part, ast.FunctionDef) and part.name == "__init__":
+            return of_function(part, True)[0]
+    is_tuple = issubclass(found, tuple) and hasattr(found, "_fields")
+    if issubclass(found, Enum) or not (is_tuple or is_dataclass(found)):
+        return ""
+    fields = [part for part in node.body if isinstance(part, ast.AnnAssign) and isinstance(part.target, ast.Name)]
+    return f"({', '.join(field_of(field) for field in fields)})"
+
+
+def field_of(field: ast.AnnAssign) -> str:
+    """A field as an argument; what a factory makes is called `...`."""
+    said = f"{ast.unparse(field.target)}: {unquoted(field.annotation)}"
+    if field.value is None:
+        return said
+    if isinstance(field.value, ast.Call) and ast.unparse(field.value.func) == "field":
+        given = {word.arg: ast.unparse(word.value) for word in field.value.keywords}
+        if not {"default", "default_factory"} & set(given):
+            return said
+        return f"{said} = {given.get('default', '...')}"
+    return f"{said} = {ast.unparse(field.value)}"
+
+
+def unquoted(annotation: ast.expr) -> str:
+    """An annotation without the quotes of what is defined later."""
+    if isinstance(annotation, ast.Constant) and isinstance(annotation.value, str):
+        return annotation.value
+    return ast.unparse(annotation)
+
+
+def process_signature(
+    app: Sphinx, what: str, name: str, found: object, options: object, signature: str | None, returns: str | None
+) -> tuple[str, str | None] | None:
+    """Called by autodoc for each signature; None leaves it as it is."""
+    if signature is None or what not in ("class", "exception", "function", "method"):
+        return None
+    return signature_of(found, what == "method")
+
+
+def skip_member(app: Sphinx, what: str, name: str, found: object, skip: bool, options: object) -> bool | None:
+    """Called by autodoc for each member: Python's own docstrings for fields of named tuples say nothing."""
+    return True if type(found).__name__ == "_tuplegetter" else None
+
+
+def resolve(app: Sphinx, env: BuildEnvironment, node: pending_xref, content: nodes.TextElement) -> nodes.reference | None:
+    """Called by Sphinx for a name that it does not find: under its short name, or that of its module, it may be public."""
+    if node.get("refdomain") != "py":
+        return None
+    wanted, known = node["reftarget"], env.domains.python_domain.objects
+    for public in public_names():
+        if wanted in (public.short, f"{public.home.__name__}.{public.short}") and public.dotted in known:
+            place = known[public.dotted]
+            return make_refnode(app.builder, node["refdoc"], place.docname, place.node_id, content, public.dotted)
+    return None
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-signature", process_signature)
+    app.connect("autodoc-skip-member", skip_member)
+    app.connect("missing-reference", resolve)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
