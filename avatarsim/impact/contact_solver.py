@@ -5,12 +5,13 @@ gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back 
 Erleben 2010.
 """
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import Contacts, speed_along
+from avatarsim.impact.friction_impulse import in_friction_disc
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.pushing import push_all
 from avatarsim.impact.solver_rows import lay_out, take_motion
@@ -58,10 +59,7 @@ def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, an
         return 0.0, 0.0
     x = contacts.impulse[k, 1] - (speed_along(contacts, k, 1, linear, angular) - contacts.slide[k, 0]) / contacts.ease[k, 1]
     y = contacts.impulse[k, 2] - (speed_along(contacts, k, 2, linear, angular) - contacts.slide[k, 1]) / contacts.ease[k, 1]
-    length = sqrt(x * x + y * y)
-    if length > limit:
-        x, y = x * limit / length, y * limit / length
-    return x, y
+    return in_friction_disc(x, y, limit)
 
 
 @kernel

@@ -1,4 +1,6 @@
-"""Coulomb friction in an impact (eq. 10), as printed, and limited to the impulse that ends the slip."""
+"""Coulomb friction (eq. 10): as printed, limited to the impulse that ends the slip, kinetic, and as a disc of contact forces."""
+
+from math import sqrt
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, norm, scale
@@ -22,3 +24,20 @@ def limited_friction_impulse(friction: float, j: float, v_t: Vec3, sticking: flo
     """Eq. 10 limited to ``sticking`` [N s], the size of the impulse that just ends the slip; also along -v_t."""
     slip = norm(v_t)
     return scale(v_t, -min(friction * j, sticking) / slip) if slip > NO_SLIP else (0.0, 0.0, 0.0)
+
+
+@kernel
+def kinetic_friction(friction: float, j: float, slip_x: float, slip_y: float, slip: float) -> tuple[float, float]:
+    """Friction [N s] along both tangents under the normal impulse j [N s], against a slip of that velocity and size [m/s]."""
+    pull = friction * j / slip
+    return -pull * slip_x, -pull * slip_y
+
+
+@kernel
+def in_friction_disc(x: float, y: float, most: float) -> tuple[float, float]:
+    """The nearest friction impulse to (x, y) [N s] that is at most ``most`` = mu times the normal impulse: Coulomb's disc."""
+    square = x * x + y * y
+    if square > most * most:
+        share = most / sqrt(square)
+        return x * share, y * share
+    return x, y

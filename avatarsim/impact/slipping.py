@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.impact.contact_solver import change
 from avatarsim.impact.contacts import NOT_DRIVEN, POINTS_OF_PAIR, SHARP, Contacts, axis, velocity_at
+from avatarsim.impact.friction_impulse import kinetic_friction
 from avatarsim.impact.masses import Masses
 from avatarsim.impact.relative_velocity import tangential_velocity
 from avatarsim.jit.kernel import kernel
@@ -114,6 +115,6 @@ def slip_on(
     for k in range(contacts.used[0]):
         u, slip = slip_that_ends(contacts, k, h, linear, angular, angular_end)
         if contacts.driven[k] == NOT_DRIVEN and contacts.impulse[k, 0] > 0.0 and slip > 0.0:
-            pull = contacts.friction[k] * contacts.impulse[k, 0] / slip
-            x, y = -pull * dot(axis(contacts, k, 1), u), -pull * dot(axis(contacts, k, 2), u)
+            along_x, along_y = dot(axis(contacts, k, 1), u), dot(axis(contacts, k, 2), u)
+            x, y = kinetic_friction(contacts.friction[k], contacts.impulse[k, 0], along_x, along_y, slip)
             change(contacts, masses, k, (0.0, x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]), linear_end, angular_end)

@@ -3,12 +3,13 @@
 Nearly all time of bodies in motion is spent here, so a sweep is one flat kernel.
 """
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.impact.contacts import DRIVEN_A, NOT_DRIVEN, Contacts
+from avatarsim.impact.friction_impulse import in_friction_disc
 from avatarsim.impact.solver_rows import (
     ALL_WISHES,
     DRAG,
@@ -124,10 +125,7 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
         if rough > 0.0 and (normal > 0.0 or held[1] != 0.0 or held[2] != 0.0):
             x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, DRAG] * dn
             y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, DRAG + 1] * dn
-            limit, length = rough * normal, x * x + y * y
-            if length > limit * limit:
-                share = limit / sqrt(length)
-                x, y = x * share, y * share
+            x, y = in_friction_disc(x, y, rough * normal)
             dx, dy = x - held[1], y - held[2]
         moved = max(abs(dn) * rows[k, EASE], (abs(dx) + abs(dy)) * rows[k, EASE + 1])
         worst = max(worst, moved)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.stability.hostile import TRIALS
-from tests.stability.hostile_run import PATIENCE, PROMPT, RETURN_SEEDS, SAID, SOON, Report, run, run_returns
+from tests.stability.hostile_run import AT_LAST, PATIENCE, PROMPT, RETURN_SEEDS, SAID, SOON, Report, run, run_returns
 
 
 def assert_nothing_broke(report: Report) -> None:
@@ -67,6 +67,11 @@ def show(title: str, r: Report) -> None:
             print("   ", back)
 
 
+def comes_home(report: Report) -> bool:
+    """Whether enough returns were prompt, and nearly all ended."""
+    return report.home_within(PROMPT) >= SOON and report.home_within(PATIENCE) >= AT_LAST
+
+
 def main() -> int:
     """Long runs by hand; 1 if something that never may happen did, or if too few returns were prompt."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -79,11 +84,11 @@ def main() -> int:
     if chosen.returns:
         report = run_returns(chosen.avatar, RETURN_SEEDS, chosen.judge_every, aloud=True)
         show(f"{chosen.avatar}, {len(RETURN_SEEDS)} seeds", report)
-        return int(report.broken() > 0 or not report.home_within(PROMPT) >= SOON)
+        return int(report.broken() > 0 or not comes_home(report))
     for seed in chosen.seeds:
         report = run(chosen.avatar, seed, chosen.frames, judge_every=chosen.judge_every, aloud=True)
         show(f"{chosen.avatar} seed {seed}", report)
-        failed = failed or report.broken() > 0 or not report.home_within(PROMPT) >= SOON
+        failed = failed or report.broken() > 0 or not comes_home(report)
     return int(failed)
 
 
