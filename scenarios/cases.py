@@ -5,7 +5,7 @@ from itertools import combinations_with_replacement
 from math import hypot
 
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.spatial import rotation
 
 LAID = 2e-8
@@ -16,10 +16,10 @@ NOWHERE = (0.0, 0.0, 0.0)
 """The origin, and also no gravity and no velocity."""
 
 
-def pair_table(names: Iterable[str], stated: Mapping[tuple[str, str], Contact]) -> PairTable:
+def pair_table(names: Iterable[str], stated: Mapping[tuple[str, str], ContactLaw]) -> PairTable:
     """Coefficients of made-up materials: the pairs `stated`, and neither bounce nor friction for pairs that never meet."""
-    silent: dict[tuple[str, str], Contact] = {
-        pair: Contact(0.0, 0.0) for pair in combinations_with_replacement(sorted(names), 2)
+    silent: dict[tuple[str, str], ContactLaw] = {
+        pair: ContactLaw(0.0, 0.0) for pair in combinations_with_replacement(sorted(names), 2)
     }
     known = {frozenset(pair) for pair in stated}
     return PairTable({**{pair: c for pair, c in silent.items() if frozenset(pair) not in known}, **stated})

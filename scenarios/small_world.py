@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import bounce_state, stop_distance, stop_time
@@ -81,8 +81,8 @@ def bodies(place: Place) -> tuple[Body, ...]:
 def small_world(name: str, place: Place) -> Scene:
     """The scene."""
     stated = {
-        ("ball", "floor"): Contact(RESTITUTION, 0.0), ("box", "floor"): Contact(0.0, FRICTION),
-        ("box", "box"): Contact(0.0, FRICTION), ("shot", "wall"): Contact(1.0, 0.0),
+        ("ball", "floor"): ContactLaw(RESTITUTION, 0.0), ("box", "floor"): ContactLaw(0.0, FRICTION),
+        ("box", "box"): ContactLaw(0.0, FRICTION), ("shot", "wall"): ContactLaw(1.0, 0.0),
     }
     materials = pair_table(("floor", "wall", "ball", "box", "shot"), stated)
     return Scene(name, bodies(place), materials=materials, gravity=(0.0, 0.0, -place.scale * GRAVITY))

@@ -11,7 +11,7 @@ import pytest
 from avatarsim.engine import Settings, Snapshot
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -38,7 +38,7 @@ def flier(shape: Shape, x: float, speed: float, **more: object) -> Body:
 def first_impact(body: Body, gravity: tuple[float, float, float]) -> tuple[Snapshot, Snapshot, list[Snapshot]]:
     """(approach, impact, all that was shown) of the body at a wall of THICK across x = 0, by the engine alone."""
     wall = fixed("wall", (Piece(Box((THICK, 20.0, 20.0))),), "m")
-    scene = Scene("test", (wall, body), materials=PairTable({("m", "m"): Contact(0.5, 0.0)}), gravity=gravity)
+    scene = Scene("test", (wall, body), materials=PairTable({("m", "m"): ContactLaw(0.5, 0.0)}), gravity=gravity)
     engine = AvatarsimEngine()
     engine.load(scene, Settings(record_inside=True), FRAME)
     nobody = scene.first_sample

@@ -15,7 +15,7 @@ from avatarsim.motion.path import FREE, STILL, Paths, make_paths
 from avatarsim.motion.time_of_impact import BROKEN, CLEAR, DIPPED, IMPACT, OVERLAPPING, SPENT
 from avatarsim.scene.body import Body, Role
 from avatarsim.scene.checks import as_number, vector
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.world.dynamics import dynamics
@@ -64,7 +64,7 @@ class TwoBodies:
 
     def __init__(self, a: Body, b: Body, *, gyroscopic: bool = True) -> None:
         named = [Body("a", a.role, a.pieces, "m", mass=a.mass), Body("b", b.role, b.pieces, "m", mass=b.mass)]
-        scene = Scene("two bodies", tuple(named), materials=PairTable({("m", "m"): Contact(0.0, 0.0)}))
+        scene = Scene("two bodies", tuple(named), materials=PairTable({("m", "m"): ContactLaw(0.0, 0.0)}))
         self.geometry, masses = geometry(scene), dynamics(scene)
         moments = np.linalg.eigvalsh(masses.inertia)
         round_ = np.array([not gyroscopic or np.ptp(m) <= ROUND * m.max() for m in moments], np.int64)

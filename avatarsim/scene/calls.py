@@ -9,7 +9,7 @@ import numpy as np
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, Role
 from avatarsim.scene.joint import Ball, Hinges
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 
 ROUND = 1e-9
 """Spread of the principal moments of inertia, relative to the largest, up to which a body turns like a ball: its gyroscopic
@@ -76,7 +76,7 @@ def both(parts: Parts) -> list[str]:
     return driven(parts) if moving(parts) else []
 
 
-def met(parts: Parts) -> dict[str, Contact]:
+def met(parts: Parts) -> dict[str, ContactLaw]:
     """The contacts that a simulated body can make, by `material on material`."""
     free = [body.material for body in parts.bodies if body.role is Role.SIMULATED]
     held = [body.material for body in parts.bodies if body.role is not Role.SIMULATED]

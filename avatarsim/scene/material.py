@@ -8,8 +8,8 @@ from avatarsim.scene.checks import instance, name_pairs, within
 
 
 @dataclass(frozen=True)
-class Contact:
-    """Coefficients of one pair: `restitution` (eq. 8, 0 to 1) and Coulomb `friction` (eq. 10, 0 and up)."""
+class ContactLaw:
+    """Contact law of a pair of materials: `restitution` (eq. 8, 0 to 1) and Coulomb `friction` (eq. 10, 0 and up)."""
 
     restitution: float
     friction: float
@@ -23,14 +23,14 @@ class Contact:
 class PairTable:
     """Coefficients for every unordered pair of material names."""
 
-    pairs: Mapping[tuple[str, str], Contact]
+    pairs: Mapping[tuple[str, str], ContactLaw]
 
     def __post_init__(self) -> None:
-        instance("pairs of a PairTable", self.pairs, Mapping, "a mapping {(material, material): Contact(restitution, friction)}")
+        instance("pairs of a PairTable", self.pairs, Mapping, "a mapping {(name, name): ContactLaw(restitution, friction)}")
         name_pairs("pairs of a PairTable", tuple(self.pairs))
-        both_ways = dict[tuple[str, str], Contact]()
+        both_ways = dict[tuple[str, str], ContactLaw]()
         for (a, b), contact in self.pairs.items():
-            instance(f"contact of {a} and {b}", contact, Contact, "a Contact(restitution, friction)")
+            instance(f"contact of {a} and {b}", contact, ContactLaw, "a ContactLaw(restitution, friction)")
             if both_ways.get((a, b), contact) != contact:
                 raise InvalidScene(f"contact of {a} and {b}", contact, f"that of {b} and {a}, {both_ways[a, b]!r}")
             both_ways[a, b] = both_ways[b, a] = contact
@@ -41,7 +41,7 @@ class PairTable:
         """Every material that occurs, sorted."""
         return tuple(sorted({name for pair in self.pairs for name in pair}))
 
-    def contact(self, a: str, b: str) -> Contact:
+    def contact(self, a: str, b: str) -> ContactLaw:
         """Coefficients of materials a and b, in either order."""
         try:
             return self.pairs[a, b]
@@ -51,12 +51,12 @@ class PairTable:
 
 TABLE_1 = PairTable(
     {
-        ("wood", "wood"): Contact(0.3, 0.3),
-        ("wood", "human"): Contact(0.2, 0.2),
-        ("wood", "metal"): Contact(0.2, 0.1),
-        ("human", "human"): Contact(0.1, 0.1),
-        ("human", "metal"): Contact(0.2, 0.1),
-        ("metal", "metal"): Contact(0.3, 0.1),
+        ("wood", "wood"): ContactLaw(0.3, 0.3),
+        ("wood", "human"): ContactLaw(0.2, 0.2),
+        ("wood", "metal"): ContactLaw(0.2, 0.1),
+        ("human", "human"): ContactLaw(0.1, 0.1),
+        ("human", "metal"): ContactLaw(0.2, 0.1),
+        ("metal", "metal"): ContactLaw(0.3, 0.1),
     }
 )
 """The paper's Table 1: restitution and friction of wood, human and metal."""

@@ -6,7 +6,7 @@ appear?
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table
@@ -31,7 +31,7 @@ def build() -> Scene:
         i, j, layer = k % SIDE, k // SIDE % SIDE, k // SIDE**2
         at = (PITCH * (i - 2.5) + SHEAR * layer, PITCH * (j - 2.5) + 0.5 * SHEAR * layer, RADIUS + LOW + PITCH * layer)
         bodies.append(simulated(name, pieces, "ball", solid(pieces, MASS), at))
-    lively = Contact(0.3, 0.3)
+    lively = ContactLaw(0.3, 0.3)
     materials = pair_table(("floor", "ball"), {("floor", "ball"): lively, ("ball", "ball"): lively})
     return Scene("balls_216", tuple(bodies), materials=materials)
 

@@ -5,7 +5,7 @@ Closed form: impact n at t1 (1 + 2 e (1 - e^(n-1)) / (1 - e)), t1 = sqrt(2 h / g
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table
@@ -30,7 +30,7 @@ def build(name: str) -> Scene:
     for k, drop in enumerate(DROPS):
         at = (k - 3.5, 0.0, RADIUS + HEIGHT)
         bodies.append(simulated(drop.ball, pieces, f"e_{drop.restitution:g}", solid(pieces, MASS), at))
-    stated = {(f"e_{e:g}", "floor"): Contact(e, 0.3) for e in RESTITUTIONS}
+    stated = {(f"e_{e:g}", "floor"): ContactLaw(e, 0.3) for e in RESTITUTIONS}
     names = ["floor", *(f"e_{e:g}" for e in RESTITUTIONS)]
     return Scene(name, tuple(bodies), materials=pair_table(names, stated))
 

@@ -15,7 +15,7 @@ import numpy as np
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Body, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -48,7 +48,7 @@ def build(name: str) -> Scene:
         at = (2.0 * RADIUS + GAP, LANE * k, 0.0)
         bodies.append(simulated(f"ball_{mass:g}_{ratio:g}", piece, "ball", solid(piece, ratio * mass), at))
         hands.append(rigid_avatar(f"hand_{mass:g}_{ratio:g}", piece, solid(piece, mass), "hand"))
-    materials = pair_table(("ball", "hand"), {("ball", "hand"): Contact(1.0, 0.0)})
+    materials = pair_table(("ball", "hand"), {("ball", "hand"): ContactLaw(1.0, 0.0)})
     return Scene(name, tuple(bodies), tuple(hands), materials=materials, gravity=NOWHERE, start=led(0.0))
 
 

@@ -5,7 +5,7 @@ The question of SimBenchmark's bouncing test: how the energy drifts. Impact n is
 
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table
@@ -20,7 +20,7 @@ RADIUS, MASS, HEIGHT = 0.1, 1.0, 1.0
 def build() -> Scene:
     """The ball over a slab."""
     pieces = (Piece(Sphere(RADIUS)),)
-    materials = pair_table(("ball", "floor"), {("ball", "floor"): Contact(1.0, 0.0)})
+    materials = pair_table(("ball", "floor"), {("ball", "floor"): ContactLaw(1.0, 0.0)})
     return Scene("elastic_20s", (
         fixed("floor", (Piece(Box((2.0, 2.0, 0.2))),), "floor", (0.0, 0.0, -0.1)),
         simulated("ball", pieces, "ball", solid(pieces, MASS), (0.0, 0.0, RADIUS + HEIGHT)),

@@ -8,7 +8,7 @@ import numpy as np
 
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from reference.closed_form import rod_angular_velocity
@@ -33,7 +33,7 @@ def build() -> Scene:
     return Scene("falling_rod", (
         fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "ice", (0.0, 0.0, -0.1)),
         simulated("rod", pieces, "rod", mass, at, turned_by((0.0, 1.0, 0.0), START)),
-    ), materials=pair_table(("ice", "rod"), {("ice", "rod"): Contact(0.0, 0.0)}))
+    ), materials=pair_table(("ice", "rod"), {("ice", "rod"): ContactLaw(0.0, 0.0)}))
 
 
 SCENARIO = Scenario(

@@ -7,7 +7,7 @@ they touch.
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import pair_table
@@ -36,7 +36,7 @@ def build(name: str, ratios: Ratios) -> Scene:
         x = LANE * (k - 2)
         bodies.append(simulated(f"light_{ratio:g}", pieces, "box", solid(pieces, 1.0), (x, 0.0, 0.5 * EDGE + AIR)))
         bodies.append(simulated(f"heavy_{ratio:g}", pieces, "box", solid(pieces, ratio), (x, 0.0, 1.5 * EDGE + 2.0 * AIR)))
-    dull = Contact(0.0, 0.5)
+    dull = ContactLaw(0.0, 0.5)
     materials = pair_table(("floor", "box"), {("floor", "box"): dull, ("box", "box"): dull})
     return Scene(name, tuple(bodies), materials=materials)
 

@@ -10,7 +10,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import incline_acceleration
@@ -55,19 +55,19 @@ def place(slope: float, along: float, above: float, lane: float) -> Vector:
 def build() -> Scene:
     """A board for every case, side by side along y; the block starts on its upper part."""
     bodies: list[Body] = []
-    stated: dict[tuple[str, str], Contact] = {}
+    stated: dict[tuple[str, str], ContactLaw] = {}
     for k, (name, slope, friction) in enumerate(CASES):
         bodies.append(fixed(f"board_{name}", (Piece(Box(BOARD)),), "board", place(slope, 0.0, -0.5 * BOARD[2], k), _turn(slope)))
         pieces = (Piece(Box(SIZE)),)
         at = place(slope, START, 0.5 * SIZE[2] + LAID, k)
         bodies.append(simulated(name, pieces, name, solid(pieces, MASS), at, _turn(slope)))
-        stated[name, "board"] = Contact(0.0, friction)
+        stated[name, "board"] = ContactLaw(0.0, friction)
     for k, (name, height) in enumerate(TALL.items(), start=len(CASES)):
         bodies.append(fixed(f"board_{name}", (Piece(Box(BOARD)),), "board", place(20.0, 0.0, -0.5 * BOARD[2], k), _turn(20.0)))
         pieces = (Piece(Box((0.2, 0.2, height))),)
         at = place(20.0, START, 0.5 * height + LAID, k)
         bodies.append(simulated(name, pieces, "rough", solid(pieces, MASS), at, _turn(20.0)))
-    stated["rough", "board"] = Contact(0.0, 2.0)
+    stated["rough", "board"] = ContactLaw(0.0, 2.0)
     materials = pair_table(["board", "rough", *(name for name, _, _ in CASES)], stated)
     return Scene("incline", tuple(bodies), materials=materials)
 

@@ -4,7 +4,7 @@ from math import radians, tan
 
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import LAID, pair_table, turned_by
@@ -26,7 +26,7 @@ def build() -> Scene:
     return Scene("incline_tips", (
         fixed("board", board, "board", place(SLOPE, 0.0, -0.5 * BOARD[2], 0.0), turn),
         simulated("tips", pieces, "rough", solid(pieces, MASS), at, turn),
-    ), materials=pair_table(("board", "rough"), {("board", "rough"): Contact(0.0, 2.0)}))
+    ), materials=pair_table(("board", "rough"), {("board", "rough"): ContactLaw(0.0, 2.0)}))
 
 
 SCENARIO = Scenario(

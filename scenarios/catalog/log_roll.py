@@ -7,7 +7,7 @@ line on which it touches stays below its axis however it turns: nobody may carry
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from scenarios.cases import LAID, pair_table, turned_by
@@ -36,7 +36,7 @@ def build() -> Scene:
             name, SHAPE, "wood", solid(SHAPE, MASS), start, ACROSS, velocity=(SPEED, 0.0, 0.0), angular_velocity=spin
         ))
     return Scene("log_roll", tuple(bodies), materials=pair_table(
-        ("table", "wood"), {("table", "wood"): Contact(0.0, FRICTION)}
+        ("table", "wood"), {("table", "wood"): ContactLaw(0.0, FRICTION)}
     ))
 
 

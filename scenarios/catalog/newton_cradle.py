@@ -7,7 +7,7 @@ gapped one's.
 
 from avatarsim.scene.body import simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.closed_form import cradle_velocities
@@ -35,7 +35,7 @@ def build(name: str, gap: float) -> Scene:
     for k in range(1, BALLS):
         x = k * 2.0 * RADIUS + (k - 1) * gap
         bodies.append(simulated(NAMES[k], pieces, "steel", solid(pieces, MASS), (x, 0.0, 0.0)))
-    materials = pair_table(("steel",), {("steel", "steel"): Contact(1.0, 0.0)})
+    materials = pair_table(("steel",), {("steel", "steel"): ContactLaw(1.0, 0.0)})
     return Scene(name, tuple(bodies), materials=materials, gravity=NOWHERE)
 
 

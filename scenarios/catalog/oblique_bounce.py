@@ -8,7 +8,7 @@ from math import cos, radians, sin
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import Oblique, oblique_bounce
@@ -46,7 +46,7 @@ def build() -> Scene:
         start = (-FALL * velocity[0], 0.5 * (k - 4), RADIUS - FALL * velocity[2])
         material = f"rubber_{friction:g}"
         bodies.append(simulated(f"ball_{angle:g}_{friction:g}", pieces, material, solid(pieces, MASS), start, velocity=velocity))
-    stated = {(f"rubber_{friction:g}", "plate"): Contact(RESTITUTION, friction) for friction in FRICTIONS}
+    stated = {(f"rubber_{friction:g}", "plate"): ContactLaw(RESTITUTION, friction) for friction in FRICTIONS}
     names = ["plate", *(f"rubber_{friction:g}" for friction in FRICTIONS)]
     return Scene("oblique_bounce", tuple(bodies), materials=pair_table(names, stated), gravity=NOWHERE)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from scenarios.cases import LAID, pair_table, turned_by
@@ -35,7 +35,7 @@ def build() -> Scene:
     for k, friction in enumerate(FRICTIONS):
         at = (0.0, 1.4 * (k - 2), high)
         bodies.append(simulated(f"rod_{friction:g}", pieces, f"mu_{friction:g}", mass, at, turn, velocity=(SPEED, 0.0, 0.0)))
-    stated = {(f"mu_{friction:g}", "floor"): Contact(0.0, friction) for friction in FRICTIONS}
+    stated = {(f"mu_{friction:g}", "floor"): ContactLaw(0.0, friction) for friction in FRICTIONS}
     names = ["floor", *(f"mu_{friction:g}" for friction in FRICTIONS)]
     return Scene("painleve", tuple(bodies), materials=pair_table(names, stated))
 

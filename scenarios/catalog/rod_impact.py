@@ -9,7 +9,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation
@@ -60,7 +60,7 @@ def build() -> Scene:
             mass = solid((piece,), MASS)
             bodies.append(simulated(f"{kind}_{e:g}", (piece,), f"e_{e:g}", mass, at, turn, velocity=(0.0, 0.0, -SPEED)))
     names = ["plate", *(f"e_{e:g}" for e in RESTITUTIONS)]
-    stated = {(f"e_{e:g}", "plate"): Contact(e, 0.0) for e in RESTITUTIONS}
+    stated = {(f"e_{e:g}", "plate"): ContactLaw(e, 0.0) for e in RESTITUTIONS}
     return Scene("rod_impact", tuple(bodies), materials=pair_table(names, stated), gravity=NOWHERE)
 
 

@@ -6,7 +6,7 @@ Closed form: v0 - mu g t until 2 v0 / (7 mu g), after 12 v0^2 / (49 mu g); from 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import roll_distance, roll_speed, roll_time
@@ -32,7 +32,7 @@ def build() -> Scene:
         start, velocity = (0.0, LANE * (k - 1), RADIUS + LAID), (SPEED, 0.0, 0.0)
         name, cloth = f"ball_{friction:g}", f"cloth_{friction:g}"
         bodies.append(simulated(name, pieces, cloth, solid(pieces, MASS), start, velocity=velocity))
-    stated = {(f"cloth_{friction:g}", "table"): Contact(0.0, friction) for friction in FRICTIONS}
+    stated = {(f"cloth_{friction:g}", "table"): ContactLaw(0.0, friction) for friction in FRICTIONS}
     names = ["table", *(f"cloth_{friction:g}" for friction in FRICTIONS)]
     return Scene("slide_to_roll", tuple(bodies), materials=pair_table(names, stated))
 

@@ -5,7 +5,7 @@ The hard part is not to be exact but to go on: bodies in motion that touch one a
 
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table
@@ -23,7 +23,7 @@ HEIGHT = 1.1
 def build() -> Scene:
     """The stack of `stack_ten` on a wide floor, and the ball 0.9 m before it."""
     ball, ground = (Piece(Sphere(RADIUS)),), (Piece(Box((40.0, 40.0, 0.2))),)
-    lively = Contact(0.3, 0.4)
+    lively = ContactLaw(0.3, 0.4)
     return Scene("stack_struck", (
         fixed("floor", ground, "floor", (0.0, 0.0, -0.1)), *stack()[1:],
         simulated("ball", ball, "box", solid(ball, MASS), (-1.1, 0.02, HEIGHT), velocity=(SPEED, 0.0, 0.0)),

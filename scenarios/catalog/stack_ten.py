@@ -5,7 +5,7 @@ They begin with a millimetre of air between them, so that an engine that does no
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import pair_table
@@ -36,7 +36,7 @@ def stack() -> tuple[Body, ...]:
 
 def build() -> Scene:
     """The stack alone, of a wood that does not bounce."""
-    dull = Contact(0.0, 0.5)
+    dull = ContactLaw(0.0, 0.5)
     materials = pair_table(("floor", "box"), {("floor", "box"): dull, ("box", "box"): dull})
     return Scene("stack_ten", stack(), materials=materials)
 
@@ -45,7 +45,7 @@ def ten_minutes() -> Scene:
     """The stack, and one box by itself two stacks' widths away."""
     pieces = (Piece(Box((EDGE, EDGE, EDGE))),)
     alone = simulated("alone", pieces, "box", solid(pieces, MASS), (1.0, 0.0, 0.5 * EDGE + AIR))
-    dull = Contact(0.0, 0.5)
+    dull = ContactLaw(0.0, 0.5)
     materials = pair_table(("floor", "box"), {("floor", "box"): dull, ("box", "box"): dull})
     return Scene("rest_ten_minutes", (*stack(), alone), materials=materials)
 

@@ -9,7 +9,7 @@ from math import cos, radians, sin
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import stop_distance, stop_time
@@ -47,7 +47,7 @@ def build(name: str) -> Scene:
         turned = turned_by((0.0, 0.0, 1.0), radians(angle))
         start, velocity = (-1.0, 1.2 * (k - 1), 0.5 * SIZE[2] + LAID), (SPEED * x, SPEED * y, 0.0)
         bodies.append(simulated(f"box_{angle:g}", pieces, "box", solid(pieces, MASS), start, turned, velocity))
-    materials = pair_table(("floor", "box"), {("floor", "box"): Contact(0.0, FRICTION)})
+    materials = pair_table(("floor", "box"), {("floor", "box"): ContactLaw(0.0, FRICTION)})
     return Scene(name, tuple(bodies), materials=materials)
 
 

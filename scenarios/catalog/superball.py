@@ -5,7 +5,7 @@ The heavy ball bounces first and then throws the light one back at (3 M - m) / (
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import superball_speed, two_spheres
@@ -37,7 +37,7 @@ def build() -> Scene:
         bodies.append(simulated(f"heavy_{k}", heavy, "ball", solid(heavy, 1.0), (x, 0.0, low), velocity=down))
         high = low + HEAVY + GAP + LIGHT
         bodies.append(simulated(f"light_{k}", light, "ball", solid(light, ratio), (x, 0.0, high), velocity=down))
-    elastic = Contact(1.0, 0.0)
+    elastic = ContactLaw(1.0, 0.0)
     materials = pair_table(("plate", "ball"), {("plate", "ball"): elastic, ("ball", "ball"): elastic})
     return Scene("superball", tuple(bodies), materials=materials, gravity=NOWHERE)
 

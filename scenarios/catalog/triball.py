@@ -10,7 +10,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import tripod_load
@@ -43,7 +43,7 @@ def build() -> Scene:
         feet = tuple(Piece(Sphere(RADIUS), place) for place in places)
         at = (0.0, y, RADIUS + LAID)
         bodies.append(simulated(f"three_{k}", feet, "ball", across, at, velocity=(SPEED, 0.0, 0.0)))
-    stated = {("rough", "ball"): Contact(0.0, FRICTION)}
+    stated = {("rough", "ball"): ContactLaw(0.0, FRICTION)}
     return Scene("triball", tuple(bodies), materials=pair_table(("rough", "ice", "ball"), stated))
 
 

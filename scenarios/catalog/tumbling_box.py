@@ -6,7 +6,7 @@ judged by itself, so that none can hide its gain behind another's loss.
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import pair_table, turned_by
@@ -32,7 +32,7 @@ def build() -> Scene:
         turn = turned_by((0.6, 0.0, 0.8), 0.3 + 0.35 * k)
         spin = (4.0 - 0.5 * k, 3.0, -2.0 + 0.3 * k)
         bodies.append(simulated(name, pieces, name, solid(pieces, MASS), at, turn, (1.0, 0.5, 0.0), spin))
-        stated[name, "floor"] = Contact(e, mu)
+        stated[name, "floor"] = ContactLaw(e, mu)
     return Scene("tumbling_box", tuple(bodies), materials=pair_table(("floor", *BOXES), stated))
 
 

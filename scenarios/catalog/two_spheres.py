@@ -5,7 +5,7 @@ Closed form: v_a' = (m_a - e m_b) v / (m_a + m_b), v_b' = (1 + e) m_a v / (m_a +
 
 from avatarsim.scene.body import Body, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.closed_form import two_spheres
@@ -40,7 +40,7 @@ def build() -> Scene:
         at = -(2.0 * RADIUS + GAP)
         bodies.append(simulated(first, pieces, material, solid(pieces, ratio), (at, float(k), 0.0), velocity=(SPEED, 0.0, 0.0)))
         bodies.append(simulated(second, pieces, material, solid(pieces, 1.0), (0.0, float(k), 0.0)))
-    stated = {(f"e_{e:g}", f"e_{e:g}"): Contact(e, 0.5) for e in RESTITUTIONS}
+    stated = {(f"e_{e:g}", f"e_{e:g}"): ContactLaw(e, 0.5) for e in RESTITUTIONS}
     materials = pair_table([f"e_{e:g}" for e in RESTITUTIONS], stated)
     return Scene("two_spheres", tuple(bodies), materials=materials, gravity=NOWHERE)
 

@@ -6,7 +6,7 @@ one by one never gets there, one that stops counting gets there early.
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table
@@ -30,7 +30,7 @@ def build() -> Scene:
     for k, drop in enumerate(DROPS):
         at = (k - 1.0, 0.0, RADIUS + HEIGHT)
         bodies.append(simulated(drop.ball, pieces, f"e_{drop.restitution:g}", solid(pieces, MASS), at))
-    stated = {(f"e_{e:g}", "floor"): Contact(e, 0.3) for e in RESTITUTIONS}
+    stated = {(f"e_{e:g}", "floor"): ContactLaw(e, 0.3) for e in RESTITUTIONS}
     names = ["floor", *(f"e_{e:g}" for e in RESTITUTIONS)]
     return Scene("zeno", tuple(bodies), materials=pair_table(names, stated))
 

@@ -14,7 +14,7 @@ from avatarsim.errors import UnknownName
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.spatial import rotation
@@ -81,9 +81,9 @@ def rotation_of(axis: tuple[float, float, float], angle: float) -> Quaternion:
     return turned_by(axis, radians(angle))
 
 
-def contact(law: str, asked: float) -> Contact:
+def contact(law: str, asked: float) -> ContactLaw:
     """What is asked of a body and the floor."""
-    return Contact(asked, 0.0) if law == "restitution" else Contact(BOUNCE, asked)
+    return ContactLaw(asked, 0.0) if law == "restitution" else ContactLaw(BOUNCE, asked)
 
 
 def build(law: str, shape: str) -> Scene:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from avatarsim.engine import Settings
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import TABLE_1, Contact, PairTable
+from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
@@ -41,7 +41,7 @@ coefficients = st.sampled_from([0.0, 0.1, 0.2, 0.3])
 )
 def test_every_pair_has_its_law(bodies: list[tuple[str, bool]], numbers: list[tuple[float, float]]) -> None:
     keys = [(a, b) for i, a in enumerate(MATERIALS) for b in MATERIALS[i:]]
-    table = PairTable({key: Contact(*values) for key, values in zip(keys, numbers, strict=True)})
+    table = PairTable({key: ContactLaw(*values) for key, values in zip(keys, numbers, strict=True)})
     scene = crowd([m for m, _ in bodies], [s for _, s in bodies], table)
     laws = contact_laws(scene, bounce=True)
     for a in range(len(bodies)):

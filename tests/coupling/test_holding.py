@@ -11,7 +11,7 @@ from avatarsim.ik.state import make_contacts
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -31,7 +31,7 @@ def at(x: float, z: float = 0.0) -> TrackerSample:
 def a_scene(hand: Shape, *bodies: Body, gravity: float = 0.0) -> Scene:
     """A hand at the origin among bodies of wood; ice is without friction, and hands throw balls back with half their speed."""
     pieces = (Piece(hand),)
-    pairs = {("ice", "wood"): Contact(0.0, 0.0), ("ice", "hand"): Contact(0.0, 0.0), ("hand", "wood"): Contact(0.5, 0.0)}
+    pairs = {("ice", "wood"): ContactLaw(0.0, 0.0), ("ice", "hand"): ContactLaw(0.0, 0.0), ("hand", "wood"): ContactLaw(0.5, 0.0)}
     return Scene(
         "held", bodies, (rigid_avatar("hand", pieces, solid(pieces, 0.5), "hand"),), materials=PairTable(pairs),
         gravity=(0.0, 0.0, -gravity), start=at(0.0),

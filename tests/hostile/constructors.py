@@ -25,7 +25,7 @@ from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.joint import Ball, Hinge, Hinges, SwingTwist
 from avatarsim.scene.mass import Mass, solid, volume
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
@@ -131,7 +131,7 @@ def joint_doors() -> list[SearchStrategy[Asked]]:
     """Materials and joints."""
     pairs = st.dictionaries(st.tuples(v.materials, v.materials), v.contacts, max_size=3)
     return [
-        v.asked(Contact, restitution=st.floats(0.0, 1.0), friction=st.floats(0.0, 1.0)), v.asked(PairTable, pairs=pairs),
+        v.asked(ContactLaw, restitution=st.floats(0.0, 1.0), friction=st.floats(0.0, 1.0)), v.asked(PairTable, pairs=pairs),
         v.asked(Hinge, axis=v.directions, lower=st.floats(-2.0, 0.0), upper=st.floats(0.0, 2.0)),
         v.asked(Hinges, hinges=st.lists(v.hinges, min_size=1, max_size=3).map(tuple)),
         v.asked(SwingTwist, axis=v.directions, centre=v.directions, swing=v.lengths, twist=st.just((-1.0, 1.0))),

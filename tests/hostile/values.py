@@ -13,7 +13,7 @@ from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid, SwingTwist
 from avatarsim.scene.mass import Mass, solid
-from avatarsim.scene.material import TABLE_1, Contact, PairTable
+from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
 from avatarsim.scene.reach_cone import ReachCone
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -70,7 +70,7 @@ singles: Any = st.one_of(
                      b"\xff", Exception("x"))),
     st.builds(lambda: iter([1.0, 2.0, 3.0])),
     st.sampled_from((Sphere(0.1), Piece(Sphere(0.1)), Free(), Rigid(), Hinge((1.0, 0.0, 0.0), -1.0, 1.0), Mass(1.0),
-                     Contact(0.5, 0.5), TABLE_1, Sphere, Box, fixed("f", (Piece(Sphere(0.1)),), "wood"), rest(()))),
+                     ContactLaw(0.5, 0.5), TABLE_1, Sphere, Box, fixed("f", (Piece(Sphere(0.1)),), "wood"), rest(()))),
 )
 """Anything that has no parts."""
 
@@ -109,7 +109,7 @@ pieces = st.builds(Piece, shapes, st.tuples(*[st.floats(-0.3, 0.3)] * 3), quater
 piece_tuples = st.lists(pieces, min_size=1, max_size=2).map(tuple)
 masses = st.builds(solid, piece_tuples, st.floats(0.1, 20.0))
 materials = st.sampled_from(("wood", "human", "metal"))
-contacts = st.builds(Contact, st.floats(0.0, 1.0), st.floats(0.0, 2.0))
+contacts = st.builds(ContactLaw, st.floats(0.0, 1.0), st.floats(0.0, 2.0))
 hinges = st.builds(lambda axis, a, b: Hinge(axis, min(a, b), max(a, b)), directions, st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
 swings = st.builds(SwingTwist, directions, directions, st.floats(0.1, 2.0), st.tuples(st.floats(-2.0, 0.0), st.floats(0.0, 2.0)))
 

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.loops.foremost import foremost
 from avatarsim.scene.body import fixed
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.world.geometry import geometry, poses
@@ -16,7 +16,7 @@ from avatarsim.world.geometry import geometry, poses
 @pytest.mark.parametrize(("toward", "count"), [((0.0, 0.0, 1.0), 4), ((1.0, 1.0, 0.0), 2), ((1.0, 0.5, 0.25), 1)])
 def test_a_face_an_edge_and_a_corner(toward: tuple[float, float, float], count: int) -> None:
     body = fixed("box", (Piece(Box((1.0, 1.0, 1.0))),), "m")
-    geo = geometry(Scene("a box", (body,), materials=PairTable({("m", "m"): Contact(0.0, 0.0)})))
+    geo = geometry(Scene("a box", (body,), materials=PairTable({("m", "m"): ContactLaw(0.0, 0.0)})))
     vertices = poses(geo, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])).vertices
     first, last = geo.shapes.start[0], geo.shapes.start[1]
     ahead = vertices[first:last, :3] @ np.array(toward)

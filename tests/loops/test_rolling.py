@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avatarsim.loops.upper_memory import PLASTIC, SEGMENTS
 from avatarsim.scene.body import fixed
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape
 from tests.loops.upper_world import G, World, ball, slab, thing
 
@@ -177,7 +177,7 @@ def test_a_ball_on_a_turntable_runs_in_a_circle(rate: float) -> None:
     """Its velocity turns at 2/7 of what the table does (Earnshaw)."""
     table = thing("table", Box((2.0, 2.0, 0.1)), (0.0, 0.0, 0.05 + LAID), 1e5, material="table", angular_velocity=(0.0, 0.0, 2.0))
     body = ball("ball", (0.0, 0.0, 0.1 + R + 2.0 * LAID), R, velocity=(0.3, 0.0, 0.0), angular_velocity=(0.0, 6.0, 0.0))
-    smooth, rough = Contact(0.0, 0.0), Contact(0.0, 1.0)
+    smooth, rough = ContactLaw(0.0, 0.0), ContactLaw(0.0, 1.0)
     pairs = {("floor", "floor"): smooth, ("floor", "table"): smooth, ("table", "table"): smooth, ("floor", "m"): smooth,
              ("m", "table"): rough, ("m", "m"): rough}
     world = World([slab(material="floor"), table, body], materials=PairTable(pairs))
@@ -193,7 +193,7 @@ def test_what_rolls_on_a_sledge_shares_its_momentum(rate: float, shape: Shape, t
     """On ice, sledge of four times the mass: slip ends, momentum stays, and the log's part is m / (m + 1 / (1/M + r^2/I))."""
     sledge = thing("sledge", Box((2.0, 1.0, 0.1)), (0.0, 0.0, 0.05 + LAID), 4.0, material="sledge")
     body = thing("log", shape, (0.0, 0.0, 0.1 + R + 2.0 * LAID), orientation=turn, velocity=(1.0, 0.0, 0.0))
-    ice, rough = Contact(0.0, 0.0), Contact(0.0, 0.3)
+    ice, rough = ContactLaw(0.0, 0.0), ContactLaw(0.0, 0.3)
     pairs = {("floor", "floor"): ice, ("floor", "sledge"): ice, ("sledge", "sledge"): ice, ("floor", "m"): ice,
              ("m", "sledge"): rough, ("m", "m"): rough}
     world = World([slab(material="floor"), sledge, body], materials=PairTable(pairs))

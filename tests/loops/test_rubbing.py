@@ -13,7 +13,7 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.joint import Free, Rigid
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
@@ -38,7 +38,7 @@ def pressed_and_led(speed: float, walled: bool) -> NDArray[np.float64]:
         Link("wrist", None, Free(), plate, solid(plate, 0.5), "hand"),
         Link("hand", "wrist", Rigid(), cube, solid(cube, 0.5), "hand", (0.0, 0.0, -ABOVE)),
     ))
-    slippery, rough = Contact(0.0, 0.0), Contact(0.0, 0.5)
+    slippery, rough = ContactLaw(0.0, 0.0), ContactLaw(0.0, 0.5)
     pairs = {("ice", "wood"): slippery, ("ice", "hand"): slippery, ("hand", "wood"): rough}
     walls = (fixed("wall", (Piece(Box((0.2, 1.0, 0.4))),), "ice", (0.155, 0.0, REST + ABOVE)),) if walled else ()
     scene = Scene("rub", (

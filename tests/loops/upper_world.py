@@ -18,7 +18,7 @@ from avatarsim.loops.upper_memory import Switches, make_memory
 from avatarsim.scene.avatar import Avatar, rigid_avatar
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.world.dynamics import dynamics, velocities
@@ -76,7 +76,7 @@ class World:
     """(time, pair, linear before, angular before, linear after, angular after) of every impact so far."""
 
     def __post_init__(self) -> None:
-        table = self.materials or PairTable({("m", "m"): Contact(self.restitution, self.friction)})
+        table = self.materials or PairTable({("m", "m"): ContactLaw(self.restitution, self.friction)})
         self.scene = Scene("test", tuple(self.bodies), tuple(self.avatars), materials=table, gravity=self.gravity)
         self.geometry, self.dynamics = geometry(self.scene), dynamics(self.scene)
         n = len(self.scene.names)

@@ -10,7 +10,7 @@ from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.calls import CALLS, KEPT
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from tests.stability.hostile import hinged_avatar
@@ -43,7 +43,7 @@ def test_each_part_calls_for_its_effects_and_no_other() -> None:
 
 
 def test_only_materials_that_can_meet_call_for_bounce_and_friction() -> None:
-    slick, rough = Contact(0.0, 0.0), Contact(0.5, 0.5)
+    slick, rough = ContactLaw(0.0, 0.0), ContactLaw(0.5, 0.5)
     table = PairTable({("metal", "metal"): rough, ("wood", "metal"): slick, ("wood", "wood"): rough})
     assert not {"restitution", "friction"} & called(FLOOR, DROP, materials=table)
     assert {"restitution", "friction"} <= called(FLOOR, DROP, replace(DROP, name="other"), materials=table)

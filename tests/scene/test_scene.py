@@ -10,7 +10,7 @@ from avatarsim.scene.avatar import Avatar, rigid_avatar
 from avatarsim.scene.body import fixed, simulated
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest
@@ -93,7 +93,10 @@ def test_effects_are_those_that_the_parts_call_for() -> None:
 
 def test_pairs_without_friction_or_bounce_call_for_none() -> None:
     ice = PairTable(
-        {("wood", "metal"): Contact(0.0, 0.0), ("metal", "metal"): Contact(0.0, 0.0), ("human", "human"): Contact(1.0, 1.0)}
+        {
+            ("wood", "metal"): ContactLaw(0.0, 0.0), ("metal", "metal"): ContactLaw(0.0, 0.0),
+            ("human", "human"): ContactLaw(1.0, 1.0),
+        }
     )
     effects = Scene("s", (FLOOR, DROP), materials=ice).effects
     assert not effects.friction and not effects.restitution

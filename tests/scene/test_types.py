@@ -14,7 +14,7 @@ from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.checks import FARTHEST, FASTEST, FASTEST_SPIN, Vector, finite_array, vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.mass import Mass, solid
-from avatarsim.scene.material import TABLE_1, Contact, PairTable
+from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
 from avatarsim.scene.scene import HEAVIEST, Scene
 from avatarsim.scene.shape import MOST_VERTICES, Box, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, checked, rest
@@ -53,8 +53,8 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "an axis for a hinge": (lambda: Hinges((AXIS,)), "hinges of a joint, entry 0"),
     "limits of a ball": (lambda: Ball((0.0, 1.0)), "limits of a ball joint is"),
     "a cone of a ball": (lambda: Ball(None, AXIS), "cone of a ball joint is"),
-    "a friction for a contact": (lambda: PairTable({("a", "b"): 0.5}), "contact of a and b is 0.5; valid: a Contact"),
-    "a name for a pair": (lambda: PairTable({"ab": Contact(0.1, 0.1)}), "pairs of a PairTable, entry 0 is 'ab'"),
+    "a friction for a contact": (lambda: PairTable({("a", "b"): 0.5}), "contact of a and b is 0.5; valid: a ContactLaw"),
+    "a name for a pair": (lambda: PairTable({"ab": ContactLaw(0.1, 0.1)}), "pairs of a PairTable, entry 0 is 'ab'"),
     "pairs as a list": (lambda: PairTable([("a", "b")]), "pairs of a PairTable is .*valid: a mapping"),
     "avatars for bodies": (lambda: Scene("s", (HAND,)), "bodies of scene s, entry 0 is .*valid: a Body"),
     "bodies for avatars": (lambda: Scene("s", (FLOOR,), (FLOOR,)), "avatars of scene s, entry 0 is .*valid: an Avatar"),

@@ -9,7 +9,7 @@ from avatarsim.errors import UnknownName
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Role, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact, PairTable
+from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.world.dynamics import dynamics, meeting_materials, velocities
@@ -64,7 +64,7 @@ def test_an_effect_narrowed_away_is_zero(effect: str) -> None:
 
 
 def test_a_pair_that_the_table_lacks_is_named() -> None:
-    table = PairTable({("wood", "wood"): Contact(0.1, 0.1), ("metal", "metal"): Contact(0.1, 0.1)})
+    table = PairTable({("wood", "wood"): ContactLaw(0.1, 0.1), ("metal", "metal"): ContactLaw(0.1, 0.1)})
     with pytest.raises(UnknownName, match="pair of materials is 'metal, wood'"):
         dynamics(Scene("s", (FLOOR, DROP), materials=table))
 

@@ -10,7 +10,7 @@ from math import sqrt
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import NOWHERE, pair_table
@@ -52,7 +52,7 @@ def build() -> Scene:
     for k, gap in enumerate(PASSING):
         bodies.append(fixed(f"bar_{k}", bar, "post", (0.5 * SLAB[0], 2.0 - 0.5 * SLAB[1], LANE * k)))
         bodies.append(simulated(f"cube_{k}", cube, "cube", solid(cube, MASS), cube_starts(gap, k), velocity=along))
-    stated = {("ball", "post"): Contact(1.0, 0.0), ("cube", "post"): Contact(0.5, 0.5)}
+    stated = {("ball", "post"): ContactLaw(1.0, 0.0), ("cube", "post"): ContactLaw(0.5, 0.5)}
     return Scene("grazing", tuple(bodies), materials=pair_table(("post", "ball", "cube"), stated), gravity=NOWHERE)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, ConvexHull, Piece, Sphere
 from reference.closed_form import bounce_state
@@ -82,9 +82,9 @@ def build() -> Scene:
         turn = turned_by((1.0, 2.0 - k, 0.5), 0.7)
         bodies.append(simulated(f"tumbling_{name}", pieces, name, solid(pieces, MASS), (4.0 + 2.0 * k, 0.0, 1.0), turn))
     names = ("floor", "fixed", "ball", "ring", "channel", "angle")
-    stated = {("ball", "fixed"): Contact(RESTITUTION, 0.0), ("ball", "floor"): Contact(RESTITUTION, 0.0)}
-    stated |= {(name, "floor"): Contact(0.0, 0.5) for name in ("ring", "channel", "angle")}
-    stated |= {(name, "fixed"): Contact(0.0, 0.5) for name in ("ring", "channel", "angle")}
+    stated = {("ball", "fixed"): ContactLaw(RESTITUTION, 0.0), ("ball", "floor"): ContactLaw(RESTITUTION, 0.0)}
+    stated |= {(name, "floor"): ContactLaw(0.0, 0.5) for name in ("ring", "channel", "angle")}
+    stated |= {(name, "fixed"): ContactLaw(0.0, 0.5) for name in ("ring", "channel", "angle")}
     return Scene("non_convex", tuple(bodies), materials=pair_table(names, stated))
 
 

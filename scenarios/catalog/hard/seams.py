@@ -13,7 +13,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Shape, Sphere
 from reference.closed_form import roll_distance, roll_speed, roll_time, stop_distance, stop_time
@@ -127,7 +127,7 @@ def build() -> Scene:
         bodies.append(simulated(
             name, ball, "thing", solid(ball, MASS), at, velocity=(SPEED, 0.0, 0.0), angular_velocity=(0.0, spin, 0.0)
         ))
-    stated = {("thing", "stone"): Contact(0.0, FRICTION), ("thing", "thing"): Contact(0.0, CLINGS)}
+    stated = {("thing", "stone"): ContactLaw(0.0, FRICTION), ("thing", "thing"): ContactLaw(0.0, CLINGS)}
     return Scene("seams", tuple(bodies), materials=pair_table(("thing", "stone"), stated))
 
 

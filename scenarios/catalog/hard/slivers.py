@@ -10,7 +10,7 @@ import numpy as np
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.spatial import rotation
@@ -69,7 +69,7 @@ def build() -> Scene:
                                 velocity=(speed, 0.0, 0.0)))
     for ratio in RATIOS:
         bodies += pair(ratio)
-    materials = pair_table(("sheet", "box"), {("sheet", "box"): Contact(1.0, 0.0), ("box", "box"): Contact(1.0, 0.0)})
+    materials = pair_table(("sheet", "box"), {("sheet", "box"): ContactLaw(1.0, 0.0), ("box", "box"): ContactLaw(1.0, 0.0)})
     return Scene("slivers", tuple(bodies), materials=materials, gravity=NOWHERE)
 
 

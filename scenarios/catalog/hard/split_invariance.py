@@ -11,7 +11,7 @@ import numpy as np
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import bounce_state, roll_distance, roll_speed, roll_time, stop_distance, stop_time
@@ -70,8 +70,8 @@ def build() -> Scene:
         bodies.append(simulated(f"rolls_{name}", ball, "cloth", solid(ball, MASS), (ROLLS_FROM, y + 0.3, RADIUS + LAID),
                                 velocity=forwards))
     stated = {
-        ("box", "floor"): Contact(0.0, FRICTION), ("ball", "floor"): Contact(RESTITUTION, FRICTION),
-        ("cloth", "floor"): Contact(0.0, FRICTION),
+        ("box", "floor"): ContactLaw(0.0, FRICTION), ("ball", "floor"): ContactLaw(RESTITUTION, FRICTION),
+        ("cloth", "floor"): ContactLaw(0.0, FRICTION),
     }
     return Scene("split_invariance", tuple(bodies), materials=pair_table(("floor", "box", "ball", "cloth"), stated))
 

@@ -6,7 +6,7 @@ then back at the same speed.
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import wall_contact_time
@@ -45,7 +45,7 @@ def build() -> Scene:
         y, z = APART * (k - 0.5 * (STARTS - 1)), APART * (SPEEDS.index(speed) - 0.5 * (len(SPEEDS) - 1))
         start, mass = (-distance(speed, k), y, z), solid(pieces, MASS)
         bodies.append(simulated(f"ball_{speed:g}_{k}", pieces, "ball", mass, start, velocity=(speed, 0.0, 0.0)))
-    materials = pair_table(("ball", "wall"), {("ball", "wall"): Contact(1.0, 0.0)})
+    materials = pair_table(("ball", "wall"), {("ball", "wall"): ContactLaw(1.0, 0.0)})
     return Scene("tunnelling", tuple(bodies), materials=materials, gravity=NOWHERE)
 
 

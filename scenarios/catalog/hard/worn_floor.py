@@ -7,7 +7,7 @@ time, or jumps, goes centimetres too far. Nobody is on more than one step up: th
 
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import stop_distance, stop_time
@@ -64,7 +64,7 @@ def build() -> Scene:
             name, pieces, "box", solid(pieces, MASS), (START, y, 0.5 * SIZE[2] + LAID), turned, (SPEED, 0.0, 0.0)
         ))
     return Scene("worn_floor", tuple(bodies), materials=pair_table(
-        ("stone", "box"), {("stone", "box"): Contact(0.0, FRICTION)}
+        ("stone", "box"), {("stone", "box"): ContactLaw(0.0, FRICTION)}
     ))
 
 

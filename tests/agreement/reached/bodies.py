@@ -9,7 +9,7 @@ from avatarsim.engine import Engine, Settings
 from avatarsim.scene.body import Body, fixed, simulated
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.scene.tracker import rest
@@ -34,7 +34,7 @@ class Thrown:
     mass: float
     at: Vector
     velocity: Vector
-    law: Contact
+    law: ContactLaw
     turn: Quaternion = rotation.IDENTITY
 
 
@@ -58,7 +58,7 @@ def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Sce
         bodies.append(simulated(
             f"b{k}", pieces, made_of, solid(pieces, one.mass), one.at, one.turn, velocity=one.velocity
         ))
-    table = {("floor", made_of): Contact(*law) for law, made_of in material.items()}
+    table = {("floor", made_of): ContactLaw(*law) for law, made_of in material.items()}
     return Scene(name, tuple(bodies), materials=pair_table(["floor", *material.values()], table), gravity=(0.0, 0.0, -gravity))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.shape import Box
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import GRAVITY, RATES, Seen, Thrown, over_floor, seen
@@ -49,7 +49,7 @@ def slid(name: str, rate: int, restitution: float, cone: str = "ELLIPTIC") -> Se
     engine: Engine = MujocoEngine() if name == "mujoco" else PybulletEngine()
     boxes = [
         Thrown(SHAPE, 1.0, (0.0, 3.0 * k, 0.5 * SHAPE.size[2]), (SPEED * cos(radians(angle)), SPEED * sin(radians(angle)), 0.0),
-               Contact(restitution, FRICTION))
+               ContactLaw(restitution, FRICTION))
         for k, angle in enumerate(ANGLES)
     ]
     more = {"cone": cone} if name == "mujoco" else {}

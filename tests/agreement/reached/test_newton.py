@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, RATES, Seen, Thrown, over_floor, seen
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
@@ -49,7 +49,7 @@ def dropped(name: str, rate: int, exact: bool = True) -> Seen:
     arrives = sqrt(2.0 * GRAVITY * HEIGHT)
     balls = [
         Thrown(BALL, BALL_MASS, (float(k), float(phase), BALL.radius + HEIGHT + arrives / rate * phase / PHASES), (0.0, 0.0, 0.0),
-               Contact(e, 0.0))
+               ContactLaw(e, 0.0))
         for k, e in enumerate(ASKED) for phase in range(PHASES)
     ]
     return seen(engine, over_floor("drops", balls), rate, 0.55, **(EXACT[name] if exact else {}))

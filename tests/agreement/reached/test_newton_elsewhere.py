@@ -9,7 +9,7 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.scene.body import simulated
 from avatarsim.scene.mass import solid
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest
@@ -18,7 +18,7 @@ from scenarios.cases import NOWHERE, pair_table, turned_by
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Seen, Thrown, over_floor, seen
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
 
-HALF = Contact(0.5, 0.0)
+HALF = ContactLaw(0.5, 0.0)
 BOX = Box((0.1, 0.1, 0.1))
 FALLING = (1.0, 2.0, 4.0, 8.0)
 """Impact speeds [m/s] under gravity."""
@@ -87,14 +87,14 @@ def test_the_damper_does_not_bounce_under_other_integrators(integrator: str, rat
 @pytest.mark.parametrize(("restitution", "error"), [(0.3, 0.0061), (0.8, 0.0065)])
 def test_bouncing_boxes_slide_as_far_as_others(restitution: float, error: float) -> None:
     """0.61 and 0.6 % short at 1/240, of which half a step's way is 0.61; without a friction of its own it is 5.3 at 0.8."""
-    box = Thrown(Box((0.2, 0.2, 0.05)), 1.0, (0.0, 0.0, 0.025), (2.0, 0.0, 0.0), Contact(restitution, 0.3))
+    box = Thrown(Box((0.2, 0.2, 0.05)), 1.0, (0.0, 0.0, 0.025), (2.0, 0.0, 0.0), ContactLaw(restitution, 0.3))
     found = seen(MujocoEngine(), over_floor("slide", [box]), 240, 1.5)
     way = found.places[-1, 0, 0] - found.places[0, 0, 0]
     assert abs(way / (4.0 / (2.0 * 0.3 * GRAVITY)) - 1.0) < error + 5e-5
 
 
 def test_a_bouncing_box_at_rest_creeps_no_faster_than_known() -> None:
-    box = Thrown(Box((0.2, 0.2, 0.05)), 1.0, (0.0, 0.0, 0.025), (0.5, 0.0, 0.0), Contact(0.8, 0.3))
+    box = Thrown(Box((0.2, 0.2, 0.05)), 1.0, (0.0, 0.0, 0.025), (0.5, 0.0, 0.0), ContactLaw(0.8, 0.3))
     found = seen(MujocoEngine(), over_floor("creep", [box]), 1000, 1.0)
     assert np.linalg.norm(found.places[-1, 0, :2] - found.places[-501, 0, :2]) / 0.5 < CREEP
 
@@ -109,6 +109,6 @@ def test_pybullet_bounces_from_twenty_centimetres_a_second_on(speed: float) -> N
 
 @needs_pybullet
 def test_a_ball_at_rest_in_pybullet_is_no_deeper_than_a_hundredth_of_a_millimetre() -> None:
-    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.05), (0.0, 0.0, 0.0), Contact(0.1, 0.0))
+    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.05), (0.0, 0.0, 0.0), ContactLaw(0.1, 0.0))
     found = seen(PybulletEngine(), over_floor("rest", [ball]), 240, 1.0)
     assert abs(found.places[-1, 0, 2] - BALL.radius) <= 1e-5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import Contact
+from avatarsim.scene.material import ContactLaw
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Thrown, over_floor, seen
 from tests.agreement.rivals import ENGINES
 
@@ -24,7 +24,7 @@ TOUCHES = 1e-9
 found, which at 1/60 is as much as the table's error."""
 STRIKES = (2.0, 4.0)
 """Velocity [m/s] along and down of the ball that bounces, from 5 cm above the floor."""
-OBLIQUE = Contact(0.3, 0.1)
+OBLIQUE = ContactLaw(0.3, 0.1)
 LOST_TOO_MUCH = 0.006
 """Known error [m/s] of the speed along the floor that is lost in the oblique bounce at 1/240, of 0.536."""
 BOUNCED = 0.304
@@ -35,7 +35,7 @@ BOUNCED = 0.304
 @pytest.mark.parametrize("rate", [60, 240, 1000])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_what_is_left_is_as_near_to_five_sevenths_as_known(engine: Engine, rate: int, restitution: float) -> None:
-    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0), Contact(restitution, FRICTION))
+    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0), ContactLaw(restitution, FRICTION))
     found = seen(engine, over_floor("slide_to_roll", [ball]), rate, 0.6)
     error = abs(found.velocities[-1, 0, 0] / SPEED - SHARE)
     assert error <= abs(ROLLS_AT[engine.name][rate] - SHARE) + 2.0 * LAST_DIGIT
@@ -46,7 +46,7 @@ def test_what_is_left_is_as_near_to_five_sevenths_as_known(engine: Engine, rate:
 def test_sliding_ends_within_a_step_of_its_time(engine: Engine, rate: int) -> None:
     """Of a ball that could bounce in MuJoCo: friction of others is softer there, the rest of the slip dies out in 20 steps."""
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0),
-                  Contact(0.3 if engine.name == "mujoco" else 0.0, FRICTION))
+                  ContactLaw(0.3 if engine.name == "mujoco" else 0.0, FRICTION))
     found = seen(engine, over_floor("slide_to_roll", [ball]), rate, 0.6)
     slip = found.velocities[:, 0, 0] - BALL.radius * found.spins[:, 0, 1]
     # less is left than friction takes in half a step
