@@ -1,3 +1,139 @@
-"""Contact between a driven avatar and its world, in real time, with nothing left overlapping."""
+"""Contact between a driven avatar and its world, in real time, with nothing left overlapping.
 
-__version__ = "0.1.0"
+A tracked hand or body goes where its user goes: into walls, tables, its own limbs. The engine shows the nearest posture that
+touches but never overlaps, within joint limits, and makes loose objects bounce, slide and roll off it. It implements Schmidl and
+Lin, *Real-time Physically-based Interaction between Avatars and Virtual Environments*, and goes past it.
+
+Example
+-------
+A fist is led down to a table, and through it; it is shown on top.
+
+    >>> import numpy as np
+    >>> import avatarsim as av
+    >>> fist = (av.Piece(av.Sphere(0.04)),)
+    >>> table = av.fixed("table", (av.Piece(av.Box((1.0, 1.0, 0.05))),), "wood")
+    >>> def hand(z):
+    ...     return av.TrackerSample(0.0, np.array([[0.0, 0.0, z]]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
+    >>> scene = av.Scene("reach", (table,), (av.rigid_avatar("hand", fist, av.solid(fist, 0.5)),), start=hand(0.3))
+    >>> with av.AvatarsimEngine() as engine:
+    ...     record = engine.load(scene, av.Settings(), dt=1 / 60)
+    ...     for k in range(60):
+    ...         record = engine.advance(hand(0.3 - 0.01 * k), dt=1 / 60)
+    ...     touching = [(contact.a, contact.b) for contact in engine.contacts()]
+    >>> print(record.shown.positions[1].round(4), touching)
+    [0.     0.     0.0652] [('table', 'hand')]
+
+Units and conventions
+---------------------
+SI units (m, kg, s, N), angles in radians, float64; z is up. Quaternions are (w, x, y, z) of length 1. Sizes of boxes are full
+lengths. Arrays over bodies are in the order of `scene.names`: the bodies, then the links of each avatar. A contact's normal
+points out of `b` into `a`. Descriptions (scenes, bodies, avatars, shapes) are frozen and checked as they are made: what is wrong
+is refused with an `InvalidInput` that names the thing, its value and the valid range.
+
+The world
+---------
+    Scene           everything before the first frame: bodies, avatars, materials, gravity, where it starts
+    fixed           a body that stays where it is
+    simulated       a loose body, which obeys the laws of physics
+    Piece           one convex shape at its place on a body
+    Sphere, Capsule, Box, Ellipsoid, ConvexHull     the shapes
+    pieces_of_mesh  convex pieces of a mesh file, with a bound of their distance from it (needs the extra `assets`)
+    Mass            mass, centre of mass and inertia of a body or link
+    solid           the Mass of pieces that are solid and even
+    PairTable       materials: a ContactLaw for every pair of names; the default has wood, human and metal, as in the paper
+    ContactLaw      restitution and friction of a pair
+
+Avatars
+-------
+    rigid_avatar    a driven body without joints
+    Avatar          a tree of links, driven by a tracker
+    Link            a rigid part of an avatar: its joint, pieces and mass
+    Free            the joint of a root that goes where its user goes
+    Rigid           no motion against the parent
+    Hinges, Hinge   one to three hinges that share a centre, and one of them with its limits
+    Ball            a ball and socket
+    SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
+    TrackerSample   what the user did at one instant: the posture of all avatars
+    rest            the sample with every joint at zero
+
+Frames
+------
+    AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, close
+    Settings        preset, options, seed, and what is recorded
+    FrameRecord     what `advance` returns: the state shown, joint angles, counts, statuses
+    Snapshot        positions, orientations and velocities of all bodies at one instant
+    Contact         where two bodies touch: their names, point, normal, gap
+    advance_many    a frame of many engines at once, on several threads
+
+Errors
+------
+    AvatarsimError  the root of all that is raised on purpose
+    InvalidInput    a value outside its valid range, and all kinds of it (avatarsim.errors lists them)
+    StartOverlaps   the first pose overlaps; names the pairs and their depths
+    WorldsFailed    some worlds of `advance_many` failed; holds the records of the others
+
+Rarer names stand in their modules: `avatarsim.scene` (reach cones, effects), `avatarsim.settings` (every option, its unit and
+what it changes), `avatarsim.errors`. Nothing of the engine is imported before a name is used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from avatarsim.version import VERSION as __version__
+
+if TYPE_CHECKING:
+    from avatarsim.contacts import Contact
+    from avatarsim.engine import FrameRecord, Settings, Snapshot
+    from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
+    from avatarsim.many_worlds import advance_many
+    from avatarsim.pieces import pieces_of_mesh
+    from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+    from avatarsim.scene.body import fixed, simulated
+    from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+    from avatarsim.scene.mass import Mass, solid
+    from avatarsim.scene.material import ContactLaw, PairTable
+    from avatarsim.scene.scene import Scene
+    from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
+    from avatarsim.scene.tracker import TrackerSample, rest
+    from avatarsim.simulator import AvatarsimEngine
+
+__all__ = [
+    "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull", "Ellipsoid",
+    "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene", "Settings",
+    "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "fixed",
+    "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+]
+
+_MODULES = {
+    "contacts": ("Contact",),
+    "engine": ("FrameRecord", "Settings", "Snapshot"),
+    "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
+    "many_worlds": ("advance_many",),
+    "pieces": ("pieces_of_mesh",),
+    "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
+    "scene.body": ("fixed", "simulated"),
+    "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
+    "scene.mass": ("Mass", "solid"),
+    "scene.material": ("ContactLaw", "PairTable"),
+    "scene.scene": ("Scene",),
+    "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
+    "scene.tracker": ("TrackerSample", "rest"),
+    "simulator": ("AvatarsimEngine",),
+}
+"""Which module has which public names: the same as above, for a running Python."""
+
+_MODULE_OF = {name: f"{__name__}.{module}" for module, names in _MODULES.items() for name in names}
+
+if not TYPE_CHECKING:  # else every name that is misspelt would have a type
+
+    def __getattr__(name: str) -> object:
+        """Import a public name when it is first used (PEP 562): the engine brings a compiler, which takes half a second."""
+        if name not in _MODULE_OF:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        found = getattr(import_module(_MODULE_OF[name]), name)
+        globals()[name] = found
+        return found
+
+    def __dir__() -> list[str]:
+        """The public names, and what is imported so far."""
+        return sorted({*globals(), *__all__})

@@ -21,7 +21,7 @@ NOTHING = Tally()
 
 @dataclass(eq=False, init=False, slots=True)
 class Snapshot:
-    """The world at one instant inside a frame: a sub-step or an event.
+    """The world at one instant: what a frame shows at its end, or a sub-step or an event inside it.
 
     `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order;
     velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes; read-only where all are zero.
@@ -88,7 +88,13 @@ class FrameRecord:
 
 @dataclass(frozen=True)
 class Settings:
-    """How an engine is run: a named `preset`, options that override it, the seed, and whether to record sub-steps.
+    """How an engine is run.
+
+    preset         name of a method, "default" or "paper"
+    options        what overrides the preset's settings: `{"stand_off": 1e-4}`; `avatarsim.settings` has all, with their units
+    seed           of what is drawn: orders of chains, and samples of the search for a path
+    record_inside  whether records hold sub-steps and events; costs time
+    time_stages    whether records hold nanoseconds per stage; costs time
 
     Raises InvalidInput where one of them is of another type; which names and values an engine takes, it says at `load`."""
 

@@ -11,6 +11,7 @@
     |   +-- InvalidSnapshot bytes are no snapshot, are damaged, or are of another scene
     |   +-- UnknownName     an engine, a scene, a preset that is not registered
     +-- StartOverlaps       the first pose already overlaps
+    +-- WorldsFailed        some worlds that were to be advanced together could not be
     +-- MissingPackage      an optional package is not installed
     +-- UnsupportedVersion  an installed package is of a version that cannot be used
 
@@ -19,7 +20,7 @@ Each message names the thing, the value it had and the range it must be in.
 
 import re
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from importlib import metadata
 from pathlib import Path
@@ -30,6 +31,9 @@ ROOT = Path(__file__).resolve().parents[1]
 ALL_NAMED, NEAREST = 20, 6
 """Most names that are all listed in a message; of more, the number of those listed, most like the given one. In a list of a
 hundred names the right one would be hard to find."""
+
+WORLDS_NAMED = 4
+"""Most worlds that failed together whose errors are in a message; all of them are in `WorldsFailed.errors`."""
 
 LONGEST_VALUE = 2000
 """Most characters of a value in a message. An array of a million numbers would bury what is wrong with it."""
@@ -117,6 +121,19 @@ class StartOverlaps(AvatarsimError):
         listed = "; ".join(f"{a} in {b} by {1e3 * depth:.3g} mm" for a, b, depth in self.pairs[:8])
         more = f" and {len(self.pairs) - 8} more" if len(self.pairs) > 8 else ""
         super().__init__(f"the first pose overlaps ({listed}{more}); start from a pose that is free")
+
+
+class WorldsFailed(AvatarsimError):
+    """Some of the worlds that were advanced together failed; the others are a frame further.
+
+    `errors` says why, by the world's place in the list; `records` has what the others show, and None for those that failed.
+    """
+
+    def __init__(self, errors: Mapping[int, AvatarsimError], records: Sequence[object]) -> None:
+        self.errors, self.records = dict(sorted(errors.items())), tuple(records)
+        listed = "; ".join(f"world {place}: {error}" for place, error in [*self.errors.items()][:WORLDS_NAMED])
+        more = f" and {len(self.errors) - WORLDS_NAMED} more" if len(self.errors) > WORLDS_NAMED else ""
+        super().__init__(f"{len(self.errors)} of {len(self.records)} worlds failed ({listed}{more}); the others have advanced")
 
 
 class MissingPackage(AvatarsimError):

@@ -9,6 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from avatarsim.engine import Snapshot
+from avatarsim.jit.layout import Index
+from avatarsim.loops.batch import MOVING, job_of
 from avatarsim.loops.ik_loop import IkLoop
 from avatarsim.loops.paper import PaperLoop
 from avatarsim.loops.simulated import SimulatedLoop
@@ -39,7 +41,7 @@ class Frames:
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
     __slots__ = (
-        "_counted", "clock", "driven", "effects", "lower", "passed", "record", "target", "time", "upper", "world",
+        "_counted", "_job", "clock", "driven", "effects", "lower", "passed", "record", "target", "time", "upper", "world",
     )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
@@ -61,6 +63,40 @@ class Frames:
         if self.driven:
             self.lower.watch(moving)
         self._counted = (*self.lower.counts(), *self.upper.counts()) if self.driven and self.effects.dynamics else ()
+        self._job = self._as_job(moving) if not (record or time_stages) else None
+
+    def _as_job(self, moving: Index) -> Index | None:
+        """The row of this world for `loops.batch`; None where its method has no kernel for whole frames."""
+        if not self.driven:
+            return job_of(self.world, None, None, self.upper if self.effects.dynamics else None, moving)
+        if not isinstance(self.lower, IkLoop):
+            return None
+        return job_of(self.world, self.target, self.lower, self.upper if self.effects.dynamics else None, moving)
+
+    def begin(self, sample: TrackerSample) -> Index | None:
+        """Begin a frame that `loops.batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
+        stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
+        if self._job is None:
+            return None
+        self.clock.frame()
+        self.passed = ()
+        if self.driven:
+            self.target.read(sample)
+            if isinstance(self.lower, IkLoop):
+                self._job[MOVING + 1] = len(self.lower.begin())
+        return self._job
+
+    def end(self, dt: float, status: int) -> None:
+        """What is left of that frame once it was passed: its time, the upper loop's status, and the calls of its stages."""
+        stages = self.clock.stages
+        if self.driven:
+            stages["posture"].calls += 1
+        if self.effects.dynamics:
+            self.upper.status = status
+            stages["motion"].calls += 1
+            if self.effects.coupling and self.driven:
+                stages["coupling"].calls += 1
+        self.time += dt
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones."""

@@ -11,7 +11,8 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
-import avatarsim
+from avatarsim.carry_over import carry_loops, carry_poses, shared
+from avatarsim.contacts import Contact, contacts_of
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
@@ -23,6 +24,8 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, identity, kept_by, read, written
 from avatarsim.start_check import require_free, require_within_limits
+from avatarsim.tolerances import NOTHING
+from avatarsim.version import VERSION
 from avatarsim.world.world import Array, build, shown_again, shown_poses
 
 PRESETS = ("default", "paper")
@@ -104,15 +107,18 @@ def require_order(chosen: Chosen, method: str) -> None:
 
 
 class AvatarsimEngine:
-    """Implements `avatarsim.engine.Engine`. In a scene without simulated bodies all velocities are zero.
+    """The engine: `load` a scene, then `advance` frame by frame. Implements `avatarsim.engine.Engine`.
 
-    Beyond the protocol: `with AvatarsimEngine() as engine` closes it at the end; `reset` begins again, `snapshot` and `restore`
-    keep a state and come back to it. An engine cannot be copied or pickled. It answers one call at a time: a second thread that
-    calls it meanwhile gets EngineInUse; give each thread an engine of its own.
+    Beyond that protocol: `with AvatarsimEngine() as engine` closes it at the end; `contacts` says where bodies touch; `change`
+    lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it.
+
+    Presets: `default`, whose states are certified to be free of overlap; `paper`, the equations of Schmidl and Lin as printed. In
+    a scene without simulated bodies all velocities are zero. An engine cannot be copied or pickled. It answers one call at a
+    time: a second thread that calls it meanwhile gets EngineInUse; give each thread its own engine, or see `advance_many`.
     """
 
     name = "avatarsim"
-    version = avatarsim.__version__
+    version = VERSION
     presets = PRESETS
 
     def __init__(self) -> None:
@@ -152,7 +158,12 @@ class AvatarsimEngine:
         return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
-        """Build the world; the first pose must be free of overlap. If it raises, the engine is what it was."""
+        """Build the world of `scene` for frames of `dt` [s], above 0 and at most 1; returns the first state shown, at time 0.
+
+        The first load on a machine compiles the engine, one to two minutes; later ones take milliseconds. Raises StartOverlaps
+        where the first pose is not free, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings;
+        if it raises, the engine is what it was.
+        """
         if not isinstance(scene, Scene):
             raise InvalidInput("scene to load", scene, "a Scene(name, bodies, avatars)")
         if not isinstance(settings, Settings):
@@ -169,6 +180,35 @@ class AvatarsimEngine:
         with self._alone():
             scene = self._running().world.scene
             return self._load(scene if start is None else replace(scene, start=start), self._settings, self._dt)
+
+    def change(self, scene: Scene) -> FrameRecord:
+        """Go on in another scene: between two frames bodies come, go, or are put elsewhere. Returns the state shown.
+
+        Simulated bodies that both scenes have, by name, keep poses and velocities; avatars that both have keep their posture and
+        what their users asked for last, if their links and joints are alike. All else begins as `scene` says: new bodies, fixed
+        ones, avatars that are new at its `start`. What slept is awake, time goes on, settings stay, and `reset` begins `scene`.
+
+        Costs what loading a scene costs, milliseconds and not microseconds, since all is built and checked anew: not for every
+        frame. Snapshots taken before are of the other scene. Raises StartOverlaps where bodies would overlap from now on, and
+        InvalidScene for a posture that new limits do not allow; if it raises, the engine is what it was.
+        """
+        if not isinstance(scene, Scene):
+            raise InvalidInput("scene to change to", scene, "a Scene(name, bodies, avatars)")
+        with self._alone():
+            return self._load(scene, self._settings, self._dt, self._running())
+
+    def contacts(self, within: float | None = None) -> tuple[Contact, ...]:
+        """Where bodies and links touch in the state that is shown, found now: some microseconds for each pair that is near.
+
+        Of pairs whose surfaces are at most `within` [m] apart, 0 to 1; by default twice the setting `stand_off`, so that an
+        avatar that leans on something is in contact with it. In the order of `scene.names`, of two convex pieces up to eight
+        points. Pairs that the scene does not test are left out. Raises InvalidInput for another `within`.
+        """
+        with self._alone():
+            world, chosen = self._running().world, self._chosen
+            if within is None:
+                within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
+            return contacts_of(world, within)
 
     def snapshot(self) -> bytes:
         """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process
@@ -200,17 +240,23 @@ class AvatarsimEngine:
                 frames.go_on_from(now)
                 raise InvalidSnapshot("state in the snapshot", str(error), "one that can be shown") from error
 
-    def _load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
+    def _load(self, scene: Scene, settings: Settings, dt: float, old: Frames | None = None) -> FrameRecord:
         if settings.preset not in PRESETS:
             raise UnknownName("preset of avatarsim", settings.preset, PRESETS)
         frame_time(dt)
         chosen = choose(settings.preset, settings.options)
         world = build(scene)
-        require_within_limits(world)
+        both = shared(old.world, world) if old else None
+        if old and both:
+            carry_poses(old.world, world, both)
+        # what was shown is within its limits up to rounding
+        require_within_limits(world, NOTHING if old else 0.0)
         require_free(world)
         frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )
+        if old and both:
+            carry_loops(old, frames, both)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         self._before = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
@@ -219,7 +265,11 @@ class AvatarsimEngine:
         return self._record({}, {}, ())
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
-        """One rendered frame."""
+        """One rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies on, return what is shown.
+
+        Raises InvalidSample for a sample that is not finite or does not fit the scene's avatars; the state is then as before, and
+        the next frame goes on from it.
+        """
         # `_alone` written out: a context manager takes half a microsecond more
         if not self._turn.acquire(False):
             raise EngineInUse
@@ -236,7 +286,7 @@ class AvatarsimEngine:
         return self._record(frames.counts(), frames.statuses(), frames.passed)
 
     def close(self) -> None:
-        """Forget the world."""
+        """Forget the world; `load` begins another one."""
         with self._alone():
             self._frames = None
 

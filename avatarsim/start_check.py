@@ -31,30 +31,33 @@ def overlapping_pairs(world: World) -> list[tuple[str, str, float]]:
     return found
 
 
-def meeting_pairs(world: World) -> list[tuple[int, int]]:
-    """Every wanted pair of bodies a < b whose boxes meet, in ascending order."""
-    bodies, room = len(world.scene.names), 0
+def meeting_pairs(world: World, within: float = 0.0) -> list[tuple[int, int]]:
+    """Every wanted pair of bodies a < b whose boxes meet, each grown by half of `within` [m], in ascending order."""
+    bodies, room, boxes = len(world.scene.names), 0, world.poses.hulls
+    if within > 0.0:
+        # and by as much as the sums round
+        boxes = boxes + np.repeat([-0.5, 0.5], 3) * (within + NOTHING)
     while True:
         pairs = np.zeros((room, 2), np.int64)
-        status, room = sweep_and_prune(world.poses.hulls, world.geometry.wanted, make_sweep_memory(bodies, room), pairs)
+        status, room = sweep_and_prune(boxes, world.geometry.wanted, make_sweep_memory(bodies, room), pairs)
         if status == NOT_FINITE:
             raise AvatarsimError("a box of the first pose is not finite: this is a defect, please report it with the scene")
         if status != OUT_OF_ROOM:
             return [(int(a), int(b)) for a, b in pairs[:room]]
 
 
-def require_within_limits(world: World) -> None:
-    """Raise InvalidScene when the first posture is beyond a joint limit: it could not be shown."""
+def require_within_limits(world: World, slack: float = 0.0) -> None:
+    """Raise InvalidScene when the first posture is beyond a joint limit, by more than `slack` [rad]: it could not be shown."""
     skel = world.skeleton
     for i, link in enumerate(world.scene.links):
         if skel.kind[i] == HINGES:
             for j in range(skel.first_dof[i], skel.first_dof[i + 1]):
                 angle, (low, high) = world.posture.angle[j], skel.limits[j]
-                if not low <= angle <= high:
+                if not low - slack <= angle <= high + slack:
                     raise InvalidScene(f"start angle of a hinge of {link.name} [rad]", float(angle), f"{low:g} to {high:g}")
         elif skel.kind[i] == BALL and has_cone(skel, i):
             excess = cone_excess(skel, i, columns(world.posture.turn, i))
-            if not excess <= 0.0:
+            if not excess <= slack:
                 thing = f"start rotation of {link.name} beyond its swing and twist limits [rad]"
                 raise InvalidScene(thing, float(excess), "0 or less")
 

@@ -14,15 +14,17 @@ compiled code keeps it (`Image`). Copied words lie elsewhere: `opened` sees that
 """
 
 from collections.abc import Iterator
+from ctypes import c_int64
 from math import prod
 from typing import Any, TypeVar, cast
 
 import numpy as np
+from numba import carray
 from numba.extending import overload
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.jit.by_reference import address, referred
+from avatarsim.jit.by_reference import address, pointer, referred
 from avatarsim.jit.kernel import config, kernel
 from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields
 from avatarsim.jit.record import RECORDS, TABLES
@@ -192,7 +194,21 @@ def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
     return view.view(TABLES[kind]).view(kind) if kind in TABLES else view
 
 
+def words_at(place: int, count: int) -> Index:
+    """The `count` words at an address, which must outlive what is returned: how a kernel is handed many arenas at once."""
+    # an address that is no address is null, and an array of nothing
+    return np.ctypeslib.as_array((c_int64 * count).from_address(place)) if count else np.zeros(0, dtype=np.int64)
+
+
 if not config.DISABLE_JIT:
+
+    @overload(words_at)  # type: ignore[untyped-decorator]  # so are all of numba's
+    def _compiled_words_at(place: Any, count: Any) -> Any:
+        # numba wants the same annotations on both
+        def body(place: Any, count: Any) -> Any:
+            return carray(pointer(place), (count,), np.int64)
+
+        return body
 
     @kernel
     def put_right(words: Index) -> None:

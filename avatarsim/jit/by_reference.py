@@ -122,6 +122,17 @@ def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
     return found(words, types.int64, kind), build
 
 
+def pointer_to(_context: Any, place: Any) -> Any:
+    """Type and code of `pointer`."""
+
+    def build(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        return builder.inttoptr(values[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), build
+
+
+pointer: Any = intrinsic(pointer_to)
+"""In a kernel: the address that is a whole number, as a pointer."""
 address: Any = intrinsic(address_of)
 """In a kernel: where an array of words lies."""
 referred: Any = intrinsic(reference_in)

@@ -44,6 +44,9 @@ Function = TypeVar("Function", bound=Callable[..., object])
 OPTIONS = {"error_model": "numpy", "fastmath": False, "_nrt": False, "boundscheck": None, "no_cfunc_wrapper": True}
 """numba's options, as explained above; the unused wrapper for calls from C is left out."""
 
+WITHOUT_LOCK = {"nogil": True}
+"""numba's option to let go of Python's global lock while a kernel runs that Python called."""
+
 ROOT = Path(__file__).resolve().parents[1]
 """The package's own folder."""
 
@@ -71,12 +74,24 @@ def kernel(function: Function) -> Function:
 
     The result is typed as the function itself, so kernels are checked like any Python function.
     """
+    return _compiled(function, {})
+
+
+def entry_kernel(function: Function) -> Function:
+    """The same for a kernel that Python calls to run a whole stage of a frame: other Python threads run meanwhile.
+
+    To let go of the lock and take it again costs a call some 0.05 us, which is too much for kernels that take little longer.
+    """
+    return _compiled(function, WITHOUT_LOCK)
+
+
+def _compiled(function: Function, more: dict[str, bool]) -> Function:
     source = function.__code__.co_filename
     if is_stock():
-        return cast(Function, njit(cache=True, error_model="numpy", _nrt=False)(function))
+        return cast(Function, njit(cache=True, error_model="numpy", _nrt=False, **more)(function))
     if config.DISABLE_JIT or not Path(source).is_file():  # typed at a prompt
-        return cast(Function, njit(**OPTIONS)(function))
-    return cast(Function, KernelDispatcher(function, {"nopython": True, **OPTIONS}, kernel_folder(source)))
+        return cast(Function, njit(**OPTIONS, **more)(function))
+    return cast(Function, KernelDispatcher(function, {"nopython": True, **OPTIONS, **more}, kernel_folder(source)))
 
 
 @functools.cache

@@ -27,7 +27,7 @@ from avatarsim.ik.state import (
     Mode,
 )
 from avatarsim.jit.arena import opened, packed
-from avatarsim.jit.kernel import kernel
+from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Array, Index
 from avatarsim.loops.recorded_events import trail_snapshots
 from avatarsim.planner.follow_path import aim_along_paths
@@ -66,7 +66,7 @@ class IkParts(NamedTuple):
     ghost: Ghost
 
 
-@kernel
+@entry_kernel
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
@@ -102,7 +102,7 @@ class IkLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
-    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
     KEPT: ClassVar[tuple[str, ...]] = ("springs", "state", "plan")
     WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
 
@@ -122,16 +122,20 @@ class IkLoop:
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
-        self._kept, own = packed(IkParts(coupled, springs, settings, *solver, *planner))
+        self.words, own = packed(IkParts(coupled, springs, settings, *solver, *planner))
         self.springs, self.avatars, self.state, self.working = own.springs, own.avatars, own.state, own.working
         self.plan, self.ghost = own.plan, own.ghost
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
-        self._told = 0
-        track(self.world.words, target.words, self._kept, dt, False, NOTHING_RECEIVED, self._known)
-        # the first frame has checked all bodies
+        track(self.world.words, target.words, self.words, dt, False, NOTHING_RECEIVED, self.begin())
+
+    def begin(self) -> Index:
+        """Begin a frame: which bodies (nb) may have moved since the last one, as `track` takes it."""
+        known, self._told = self._known, 0
+        # the first frame checks all bodies
         self._known = self._moving
+        return known
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Bodies, pieces and counts; `ik.sound` says what holds between them."""
@@ -181,7 +185,7 @@ class IkLoop:
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] go into the coupling; a driven body held by what is `moving` (nb) now goes on."""
-        track(self.world.words, target.words, self._kept, 0.0, True, impulses, moving)
+        track(self.world.words, target.words, self.words, 0.0, True, impulses, moving)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
         """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is

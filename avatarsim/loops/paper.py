@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
 from avatarsim.jit.arena import opened, packed
-from avatarsim.jit.kernel import kernel
+from avatarsim.jit.kernel import entry_kernel
 from avatarsim.loops.paper_memory import COUNT_NAMES, STATUS_NAMES, WORKING, PaperMemory, make_paper_memory
 from avatarsim.loops.paper_rounds import follow_as_printed
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
@@ -34,7 +34,7 @@ class PaperParts(NamedTuple):
     memory: PaperMemory
 
 
-@kernel
+@entry_kernel
 def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
     """`follow_as_printed` on the arenas of a world, its target and what the loop keeps."""
     w, own, tracker = opened(world, WorldParts), opened(kept, PaperParts), opened(target, TargetParts).posture

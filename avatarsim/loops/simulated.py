@@ -6,7 +6,7 @@ from typing import ClassVar, NamedTuple
 from avatarsim.engine import Snapshot
 from avatarsim.impact.events import Events, make_events
 from avatarsim.jit.arena import opened, packed
-from avatarsim.jit.kernel import kernel
+from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Index
 from avatarsim.loops.recorded_events import snapshots
 from avatarsim.loops.upper import DONE, STATUS_NAMES, advance
@@ -31,7 +31,7 @@ class UpperParts(NamedTuple):
     switches: Switches
 
 
-@kernel
+@entry_kernel
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
     """`advance` on the arenas of a world and of its upper loop."""
     w, own = opened(world, WorldParts), opened(kept, UpperParts)
@@ -42,7 +42,7 @@ class SimulatedLoop:
     """The simulated bodies of a world, and driven ones that keep `stand_off` [m] from them."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
-    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept",)
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
     KEPT: ClassVar[tuple[str, ...]] = ("memory",)
     WORKING: ClassVar[tuple[str, ...]] = WORKING
 
@@ -52,7 +52,7 @@ class SimulatedLoop:
         switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
-        self._kept, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
+        self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
@@ -68,7 +68,7 @@ class SimulatedLoop:
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""
-        self.status = advance_opened(self.world.words, self._kept, dt)
+        self.status = advance_opened(self.world.words, self.words, dt)
 
     def counts(self) -> Tally:
         """Work done in the last frame."""

@@ -33,6 +33,7 @@ class Link:
 
     `anchor` [m] is that centre in the parent's frame, `orientation` the link's frame in the parent's when the
     joint is at zero. A root that is not `Free` is anchored to the world. `mass` is what others feel in an impact.
+    Raises InvalidScene for what is no such thing.
     """
 
     name: str
@@ -70,7 +71,7 @@ class Avatar:
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap
     because they do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body
     feels in an impact; by default the link's own mass. `size_range` [m] is what its `span` must be in: a human of
-    1.7 km was meant in millimetres.
+    1.7 km was meant in millimetres. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
     """
 
     name: str
@@ -126,5 +127,7 @@ class Avatar:
 
 
 def rigid_avatar(name: str, pieces: tuple[Piece, ...], mass: Mass, material: str = "human") -> Avatar:
-    """A driven body without joints: one free link that carries all pieces."""
+    """A driven body without joints, such as a rigid hand: one free link of this `name`, which carries all `pieces`.
+
+    `mass` [kg] is m in eq. 6, what a loose body feels. Raises InvalidScene for what is no such thing."""
     return Avatar(name, (Link(name, None, Free(), pieces, mass, material),))

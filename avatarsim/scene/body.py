@@ -71,12 +71,20 @@ class Body:
 
 def fixed(name: str, pieces: tuple[Piece, ...], material: str, position: Vector = (0.0, 0.0, 0.0),
           orientation: Quaternion = rotation.IDENTITY) -> Body:
-    """A body that stays where it is for the whole simulation."""
+    """A body that stays where it is: furniture, walls, the ground.
+
+    `pieces` in the body's frame, which `position` [m] and `orientation` (w, x, y, z) place in the world; `material` a name of the
+    scene's table of pairs. Raises InvalidScene for what is no such thing.
+    """
     return Body(name, Role.FIXED, pieces, material, position, orientation)
 
 
 def simulated(name: str, pieces: tuple[Piece, ...], material: str, mass: Mass, position: Vector = (0.0, 0.0, 0.0),
               orientation: Quaternion = rotation.IDENTITY, velocity: Vector = (0.0, 0.0, 0.0),
               angular_velocity: Vector = (0.0, 0.0, 0.0)) -> Body:
-    """A body that obeys the laws of physics."""
+    """A loose body, which obeys the laws of physics: eqs 7 to 10 of Schmidl and Lin 2004 where it is struck.
+
+    As `fixed`, and with the `mass` of its pieces (see `solid`), the first `velocity` [m/s] of its centre of mass and the first
+    `angular_velocity` [rad/s] in world axes. Raises InvalidScene for what is no such thing.
+    """
     return Body(name, Role.SIMULATED, pieces, material, position, orientation, mass, velocity, angular_velocity)

@@ -23,7 +23,9 @@ MANY_TURNS = 64.0 * PI
 
 @dataclass(frozen=True)
 class Hinge:
-    """One planar joint: unit `axis` in the link frame, `lower` and `upper` limit [rad]."""
+    """One planar joint: `axis` in the link frame, made a unit vector, `lower` and `upper` limit [rad].
+
+    Raises InvalidScene for an axis without length, and for limits in the wrong order."""
 
     axis: Vector
     lower: float = -MANY_TURNS
@@ -44,7 +46,7 @@ class Rigid:
 
 @dataclass(frozen=True)
 class Hinges:
-    """One to three hinges that share the joint's centre, the first one nearest the parent."""
+    """One to three hinges that share the joint's centre, the first one nearest the parent; InvalidScene for others."""
 
     hinges: tuple[Hinge, ...]
 
@@ -57,7 +59,9 @@ class Hinges:
 @dataclass(frozen=True)
 class SwingTwist:
     """Limits of a ball joint: the limb's `axis` (link frame) stays within `swing` [rad] of `centre` (parent frame);
-    the twist about it, counted from the shortest turn of `axis` onto `centre`, stays in `twist` [rad]."""
+    the twist about it, counted from the shortest turn of `axis` onto `centre`, stays in `twist` [rad].
+
+    Raises InvalidScene for a swing above 0.95 pi, and a twist beyond half a turn or in the wrong order."""
 
     axis: Vector
     centre: Vector

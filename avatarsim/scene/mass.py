@@ -16,7 +16,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Mass:
-    """`mass` [kg], `centre` of mass in the body frame [m], `inertia` (3, 3) about it, body axes [kg m^2]."""
+    """`mass` [kg], `centre` of mass in the body frame [m], `inertia` (3, 3) about it, body axes [kg m^2].
+
+    Raises InvalidScene for an inertia that no solid has: not symmetric, or a moment above the sum of the others."""
 
     mass: float
     centre: Vector = (0.0, 0.0, 0.0)
@@ -88,7 +90,9 @@ def volume(shape: Shape) -> float:
 
 
 def solid(pieces: Sequence[Piece], mass: float) -> Mass:
-    """Mass properties of a body of total `mass` [kg], spread evenly over its pieces (overlaps count twice)."""
+    """Mass properties of a body of total `mass` [kg], spread evenly over its `pieces` (overlaps count twice).
+
+    Closed forms of the shapes; of hulls, sums over tetrahedra. Raises InvalidScene for no pieces, or a mass that is none."""
     positive("mass", mass)
     given = tuple(listed(pieces))
     each("pieces of a solid", given, Piece, "a Piece(shape)")

@@ -9,7 +9,8 @@ from avatarsim.scene.checks import instance, name_pairs, within
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Contact law of a pair of materials: `restitution` (eq. 8, 0 to 1) and Coulomb `friction` (eq. 10, 0 and up)."""
+    """Contact law of a pair of materials: `restitution` (eq. 8, 0 to 1) and Coulomb `friction` (eq. 10, 0 to 100), which have no
+    unit. Raises InvalidScene for others."""
 
     restitution: float
     friction: float
@@ -21,7 +22,10 @@ class ContactLaw:
 
 @dataclass(frozen=True)
 class PairTable:
-    """Coefficients for every unordered pair of material names."""
+    """The contact law of every unordered pair of material names: `PairTable({("ice", "metal"): ContactLaw(0.1, 0.02)})`.
+
+    Raises InvalidScene for a pair that is stated twice and differently; a scene in which two materials may meet that have no
+    pair is refused with UnknownName when it is loaded."""
 
     pairs: Mapping[tuple[str, str], ContactLaw]
 

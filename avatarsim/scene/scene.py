@@ -26,13 +26,14 @@ more: bodies are past it, and past the reasons for that limit, before anything h
 
 @dataclass(frozen=True)
 class Scene:
-    """Everything an engine needs to know before the first frame.
+    """Everything an engine needs to know before the first frame: `name`, `bodies`, `avatars`, `materials`, `gravity` [m/s^2].
 
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
     `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
     `exclude` names pairs that are never tested, `narrow` the effects that the author switches off, `require` those that the
     scene must call for, or it is refused. `force` runs effects that nothing calls for, which costs time and changes nothing:
-    that is what it is there to show.
+    that is what it is there to show. Raises InvalidScene for parts that contradict one another, and InvalidSample for a start
+    that does not fit the avatars.
     """
 
     name: str

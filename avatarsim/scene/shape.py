@@ -16,7 +16,7 @@ and no volume; they are refused as flat."""
 
 @dataclass(frozen=True)
 class Sphere:
-    """Ball of `radius` [m] about the origin."""
+    """Ball of `radius` [m] about the origin. Raises InvalidShape for a radius that is no length."""
 
     radius: float
 
@@ -26,7 +26,7 @@ class Sphere:
 
 @dataclass(frozen=True)
 class Capsule:
-    """Segment of `length` [m] along z, centred on the origin, swept by a ball of `radius` [m]."""
+    """Segment of `length` [m] along z, centred on the origin, swept by a ball of `radius` [m]; InvalidShape for others."""
 
     radius: float
     length: float
@@ -38,7 +38,7 @@ class Capsule:
 
 @dataclass(frozen=True)
 class Box:
-    """Box with edges of `size` (x, y, z) [m], full lengths, centred on the origin."""
+    """Box with edges of `size` (x, y, z) [m], full lengths, centred on the origin. Raises InvalidShape for others."""
 
     size: Vector
 
@@ -54,7 +54,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Ellipsoid:
-    """Smooth ellipsoid with semi-axes `radii` (x, y, z) [m]."""
+    """Smooth ellipsoid with semi-axes `radii` (x, y, z) [m], about the origin. Raises InvalidShape for others."""
 
     radii: Vector
 
@@ -69,7 +69,8 @@ class Ellipsoid:
 
 @dataclass(frozen=True, eq=False)
 class ConvexHull:
-    """Convex hull of `vertices` (n, 3) [m], n >= 4. Points inside the hull are harmless and cost time."""
+    """Convex hull of `vertices` (n, 3) [m], n >= 4. Points inside the hull are harmless and cost time. Raises InvalidShape for
+    points that are not finite, and for flat hulls, which have no volume."""
 
     vertices: NDArray[np.float64] = field(repr=False)
 
@@ -94,7 +95,9 @@ Shape = Sphere | Capsule | Box | Ellipsoid | ConvexHull
 
 @dataclass(frozen=True)
 class Piece:
-    """One convex shape at a fixed place on its body: `position` [m] and `orientation` (w, x, y, z)."""
+    """One convex `shape` at its place on a body or link: `position` [m] and `orientation` (w, x, y, z) in that one's frame.
+
+    Pieces of one body may overlap. Raises InvalidShape for a place that is none."""
 
     shape: Shape
     position: Vector = (0.0, 0.0, 0.0)

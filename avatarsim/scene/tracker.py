@@ -23,6 +23,10 @@ class TrackerSample:
     positions  (links, 3) [m]: root position in the world; used for `Free` roots only
     rotations  (links, 4): orientation of a `Free` root in the world, of a `Ball` link against its rest orientation
     angles     (hinges,) [rad]: all hinge angles, link by link
+
+    Links and hinges are those of all avatars, in the order of the scene; rows that are not used hold any numbers, rotations
+    (1, 0, 0, 0). Nothing is checked here: the engine raises InvalidSample for what is not finite, does not fit the scene's
+    avatars, or is no rotation.
     """
 
     time: float
@@ -68,7 +72,9 @@ def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
 
 
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
-    """All joints at zero, clipped to their hinge limits, every root at the origin."""
+    """The sample at `time` [s] with all joints at zero, clipped to their hinge limits, and every root at the origin.
+
+    What a scene starts from by default; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
     links = sum(len(avatar.links) for avatar in avatars)
     angles = [
         min(max(0.0, hinge.lower), hinge.upper)

@@ -1,0 +1,139 @@
+"""Many worlds a frame further in one call, on several threads: data parallelism over independent simulations.
+
+Python reads the samples of a portion of the worlds, one kernel call passes their frames without Python's global lock
+(`loops.batch`), and Python makes their records. Meanwhile another thread does the same with another portion: as long as kernels
+take longer than Python, two threads are nearly twice as fast as one. Which thread passes a world changes no bit of it.
+"""
+
+import os
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from avatarsim.engine import FrameRecord
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, WorldsFailed
+from avatarsim.frame import Frames
+from avatarsim.jit.layout import Index
+from avatarsim.loops.batch import COLUMNS, STATUS, advance_together
+from avatarsim.scene.checks import as_number
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.simulator import AvatarsimEngine, frame_time
+
+PORTION = 16
+"""Most worlds in one kernel call. More: their memory no longer fits the processor's caches until their records are made, and the
+last portion keeps other threads waiting; fewer: what a call costs shows, and threads wait for the lock more often."""
+
+PORTIONS = 4
+"""Least portions for each thread, if there are worlds enough: with one each, no thread's Python runs beside another's kernel."""
+
+
+def advance_many(
+    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float, threads: int | None = None
+) -> tuple[FrameRecord, ...]:
+    """One rendered frame of many engines, each with its own sample: bit for bit what `engine.advance(sample, dt)` returns.
+
+    engines  engines that have loaded scenes, equal or not, each of them once
+    samples  as many samples, in the same order
+    dt       [s] time of the frame, above 0 and at most 1
+    threads  how many run at once, 1 and up; by default one per processor that this process may use. Frames of method `paper`,
+             recorded ones and those whose stages are timed keep Python's lock: they are passed one after the other
+
+    Returns the records, in the order of the engines. Raises InvalidInput for arguments that do not fit together, before any world
+    has advanced. A world that fails (a sample that does not fit, an engine that is in use or has no scene) does not keep the
+    others: all that can advance do, then WorldsFailed names those that did not, with their errors, and holds the records of the
+    others.
+    """
+    _require(engines, samples, threads)
+    frame_time(dt)
+    count = len(engines)
+    many = min(_processors() if threads is None else int(threads), max(count, 1))
+    size = max(1, min(PORTION, count // (PORTIONS * many)))
+    call = _Call(engines, samples, float(dt))
+    # every thread takes the next portion, so that none waits while there is one
+    portions = iter([range(first, min(first + size, count)) for first in range(0, count, size)])
+    if many == 1:
+        call.work(portions)
+    else:
+        with ThreadPoolExecutor(many - 1) as pool:
+            others = [pool.submit(call.work, portions) for _ in range(many - 1)]
+            call.work(portions)
+            for other in others:
+                other.result()
+    if call.errors:
+        raise WorldsFailed(call.errors, call.records)
+    return tuple(record for record in call.records if record is not None)
+
+
+def _processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _require(engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], threads: int | None) -> None:
+    """Raise InvalidInput where the arguments do not fit together."""
+    if len(samples) != len(engines):
+        raise InvalidInput("number of samples for many worlds", len(samples), f"{len(engines)}, as many as engines")
+    places: dict[int, int] = {}
+    for place, engine in enumerate(engines):
+        if not isinstance(engine, AvatarsimEngine):
+            raise InvalidInput(f"engine {place} of many worlds", engine, "an AvatarsimEngine")
+        if (first := places.setdefault(id(engine), place)) != place:
+            raise InvalidInput(f"engine {place} of many worlds", f"the same as engine {first}", "each engine once")
+    if threads is not None and (not as_number(threads) >= 1 or as_number(threads) != int(threads)):
+        raise InvalidInput("number of threads", threads, "a whole number from 1, or None for one per processor")
+
+
+class _Call:
+    """One call of `advance_many`: what goes in, and what comes out, by the places of the worlds.
+
+    It does in portions what `AvatarsimEngine.advance` does for one world, and so with the parts of that which are not public.
+    """
+
+    def __init__(self, engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float) -> None:
+        self.engines, self.samples, self.dt = engines, samples, dt
+        self.records: list[FrameRecord | None] = [None] * len(engines)
+        self.errors: dict[int, AvatarsimError] = {}
+
+    def work(self, portions: Iterator[range]) -> None:
+        """Advance the worlds of one portion after another, until there are no more."""
+        for portion in portions:
+            self.advance(portion)
+
+    def advance(self, portion: range) -> None:
+        """Advance the worlds of a portion."""
+        taken: list[AvatarsimEngine] = []
+        try:
+            begun: list[tuple[int, AvatarsimEngine, Frames]] = []
+            jobs = np.empty((len(portion), COLUMNS), dtype=np.int64)
+            for place in portion:
+                engine = self.engines[place]
+                if not engine._turn.acquire(False):
+                    self.errors[place] = EngineInUse()
+                    continue
+                taken.append(engine)
+                try:
+                    frames = engine._running()
+                    job = frames.begin(self.samples[place])
+                    if job is None:
+                        self.records[place] = engine._advance(self.samples[place], self.dt)
+                    else:
+                        jobs[len(begun)] = job
+                        begun.append((place, engine, frames))
+                except AvatarsimError as error:
+                    self.errors[place] = error
+            if begun:
+                self._pass(begun, jobs[: len(begun)])
+        finally:
+            for engine in taken:
+                engine._turn.release()
+
+    def _pass(self, begun: list[tuple[int, AvatarsimEngine, Frames]], jobs: Index) -> None:
+        """Pass the frames of worlds that have begun them, and make their records."""
+        advance_together(jobs, self.dt)
+        for (place, engine, frames), status in zip(begun, jobs[:, STATUS].tolist(), strict=True):
+            try:
+                frames.end(self.dt, status)
+                self.records[place] = engine._record(frames.counts(), frames.statuses(), ())
+            except AvatarsimError as error:
+                self.errors[place] = error

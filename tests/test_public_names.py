@@ -1,0 +1,69 @@
+"""`import avatarsim as av`: which names there are, that each says what it is, and that the example of its page runs."""
+
+import ast
+import doctest
+import inspect
+import pydoc
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import avatarsim as av
+
+SOURCE = Path(str(av.__file__))
+NAMES = [name for name in av.__all__ if name != "__version__"]
+
+
+def declared() -> set[str]:
+    """The names that a type checker is told of."""
+    tree = ast.parse(SOURCE.read_text(encoding="utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
+    return {f"{node.module}.{alias.name}" for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+
+
+def test_there_are_few_names_and_a_type_checker_knows_the_same_ones() -> None:
+    assert 25 <= len(NAMES) <= 36 and list(av.__all__) == sorted(av.__all__)
+    assert declared() == {f"{module}.{name}" for name, module in av._MODULE_OF.items()}
+    assert set(NAMES) == set(av._MODULE_OF) <= set(dir(av))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_is_what_it_says_and_says_what_it_is(name: str) -> None:
+    found = getattr(av, name)
+    assert found.__name__ == name and len(inspect.getdoc(found) or "") > 30
+    if inspect.isclass(found):
+        own = [part for key, part in vars(found).items() if inspect.isfunction(part) and not key.startswith("_")]
+        assert all(inspect.getdoc(part) for part in own)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_page_names_each_by_its_purpose(name: str) -> None:
+    assert re.search(rf"^    ([\w, ]+, )?{name}\b", str(av.__doc__), re.MULTILINE)
+
+
+def test_the_page_opens_with_the_text_of_the_package() -> None:
+    page = pydoc.render_doc(av, renderer=pydoc.plaintext)
+    places = [page.index(part) for part in ("with nothing left overlapping", "Example", "Units and conventions", "Errors")]
+    assert places == sorted(places)
+    assert all(f"class {name}(" in page for name in ("Scene", "AvatarsimEngine", "Contact")) and "advance_many(" in page
+
+
+def test_the_example_of_the_page_runs() -> None:
+    found = doctest.testmod(av)
+    assert found.attempted >= 10 and found.failed == 0
+
+
+def test_a_misspelt_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="module 'avatarsim' has no attribute 'Scenes'"):
+        av.Scenes  # noqa: B018
+    with pytest.raises(ImportError):
+        from avatarsim import Scenes  # noqa: F401
+
+
+def test_descriptions_of_scenes_load_no_compiler() -> None:
+    code = "import sys, avatarsim as av; av.Scene; av.rest; av.pieces_of_mesh; av.Settings; print('numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], cwd=SOURCE.parents[1], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
