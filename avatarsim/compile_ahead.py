@@ -25,6 +25,7 @@ from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
 from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
+from avatarsim.many_worlds import advance_many
 from avatarsim.progress import Progress
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated
@@ -36,11 +37,11 @@ from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.world.world import build
 
-SHARES = (("distance", "posture"), ("motion", "paper"))
+SHARES = (("distance", "posture"), ("motion", "paper", "worlds"))
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
-that another one is compiling. Posture and motion together compile all kernels of a scene with both. Memory grows by half a
-gigabyte per process."""
+that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds are what calls these
+for many engines at once, and contacts. Memory grows by half a gigabyte per process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
@@ -62,7 +63,7 @@ def part_scene(part: str) -> tuple[Scene, str]:
     avatars = () if part == "motion" else (Avatar("a", links, chains=("tip",)),)
     start = rest(avatars)
     start.positions[:] = (0.5, 0.5, 0.5)
-    bodies = (floor, loose) if part in ("motion", "together") else (floor,)
+    bodies = (floor, loose) if part in ("motion", "together", "worlds") else (floor,)
     return Scene(part, bodies, avatars, start=start), "paper" if part == "paper" else "default"
 
 
@@ -79,7 +80,12 @@ def compile_part(part: str) -> None:
     first = scene.first_sample
     for k in range(1, 3):
         lower = first.positions - np.array([0.0, 0.0, 0.3 * k])
-        engine.advance(TrackerSample(k / 60.0, lower, first.rotations, first.angles), 1.0 / 60.0)
+        sample = TrackerSample(k / 60.0, lower, first.rotations, first.angles)
+        if part == "worlds":
+            advance_many([engine], [sample], 1.0 / 60.0, threads=1)
+            engine.contacts(1.0)
+        else:
+            engine.advance(sample, 1.0 / 60.0)
     engine.close()
 
 

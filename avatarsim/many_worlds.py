@@ -24,6 +24,9 @@ PORTION = 16
 """Most worlds in one kernel call. More: their memory no longer fits the processor's caches until their records are made, and the
 last portion keeps other threads waiting; fewer: what a call costs shows, and threads wait for the lock more often."""
 
+MOST_THREADS = 1024
+"""Most threads that are asked for: more than processors only wait for one another."""
+
 PORTIONS = 4
 """Least portions for each thread, if there are worlds enough: with one each, no thread's Python runs beside another's kernel."""
 
@@ -36,7 +39,7 @@ def advance_many(
     engines  engines that have loaded scenes, equal or not, each of them once
     samples  as many samples, in the same order
     dt       [s] time of the frame, above 0 and at most 1
-    threads  how many run at once, 1 and up; by default one per processor that this process may use. Frames of method `paper`,
+    threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Frames of method `paper`,
              recorded ones and those whose stages are timed keep Python's lock: they are passed one after the other
 
     Returns the records, in the order of the engines. Raises InvalidInput for arguments that do not fit together, before any world
@@ -80,8 +83,8 @@ def _require(engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample
             raise InvalidInput(f"engine {place} of many worlds", engine, "an AvatarsimEngine")
         if (first := places.setdefault(id(engine), place)) != place:
             raise InvalidInput(f"engine {place} of many worlds", f"the same as engine {first}", "each engine once")
-    if threads is not None and (not as_number(threads) >= 1 or as_number(threads) != int(threads)):
-        raise InvalidInput("number of threads", threads, "a whole number from 1, or None for one per processor")
+    if threads is not None and not (1 <= as_number(threads) <= MOST_THREADS and as_number(threads) == int(threads)):
+        raise InvalidInput("number of threads", threads, f"a whole number from 1 to {MOST_THREADS}, or None: one per processor")
 
 
 class _Call:

@@ -35,7 +35,7 @@ def stamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_every_part_runs(part: str) -> None:
     compile_part(part)
     scene, preset = part_scene(part)
-    assert scene.effects.dynamics == (part in ("motion", "together"))
+    assert scene.effects.dynamics == (part in ("motion", "together", "worlds"))
     assert preset == (part if part in ("ik", "paper") else "default")
 
 

@@ -1,0 +1,80 @@
+"""Every example runs in a short form, says what it shows, and shows it."""
+
+import ast
+import importlib
+import math
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "examples"
+NAMES = ("rigid_hand", "jointed_hand", "humanoid_on_a_clip", "two_hands_and_a_mug", "many_worlds")
+MOST_LINES = 85
+
+
+@pytest.fixture
+def example(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """A module of the folder by name, as Python finds it when one of its files is run."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    return importlib.import_module(request.param)
+
+
+def test_all_examples_are_tested() -> None:
+    assert {file.stem for file in FOLDER.glob("*.py")} == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_is_short_and_uses_the_public_names_alone(name: str) -> None:
+    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    assert len(text.splitlines()) <= MOST_LINES and "Shows: " in str(ast.get_docstring(tree))
+    modules = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    modules += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    assert "avatarsim" in modules and not [module for module in modules if module.startswith("avatarsim.")]
+
+
+@pytest.mark.parametrize("example", ["rigid_hand"], indirect=True)
+def test_a_hand_stops_on_the_table_and_pushes_the_ball(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    record = example.main(frames=150)
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 6 and "table-hand" in said[1] and said[-1].startswith("the ball is at")
+    # half the palm's thickness and the stand-off
+    assert record.shown.positions[2, 2] == pytest.approx(0.015 + 2e-4, abs=2e-4)
+    assert record.shown.positions[1, 0] > 0.22 and record.shown.positions[1, 2] >= 0.05 - 1e-6
+
+
+@pytest.mark.parametrize("example", ["jointed_hand"], indirect=True)
+def test_fingers_stop_at_the_bar(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    record = example.main(frames=70)
+    said = capsys.readouterr().out
+    assert "the user bends every joint by 80 degrees" in said and "links touch the bar: hand/" in said
+    fingers = record.angles.reshape(4, 3)
+    assert (fingers.min(axis=1) < math.radians(70.0)).all(), "each finger is held off its user's fist"
+    assert np.ptp(fingers, axis=0).max() < 0.2, "fingers alike in all but their place bend alike"
+
+
+@pytest.mark.parametrize("example", ["humanoid_on_a_clip"], indirect=True)
+def test_a_body_stays_before_the_wall(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    record = example.main(frames=150)
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 5 and said[0].endswith("free") and "user at x = 2.50 m" in said[-1]
+    assert record.shown.positions[1:, 0].max() < 1.45
+
+
+@pytest.mark.parametrize("example", ["two_hands_and_a_mug"], indirect=True)
+def test_a_mug_is_lifted_and_taken_away(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    record = example.main(frames=120)
+    said = capsys.readouterr().out.splitlines()
+    assert "on left, right" in said[-2] and said[-1].endswith("3 bodies are left")
+    assert float(said[-1].split()[2]) > 0.1 and len(record.shown.positions) == 3
+
+
+@pytest.mark.parametrize("hands", [False, True])
+@pytest.mark.parametrize("example", ["many_worlds"], indirect=True)
+def test_many_worlds_are_timed_three_ways(example: ModuleType, hands: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    found = example.main(frames=3, worlds=5, threads=2, hands=hands)
+    said = capsys.readouterr().out
+    assert list(found) == ["one by one", "together, 1 thread", "together, 2 threads"] and min(found.values()) > 0.0
+    assert "5 worlds of" in said and said.count("frames of avatars a second") == 3

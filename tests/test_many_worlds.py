@@ -1,0 +1,161 @@
+"""Many worlds in one call: the same bits as one by one, with any threads, and one that fails does not keep the others."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import cycle, islice
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import FrameRecord, Settings
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, WorldsFailed
+from avatarsim.many_worlds import PORTION, advance_many
+from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.mass import solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+from tests.stability.hostile import DT, hinged_trial
+from tests.worlds.little_worlds import at, hand, hand_scene, panel
+
+BALL = (Piece(Sphere(0.1)),)
+FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
+LOOSE = simulated("ball", BALL, "wood", solid(BALL, 0.3), (0.3, 0.0, 0.15))
+SCENES = {
+    "hand": hand_scene((-0.5, 0.0, 0.3), panel()),
+    "hand and ball": hand_scene((-0.5, 0.0, 0.3), FLOOR, LOOSE),
+    "humanoid": hinged_trial().scene,
+    "no avatar": Scene("drop", (FLOOR, LOOSE)),
+    "nothing moves": Scene("still", (FLOOR,)),
+    "no overlap removal": replace(hand_scene((-0.5, 0.0, 0.3), panel()), narrow=("overlap_removal",)),
+    "two hands": Scene("two", (FLOOR,), (hand(name="left"), hand(name="right")), start=TrackerSample(
+        0.0, np.array([[0.0, 0.3, 0.5], [0.0, -0.3, 0.5]]), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros(0),
+    )),
+}
+WAYS = {
+    "default": Settings(), "paper": Settings("paper"), "recorded": Settings(record_inside=True),
+    "timed": Settings(time_stages=True), "once around": Settings(options={"around": 2, "work": 300}, seed=3),
+}
+
+
+def sample(scene: Scene, frame: int, seed: int) -> TrackerSample:
+    """Somewhere in the room, at a walking pace: into walls, floors and loose bodies too."""
+    rng, first = np.random.default_rng(seed), scene.first_sample
+    if not scene.avatars:
+        return first
+    way = np.array([0.02, 0.0, -0.01]) * frame + 0.01 * rng.normal(size=3)
+    bent = first.angles + 0.02 * frame * np.sign(rng.normal(size=first.angles.shape))
+    return TrackerSample(frame * DT, first.positions + way, first.rotations, bent)
+
+
+def engines(count: int) -> tuple[list[Scene], list[AvatarsimEngine], list[AvatarsimEngine]]:
+    """So many worlds of all kinds, twice."""
+    kinds = list(islice(cycle([(scene, way) for scene in SCENES.values() for way in WAYS.values()]), count))
+    both: tuple[list[AvatarsimEngine], list[AvatarsimEngine]] = ([], [])
+    for scene, way in kinds:
+        for made in both:
+            engine = AvatarsimEngine()
+            engine.load(scene, way, DT)
+            made.append(engine)
+    return [scene for scene, _ in kinds], *both
+
+
+def same(one: FrameRecord, other: FrameRecord) -> bool:
+    """Whether two records say the same, times of stages aside."""
+    inside = [(step.time, step.event, step.positions.tobytes(), step.velocities.tobytes()) for step in one.inside]
+    return (
+        one.state_hash() == other.state_hash() and one.shown.time == other.shown.time
+        and dict(one.counts) == dict(other.counts) and dict(one.statuses) == dict(other.statuses)
+        and one.stage_ns.keys() == other.stage_ns.keys()
+        and inside == [(step.time, step.event, step.positions.tobytes(), step.velocities.tobytes()) for step in other.inside]
+    )
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, None])
+def test_many_worlds_are_to_the_bit_what_each_is_alone(threads: int | None) -> None:
+    scenes, together, alone = engines(len(SCENES) * len(WAYS))
+    for frame in range(1, 16):
+        asked = [sample(scene, frame, 100 * frame + k) for k, scene in enumerate(scenes)]
+        records = advance_many(together, asked, DT, threads)
+        for k, (engine, record) in enumerate(zip(alone, records, strict=True)):
+            assert same(record, engine.advance(asked[k], DT)), (frame, k, scenes[k].name)
+    for k, (one, other) in enumerate(zip(together, alone, strict=True)):
+        assert one.snapshot() == other.snapshot() and one.stage_calls() == other.stage_calls(), k
+        # and alone they go on from there
+        assert same(one.advance(asked[k], DT), other.advance(asked[k], DT))
+
+
+def hands(count: int) -> list[AvatarsimEngine]:
+    """So many worlds with one hand, loaded."""
+    made = [AvatarsimEngine() for _ in range(count)]
+    for engine in made:
+        engine.load(SCENES["hand"], Settings(), DT)
+    return made
+
+
+HOME = SCENES["hand"].first_sample
+BAD = at(HOME, (np.nan, 0.0, 0.0))
+
+
+def test_more_worlds_than_a_portion_holds() -> None:
+    many = hands(2 * PORTION + 3)
+    asked = [at(HOME, (-0.5, 0.001 * k, 0.3)) for k in range(len(many))]
+    for threads in (1, 2):
+        records = advance_many(many, asked, DT, threads)
+        assert [record.shown.positions[-1, 1] for record in records] == pytest.approx([0.001 * k for k in range(len(many))])
+    assert advance_many([], [], DT) == ()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
+    many = [*hands(3), AvatarsimEngine(), *hands(2)]
+    asked: list[TrackerSample] = [HOME, BAD, HOME, HOME, rest(()), HOME]
+    said = r"4 of 6 worlds failed \(world 1: tracker positions.*world 3: no scene is loaded"
+    with many[5]._alone(), pytest.raises(WorldsFailed, match=said) as found:
+        advance_many(many, asked, DT, threads)
+    errors, records = found.value.errors, found.value.records
+    assert list(errors) == [1, 3, 4, 5] and [record is None for record in records] == [k in errors for k in range(6)]
+    assert isinstance(errors[1], InvalidSample) and isinstance(errors[4], InvalidSample) and isinstance(errors[5], EngineInUse)
+    assert records[2].shown.time == pytest.approx(DT)
+    # those that failed are where they were, and none is in use
+    for k in (1, 4, 5):
+        assert many[k].advance(HOME, DT).shown.time == pytest.approx(DT)
+    assert advance_many([many[0], many[2]], [HOME, HOME], DT, threads)[0].shown.time == pytest.approx(2.0 * DT)
+
+
+def test_many_failures_are_counted_not_listed() -> None:
+    with pytest.raises(WorldsFailed, match="6 of 6 worlds failed .*world 3: .* and 2 more"):
+        advance_many(hands(6), [BAD] * 6, DT)
+
+
+def test_one_engine_is_one_world() -> None:
+    one, other = hands(2)
+    with pytest.raises(InvalidInput, match="engine 2 of many worlds is 'the same as engine 0'; valid: each engine once"):
+        advance_many([one, other, one], [HOME] * 3, DT)
+    assert other.advance(HOME, DT).shown.time == pytest.approx(DT), "nothing has advanced"
+
+
+WRONG: dict[str, tuple[Sequence[object], Sequence[object], object, object, str]] = {
+    "too few samples": ([AvatarsimEngine()], [], DT, None, "number of samples for many worlds is 0; valid: 1"),
+    "no engine": (["engine"], [HOME], DT, None, "engine 0 of many worlds is 'engine'; valid: an AvatarsimEngine"),
+    "no time": ([AvatarsimEngine()], [HOME], 0.0, None, r"frame time \[s\] is 0.0"),
+    "no threads": ([AvatarsimEngine()], [HOME], DT, 0, "number of threads is 0; valid: a whole number from 1"),
+    "half a thread": ([AvatarsimEngine()], [HOME], DT, 1.5, "number of threads is 1.5"),
+    "a word": ([AvatarsimEngine()], [HOME], DT, "two", "number of threads is 'two'"),
+    "endless": ([AvatarsimEngine()], [HOME], DT, float("inf"), "number of threads is inf"),
+}
+
+
+@pytest.mark.parametrize("case", list(WRONG))
+def test_arguments_that_do_not_fit_are_refused(case: str) -> None:
+    many, samples, dt, threads, said = WRONG[case]
+    with pytest.raises(InvalidInput, match=said):
+        advance_many(many, samples, dt, threads)
+
+
+def test_a_sample_that_is_none_fails_its_world_alone() -> None:
+    with pytest.raises(WorldsFailed) as found:
+        advance_many(hands(2), [HOME, "sample"], DT)
+    assert [type(error) for error in found.value.errors.values()] == [InvalidSample]
+    assert issubclass(WorldsFailed, AvatarsimError)
