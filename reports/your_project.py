@@ -60,11 +60,11 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
                "at its surface and press with the spring of equation 6 alone, one contact a link. "
                f"{grasped(results.rows) or f'How far such a thing falls is {ABSENT}.'}"),
-        Answer("Bodies that come and go", PARTLY, "Between two frames: change(scene) goes on in another scene with what both have by "
-               "name. It takes as long as to load that scene."),
+        Answer("Bodies that come and go", PARTLY, "Between two frames: change(scene) goes on in another scene with what both "
+               "have by name. It takes as long as to load that scene."),
         Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
-        Answer("Several threads", PARTLY, "A frame of one world is computed on the thread that asks for it; advance_many passes frames "
-               "of many worlds on as many threads as there are processors."),
+        Answer("Several threads", PARTLY, "A frame of one world is computed on the thread that asks for it; advance_many passes "
+               "frames of many worlds on as many threads as there are processors."),
         Answer("Stacks of boxes: which engine", PARTLY, stacks(results, ours)),
         Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
                f"{grown(growth, ours, 'contacts')}"),

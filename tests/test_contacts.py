@@ -56,7 +56,7 @@ def told(contacts: tuple[Contact, ...]) -> dict[tuple[str, str], tuple]:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_balls_touch_where_their_centres_say(seed: int, within: float) -> None:
     rng = np.random.default_rng(seed)
-    radii = rng.uniform(0.08, 0.12, 27)
+    radii = rng.uniform(0.09, 0.115, 27)
     centres = np.array(np.meshgrid(*3 * [np.arange(3) * 0.25])).reshape(3, -1).T + [0.0, 0.0, 0.125]
     centres = centres + rng.uniform(-0.004, 0.004, centres.shape)
     shapes = [(Piece(Sphere(r)),) for r in radii]
