@@ -33,6 +33,7 @@ is refused with an `InvalidInput` that names the thing, its value and the valid 
 The world
 ---------
     Scene           everything before the first frame: bodies, avatars, materials, gravity, where it starts
+    Body            a fixed or loose body, as the next two make it
     fixed           a body that stays where it is
     simulated       a loose body, which obeys the laws of physics
     Piece           one convex shape at its place on a body
@@ -88,7 +89,7 @@ if TYPE_CHECKING:
     from avatarsim.many_worlds import advance_many
     from avatarsim.pieces import pieces_of_mesh
     from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-    from avatarsim.scene.body import fixed, simulated
+    from avatarsim.scene.body import Body, fixed, simulated
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
     from avatarsim.scene.mass import Mass, solid
     from avatarsim.scene.material import ContactLaw, PairTable
@@ -98,10 +99,10 @@ if TYPE_CHECKING:
     from avatarsim.simulator import AvatarsimEngine
 
 __all__ = [
-    "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull", "Ellipsoid",
-    "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene", "Settings",
-    "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "fixed",
-    "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene",
+    "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
+    "advance_many", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -111,7 +112,7 @@ _MODULES = {
     "many_worlds": ("advance_many",),
     "pieces": ("pieces_of_mesh",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
-    "scene.body": ("fixed", "simulated"),
+    "scene.body": ("Body", "fixed", "simulated"),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
     "scene.mass": ("Mass", "solid"),
     "scene.material": ("ContactLaw", "PairTable"),

@@ -22,7 +22,6 @@ from avatarsim.world.skeleton import Posture
 from avatarsim.world.world import World
 
 Rows = NDArray[np.int64]
-Numbers = NDArray[np.float64]
 
 
 class Shared(NamedTuple):
@@ -41,7 +40,9 @@ def shared(old: World, new: World) -> Shared:
         (found[body.name], b) for b, body in enumerate(new.scene.bodies) if body.role is Role.SIMULATED and body.name in found
     ]
     known = {avatar.name: (a, avatar, link) for a, (avatar, link) in enumerate(first_links(old.scene))}
-    avatars, links, degrees = [], [], []
+    avatars: list[tuple[int, int]] = []
+    links: list[tuple[int, int]] = []
+    degrees: list[tuple[int, int]] = []
     for a, (avatar, link) in enumerate(first_links(new.scene)):
         before = known.get(avatar.name)
         if before is None or tree_of(before[1]) != tree_of(avatar):
@@ -81,7 +82,8 @@ def take_posture(into: Posture, of: Posture, both: Shared) -> None:
 
 
 def carry_poses(old: World, new: World, both: Shared) -> None:
-    """Poses and velocities of bodies, and postures of avatars; before the loops of the new world are made."""
+    """Poses and velocities of bodies, and postures of avatars: before the loops of the new world are made, and once more after
+    that, since to make them places the links by their postures, which rounds."""
     links = both.links + (old.skeleton.first, new.skeleton.first)
     take_posture(new.posture, old.posture, both)
     for rows in (both.bodies, links):
@@ -102,7 +104,10 @@ def carry_poses(old: World, new: World, both: Shared) -> None:
 
 def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
     """Time, and of the avatars what their users asked for last and what the coupling has stored; after the loops are made."""
+    carry_poses(old.world, new.world, both)
     new.time = old.time
+    if new.driven:
+        new.lower.go_on(False)
     if not (old.driven and new.driven):
         return
     take_posture(new.target.posture, old.target.posture, both)

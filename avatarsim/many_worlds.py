@@ -7,7 +7,8 @@ take longer than Python, two threads are nearly twice as fast as one. Which thre
 
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from functools import cache
 
 import numpy as np
 
@@ -58,14 +59,22 @@ def advance_many(
     if many == 1:
         call.work(portions)
     else:
-        with ThreadPoolExecutor(many - 1) as pool:
-            others = [pool.submit(call.work, portions) for _ in range(many - 1)]
+        others = [_pool(os.getpid()).submit(call.work, portions) for _ in range(many - 1)]
+        try:
             call.work(portions)
-            for other in others:
-                other.result()
+        finally:
+            wait(others)
+        for other in others:
+            other.result()
     if call.errors:
         raise WorldsFailed(call.errors, call.records)
     return tuple(record for record in call.records if record is not None)
+
+
+@cache
+def _pool(process: int) -> ThreadPoolExecutor:
+    """Threads of this process, which wait between calls: to begin one takes as long as some frames. A fork gets its own."""
+    return ThreadPoolExecutor(MOST_THREADS, f"avatarsim-{process}")
 
 
 def _processors() -> int:

@@ -1,4 +1,4 @@
-"""A humanoid walks into a wall: its user goes on through it, the body that is shown stays in front of it.
+"""A humanoid walks into a wall: its user goes on through it, the body that is shown stops, and then finds a way around.
 
 Shows: ball joints with swing and twist limits, a clip as one tracker sample per frame, and what a record says of waiting.
 Run: python examples/humanoid_on_a_clip.py

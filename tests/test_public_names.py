@@ -53,7 +53,7 @@ def test_the_page_opens_with_the_text_of_the_package() -> None:
 
 def test_the_example_of_the_page_runs() -> None:
     found = doctest.testmod(av)
-    assert found.attempted >= 10 and found.failed == 0
+    assert found.attempted >= 8 and found.failed == 0
 
 
 def test_a_misspelt_name_is_an_attribute_error() -> None:

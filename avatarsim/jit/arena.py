@@ -19,12 +19,11 @@ from math import prod
 from typing import Any, TypeVar, cast
 
 import numpy as np
-from numba import carray
 from numba.extending import overload
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.jit.by_reference import address, pointer, referred
+from avatarsim.jit.by_reference import address, lying_at, referred
 from avatarsim.jit.kernel import config, kernel
 from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields
 from avatarsim.jit.record import RECORDS, TABLES
@@ -196,19 +195,12 @@ def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
 
 def words_at(place: int, count: int) -> Index:
     """The `count` words at an address, which must outlive what is returned: how a kernel is handed many arenas at once."""
-    # an address that is no address is null, and an array of nothing
     return np.ctypeslib.as_array((c_int64 * count).from_address(place)) if count else np.zeros(0, dtype=np.int64)
 
 
 if not config.DISABLE_JIT:
-
-    @overload(words_at)  # type: ignore[untyped-decorator]  # so are all of numba's
-    def _compiled_words_at(place: Any, count: Any) -> Any:
-        # numba wants the same annotations on both
-        def body(place: Any, count: Any) -> Any:
-            return carray(pointer(place), (count,), np.int64)
-
-        return body
+    # a function of numba's may return no array whose memory it does not count; an intrinsic may
+    words_at = lying_at
 
     @kernel
     def put_right(words: Index) -> None:

@@ -122,17 +122,25 @@ def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
     return found(words, types.int64, kind), build
 
 
-def pointer_to(_context: Any, place: Any) -> Any:
-    """Type and code of `pointer`."""
+def words_from(_context: Any, place: Any, count: Any) -> Any:
+    """Type and code of `lying_at`."""
+    kind = types.Array(types.int64, 1, "C")
 
-    def build(_context: Any, builder: Any, _signature: Any, values: Any) -> Any:
-        return builder.inttoptr(values[0], cgutils.voidptr_t)
+    def build(context: Any, builder: Any, _signature: Any, values: Any) -> Any:
+        array = context.make_array(kind)(context, builder)
+        word = context.get_constant(types.intp, 8)
+        array.data = builder.inttoptr(values[0], array.data.type)
+        array.nitems, array.itemsize = values[1], word
+        array.shape, array.strides = cgutils.pack_array(builder, [values[1]]), cgutils.pack_array(builder, [word])
+        # memory that is not counted, as of all arrays in an arena
+        array.meminfo, array.parent = cgutils.get_null_value(array.meminfo.type), cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
 
-    return types.voidptr(types.int64), build
+    return kind(types.int64, types.int64), build
 
 
-pointer: Any = intrinsic(pointer_to)
-"""In a kernel: the address that is a whole number, as a pointer."""
+lying_at: Any = intrinsic(words_from)
+"""In a kernel: the words that lie at an address, and so many."""
 address: Any = intrinsic(address_of)
 """In a kernel: where an array of words lies."""
 referred: Any = intrinsic(reference_in)

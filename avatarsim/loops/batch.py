@@ -63,7 +63,8 @@ def advance_worlds(jobs: Index, dt: float, nothing: Array) -> None:
 def job_of(world: World, target: Target | None, lower: IkLoop | None, upper: SimulatedLoop | None, moving: Index) -> Index:
     """The row (COLUMNS) of a world whose parts these are, as of its first frame; valid as long as they are."""
     row = np.zeros(COLUMNS, dtype=np.int64)
-    for column, part in ((WORLD, world), (TARGET, target), (LOWER, lower), (UPPER, upper)):
+    parts: tuple[World | Target | IkLoop | SimulatedLoop | None, ...] = world, target, lower, upper
+    for column, part in zip((WORLD, TARGET, LOWER, UPPER), parts, strict=True):
         if part is not None:
             row[column : column + 2] = part.words.ctypes.data, len(part.words)
     row[MOVING] = moving.ctypes.data
