@@ -1,8 +1,9 @@
 """One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
 
-A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. What is
-still refused is shortened by backtracking, one factor for all of an avatar: along it all conditions hold on, while a limb that is
-cut alone leaves the line to the minimum and the rest of the body makes up for it, frame by frame, to and fro.
+A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. If the step
+is still refused its goal is drawn nearer, for all of an avatar by one factor, and the QP is solved with corrections once more
+(backtracking with a second-order correction at each trial; section 18.3): a limb that is cut alone leaves the line to the minimum
+and the rest of the body makes up for it, frame by frame, to and fro.
 """
 
 from avatarsim.ik.active_forces import forget_forces, note_forces
@@ -44,8 +45,9 @@ CONTACT = int(RowKind.CONTACT)
 CORRECTIONS = 4
 """Rounds in which what failed at a trial becomes rows, and solves of a round. 8: the slowest frames take 2.5 times as long."""
 
-BACK_OFF, BACK_OFFS = 0.25, 3
-"""Factor by which a trial that is still refused shrinks, and how often, before the avatar stays."""
+BACK_OFF, ATTEMPTS = 0.25, 5
+"""Factor by which the goal of a step that is still refused draws nearer, from the third attempt on, and how many attempts there
+are before the avatar stays."""
 
 
 @kernel
@@ -72,7 +74,13 @@ def sqp_step(
         state.tracking.has_model[avatar] = 0
         tangent_error(skel, avatars, avatar, posture_out, s.target, s.objective.error)
         bound_step(skel, avatars, avatar, posture_out, state.budget, s)
-    for attempt in range(2):
+    for attempt in range(ATTEMPTS):
+        if attempt == 2:
+            s.counts[BACKED] += 1
+        for m in range(first, last if attempt >= 2 else first):
+            if state.tracking.has_failed[s.members[m]] > 0:
+                state.tracking.has_arrived[s.members[m]] = 0
+                scale_step(avatars, s.members[m], BACK_OFF, s.objective.newton)
         failed = try_qp(
             geo, skel, avatars, settings, posture_out, poses_out, first, last, attempt > 0, most_work, state, s
         )
@@ -85,7 +93,7 @@ def sqp_step(
             break
     keep_touching(geo, skel, avatars, state, s)
     if failed > 0:
-        back_off(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
+        stay(geo, skel, avatars, settings, posture_out, poses_out, first, last, state, s)
     note_contacts(geo, skel, avatars, first, last, state, s)
     return adopt(geo, skel, avatars, first, last, posture_out, poses_out, state, s)
 
@@ -178,21 +186,19 @@ def scale_step(avatars: Avatars, avatar: int, factor: float, step_out: Array) ->
 
 
 @kernel
-def back_off(
+def stay(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Halve the step of avatars that fail until the trial certifies; at last they stay, where everything is known to be free."""
+    """Hold avatars that fail where they are, where everything is known to be free, until the trial of the others certifies."""
     s = scratch_out
-    s.counts[BACKED] += 1
-    for k in range(BACK_OFFS + last - first):
+    for _ in range(last - first):
         for m in range(first, last):
             avatar = s.members[m]
             if state_out.tracking.has_failed[avatar] > 0:
                 state_out.tracking.has_arrived[avatar], state_out.tracking.is_certified[avatar] = 0, 0
-                if k >= BACK_OFFS:
-                    s.counts[HELD] += 1
-                scale_step(avatars, avatar, BACK_OFF if k < BACK_OFFS else 0.0, s.step)
+                s.counts[HELD] += 1
+                scale_step(avatars, avatar, 0.0, s.step)
                 try_step(geo, skel, avatars, avatar, posture, s)
         if certify(geo, skel, avatars, settings, posture, poses, first, last, False, False, state_out, s) == 0:
             return

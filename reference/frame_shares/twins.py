@@ -45,8 +45,8 @@ def default_twin() -> Any:
         "add_touching": clocked(add_touching, COLLISION), "choose_step": clocked(sqp_step.choose_step, IK), "foresee": ahead,
         "place_avatar": clocked(place_avatar, POSING), "certify": check,
     })
-    back = twin(sqp_step.back_off, {"try_step": clocked(try_step, POSING), "certify": check})
-    one = twin(sqp_step.sqp_step, {"try_qp": solved, "back_off": back, "adopt": clocked(sqp_step.adopt, POSING)})
+    back = twin(sqp_step.stay, {"try_step": clocked(try_step, POSING), "certify": check})
+    one = twin(sqp_step.sqp_step, {"try_qp": solved, "stay": back, "adopt": clocked(sqp_step.adopt, POSING)})
     return clocked(twin(ik_loop.track, {"solve": twin(solve.solve, {"sqp_step": one})}), WHOLE)
 
 
