@@ -60,6 +60,12 @@ def test_the_first_example_is_the_one_of_the_readme() -> None:
     assert example.removeprefix("before\n").partition("\nafter")[0] in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
+def test_a_link_to_a_folder_is_its_words() -> None:
+    text = "[`docs`](../docs) [docs](../docs/) [page](../docs/index.md) ![picture](../docs) [gone](../gone) [there](https://there/)"
+    found = filled.without_folders(text, ROOT / "docs")
+    assert found == "`docs` docs" + text.partition("(../docs/)")[2]
+
+
 def test_terms_of_the_report_are_rows() -> None:
     rows = filled.terms_of_the_report().splitlines()
     assert len(rows) == 2 + len(filled.TERMS)
