@@ -1,6 +1,7 @@
 """Parts of pages that are made from the sources while the site is built, so that nothing is written twice.
 
-A page holds the place with a comment, such as `<!-- public names -->`; `PARTS` says what comes there.
+A page holds the place with a comment, such as `<!-- public names -->`; `PARTS` says what comes there. Links to folders, which a
+repository's pages on the web can show and a site of files cannot, are left as their words.
 """
 
 import re
@@ -38,6 +39,7 @@ PARTS: Mapping[str, Callable[[], str]] = {
     "terms of the report": terms_of_the_report,
 }
 PLACE = re.compile(rf"^<!-- ({'|'.join(PARTS)}) -->$", re.MULTILINE)
+LINK = re.compile(r"(?<!!)\[([^\[\]]+)\]\(([\w./-]+)\)")
 
 
 def filled(text: str) -> str:
@@ -45,9 +47,14 @@ def filled(text: str) -> str:
     return PLACE.sub(lambda place: PARTS[place[1]](), text)
 
 
+def without_folders(text: str, folder: Path) -> str:
+    """A page, which lies in a folder, with the words of a link alone where that leads to a folder."""
+    return LINK.sub(lambda link: link[1] if (folder / link[2]).is_dir() else link[0], text)
+
+
 def read(app: Sphinx, page: str, source: list[str]) -> None:
     """Called by Sphinx when it has read a page, which is changed in place."""
-    source[0] = filled(source[0])
+    source[0] = filled(without_folders(source[0], (ROOT / page).parent))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

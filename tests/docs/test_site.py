@@ -17,7 +17,8 @@ def test_all_pages_are_sources_of_the_site_and_reached_from_the_first() -> None:
     assert {page.name for page in ROOT.glob("*.md")} == {name for name in conf.include_patterns if "/" not in name}
     first = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     trees = re.findall(r"^```\{toctree\}\n(.*?)^```$", first, re.DOTALL | re.MULTILINE)
-    listed = {line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")}
+    lines = {line for tree in trees for line in tree.splitlines() if line and not line.startswith(":")}
+    listed = {re.sub(r".* <(.*)>", r"\1", line) for line in lines}
     top = {f"../{page.stem}" for page in ROOT.glob("*.md")}
     assert listed == top | {page.stem for page in PAGES} - {"index"}
 
@@ -57,6 +58,12 @@ def test_the_first_example_is_the_one_of_the_readme() -> None:
     example = filled.filled("before\n<!-- first example -->\nafter <!-- first example -->\n")
     assert example.startswith("before\n```python\n") and example.endswith("\n```\nafter <!-- first example -->\n")
     assert example.removeprefix("before\n").partition("\nafter")[0] in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_a_link_to_a_folder_is_its_words() -> None:
+    text = "[`docs`](../docs) [docs](../docs/) [page](../docs/index.md) ![picture](../docs) [gone](../gone) [there](https://there/)"
+    found = filled.without_folders(text, ROOT / "docs")
+    assert found == "`docs` docs" + text.partition("(../docs/)")[2]
 
 
 def test_terms_of_the_report_are_rows() -> None:
