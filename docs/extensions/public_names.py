@@ -21,20 +21,6 @@ from sphinx.util.nodes import make_refnode
 import avatarsim
 from docs.extensions.docstrings import restructured
 
-LISTED = (
-    "avatarsim.simulator.AvatarsimEngine", "avatarsim.engine.Settings", "avatarsim.engine.FrameRecord",
-    "avatarsim.engine.Snapshot", "avatarsim.scene.scene.Scene", "avatarsim.scene.body.fixed", "avatarsim.scene.body.simulated",
-    "avatarsim.scene.avatar.Avatar", "avatarsim.scene.avatar.Link", "avatarsim.scene.avatar.rigid_avatar",
-    "avatarsim.scene.joint.Rigid", "avatarsim.scene.joint.Hinge", "avatarsim.scene.joint.Hinges", "avatarsim.scene.joint.Ball",
-    "avatarsim.scene.joint.SwingTwist", "avatarsim.scene.joint.Free", "avatarsim.scene.shape.Sphere",
-    "avatarsim.scene.shape.Capsule", "avatarsim.scene.shape.Box", "avatarsim.scene.shape.Ellipsoid",
-    "avatarsim.scene.shape.ConvexHull", "avatarsim.scene.shape.Piece", "avatarsim.scene.mass.Mass",
-    "avatarsim.scene.mass.solid", "avatarsim.scene.material.PairTable", "avatarsim.scene.tracker.TrackerSample",
-    "avatarsim.scene.tracker.rest", "avatarsim.errors.AvatarsimError", "avatarsim.errors.InvalidInput",
-    "avatarsim.errors.StartOverlaps", "avatarsim.pieces.pieces_of_mesh",
-)
-"""Names that stand in as long as `avatarsim.__all__` has none."""
-
 RARER = (
     "avatarsim.engine.Engine",
     "avatarsim.scene.scene.EARTH",
@@ -106,10 +92,10 @@ def assigned(module: ModuleType) -> Mapping[str, str]:
 
 @cache
 def public_names() -> tuple[Public, ...]:
-    """Names of `avatarsim.__all__`, or those that stand in for them, then the rarer ones; what has two names has its first."""
-    said = [f"avatarsim.{name}" for name in getattr(avatarsim, "__all__", ()) if not name.startswith("__")]
+    """Names of `avatarsim.__all__`, then the rarer ones; what has two names has its first."""
+    said = [f"avatarsim.{name}" for name in avatarsim.__all__ if not name.startswith("__")]
     things: dict[int, tuple[str, object]] = {}
-    for name in (*(said or LISTED), *RARER):
+    for name in (*said, *RARER):
         thing = pkgutil.resolve_name(name)
         things.setdefault(id(thing), (name, thing))
     # where they are defined is asked when all of them are imported
