@@ -8,7 +8,7 @@ For balls only: the corners of boxes meet at other points than predicted, and a 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.status import NOT_FINITE
+from avatarsim.collide.status import NOT_FINITE as QUERY_NOT_FINITE
 from avatarsim.impact.contacts import NOT_DRIVEN, axis, velocity_at
 from avatarsim.jit.kernel import kernel
 from avatarsim.loops.touching import BROKEN, FOUND, NO_ROOM, find_points
@@ -59,7 +59,7 @@ def look_ahead(
                 status, _, room = find_points(
                     geometry, dynamics, poses, velocities, memory, a, b, NOT_DRIVEN, sa, sb, reach + STAND_OFF
                 )
-                if status == NOT_FINITE:
+                if status == QUERY_NOT_FINITE:
                     return BROKEN
                 if not room:
                     return NO_ROOM

@@ -4,16 +4,13 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from avatarsim.engine import Snapshot
+from avatarsim.jit.layout import Array, Index
 from avatarsim.tally import Tally
 from avatarsim.world.kinematics import forward
 from avatarsim.world.target import Target
 from avatarsim.world.world import World
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 class TrackedLoop:

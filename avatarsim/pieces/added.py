@@ -9,7 +9,7 @@ from avatarsim.pieces.hulls import Hull
 from avatarsim.pieces.mesh import Array, Indices
 from avatarsim.pieces.nearest import Surface, finer
 
-MOST = 60_000
+MOST_BOXES = 60_000
 """Boxes at once beyond which refinement stops; the bound then is looser, never wrong. More: seconds."""
 
 SHARP = 0.05
@@ -47,7 +47,7 @@ def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float)
             found = float(out.max())
         bound = np.where(within, np.maximum(reach - near, 0.0), far + reach)
         settled = bound <= enough
-        if len(far) - int(settled.sum()) > MOST:
+        if len(far) - int(settled.sum()) > MOST_BOXES:
             settled[:] = True
         above = max(above, float(bound[settled].max(initial=0.0)))
         boxes.keep(~settled)

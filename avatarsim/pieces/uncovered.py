@@ -7,7 +7,7 @@ from avatarsim.pieces.hulls import Hull
 from avatarsim.pieces.mesh import Array
 from avatarsim.pieces.nearest import halves
 
-MOST = 200_000
+MOST_TRIANGLES = 200_000
 """Triangles at once beyond which refinement stops; the bound then is looser, never wrong. More: memory and seconds."""
 
 
@@ -24,7 +24,7 @@ def uncovered(hulls: list[Hull], corners: Array, tolerance: float) -> tuple[floa
         worst, attained = _by_corners(hulls, corners, enough)
         below = max(below, attained)
         settled = worst <= enough
-        if len(corners) > MOST:
+        if len(corners) > MOST_TRIANGLES:
             settled[:] = True
         above = max(above, float(worst[settled].max(initial=0.0)))
         corners = halves(corners[~settled])

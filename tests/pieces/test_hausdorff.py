@@ -102,8 +102,8 @@ def test_no_sample_exceeds_the_bound(seed: int) -> None:
 def test_when_refinement_stops_early_the_bound_is_looser_and_still_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     hulls, soup = [hull_of(torus()[0], "torus")], torus()
     sharp = bounds(hulls, soup)
-    monkeypatch.setattr(added, "MOST", 3)
-    monkeypatch.setattr(uncovered, "MOST", 3)
+    monkeypatch.setattr(added, "MOST_BOXES", 3)
+    monkeypatch.setattr(uncovered, "MOST_TRIANGLES", 3)
     loose = bounds(hulls, soup)
     assert loose.added > sharp.added >= 0.7
     shrunk = [hull_of(0.9 * torus()[0], "torus")]
