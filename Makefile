@@ -118,8 +118,8 @@ look: $(READY)  ## report and docs site in a headless Chromium: nothing on the c
 fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, SEED=)
 	@$(COMPILED)
 	@failed=0; \
-	$(VENV_PYTHON) -m tests.collide.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
-	$(VENV_PYTHON) -m tests.impact.random_impacts --impacts $(or $(IMPACTS),1000000) --seed $(or $(SEED),1) || failed=1; \
+	$(VENV_PYTHON) -m tests.collision.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
+	$(VENV_PYTHON) -m tests.rigid.random_impacts --impacts $(or $(IMPACTS),1000000) --seed $(or $(SEED),1) || failed=1; \
 	$(VENV_PYTHON) -m tests.ik.test_pushed_through --pushes $(or $(PUSHES),1000) --seed $(or $(SEED),1) || failed=1; \
 	for avatar in hinged humanoid two; do \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --frames $(or $(FRAMES),100000) \

@@ -83,16 +83,14 @@ from typing import TYPE_CHECKING
 from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
-    from avatarsim.contacts import Contact
+    from avatarsim.assets import pieces_of_mesh
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
-    from avatarsim.pieces import pieces_of_mesh
+    from avatarsim.pose_queries import Contact
     from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-    from avatarsim.scene.body import Body, fixed, simulated
+    from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
-    from avatarsim.scene.mass import Mass, solid
-    from avatarsim.scene.material import ContactLaw, PairTable
     from avatarsim.scene.scene import Scene
     from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
     from avatarsim.scene.tracker import TrackerSample, rest
@@ -106,16 +104,14 @@ __all__ = [
 ]
 
 _MODULES = {
-    "contacts": ("Contact",),
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
+    "assets": ("pieces_of_mesh",),
     "many_worlds": ("advance_many",),
-    "pieces": ("pieces_of_mesh",),
+    "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
-    "scene.body": ("Body", "fixed", "simulated"),
+    "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
-    "scene.mass": ("Mass", "solid"),
-    "scene.material": ("ContactLaw", "PairTable"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
     "scene.tracker": ("TrackerSample", "rest"),

@@ -8,8 +8,8 @@ import os
 import sys
 from pathlib import Path
 
-from avatarsim.cache_folder import VARIABLE
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.files import VARIABLE
 from avatarsim.jit.baseline import compile_for_baseline
 
 

@@ -1,10 +1,17 @@
-"""Compile the kernels before they are needed: once per version of the sources, in parallel, with progress shown."""
+"""Progress and remaining time of a compilation, from the cache folder alone.
+
+Every compiled kernel is a file on disk, and the kernels of the package are known from importing it. Files of an earlier
+compilation count as done.
+
+Compile the kernels before they are needed: once per version of the sources, in parallel, with progress shown.
+"""
 
 import fcntl
 import gc
 import hashlib
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import get_context
 from multiprocessing.connection import wait
@@ -14,28 +21,61 @@ from typing import TextIO, cast
 import numba
 import numpy as np
 
-from avatarsim.cache_folder import VARIABLE, make_private
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import signed_distance_up_to
-from avatarsim.compile_progress import Compiled
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.signed_distance import signed_distance_up_to
+from avatarsim.console import Progress
 from avatarsim.engine import Settings
+from avatarsim.files import VARIABLE, make_private
 from avatarsim.jit import places
-from avatarsim.jit.cpu import Cpu, compiled_for, usable
+from avatarsim.jit.cache import SUFFIX, Cpu, compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
 from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
 from avatarsim.many_worlds import advance_many
-from avatarsim.progress import Progress
+from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.world.world import build
+
+
+def kernels() -> list[KernelDispatcher]:
+    """Every kernel that a module of the package holds; nearly all are compiled for one signature, so there are as many files."""
+    modules = [module for name, module in sys.modules.items() if name.startswith(f"{ROOT.name}.")]
+    held = [one for module in modules for one in vars(module).values() if isinstance(one, KernelDispatcher)]
+    return list({id(one): one for one in held}.values())
+
+
+class Compiled:
+    """The kernels of the package, and how many of them are compiled by now."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        found = kernels()
+        self.clock = clock
+        self.total, self.folders = len(found), {one.folder for one in found}
+        self.kept, self.begun = self.done(), clock()
+
+    def done(self) -> int:
+        """Kernels on disk, at most as many as there are."""
+        bases = set(places.current().read) | {place for place in [places.current().write] if place is not None}
+        kept = {(folder, path.name) for base in bases for folder in self.folders for path in (base / folder).glob(f"*{SUFFIX}")}
+        return min(len(kept), self.total)
+
+    def left(self, done: int) -> float:
+        """[s] until all are done if it goes on as it went; infinite at first."""
+        new = done - self.kept
+        return (self.total - done) * (self.clock() - self.begun) / new if new else float("inf")
+
+    def told(self, done: int) -> str:
+        """So many of so many, and the time that is left; not before a tenth is done, for the first ones say little."""
+        told = f"{done} of {self.total} kernels"
+        tells = done - self.kept >= self.total // 10 and done < self.total
+        return f"{told}, about {self.left(done):.0f} s left" if tells else told
+
 
 SHARES = (("distance", "posture"), ("motion", "paper", "worlds"))
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.

@@ -8,10 +8,10 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.counters import Tally
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.tally import Tally
 
 Array = NDArray[np.float64]
 

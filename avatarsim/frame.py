@@ -8,20 +8,17 @@ from typing import ClassVar
 
 import numpy as np
 
+from avatarsim.batch import MOVING, job_of
+from avatarsim.counters import StageClock, Tally
 from avatarsim.engine import Snapshot
 from avatarsim.jit.layout import Index
-from avatarsim.loops.batch import MOVING, job_of
-from avatarsim.loops.ik_loop import IkLoop
-from avatarsim.loops.paper import PaperLoop
-from avatarsim.loops.simulated import SimulatedLoop
-from avatarsim.loops.tracked import TrackedLoop
+from avatarsim.lower_loop import IkLoop, TrackedLoop
+from avatarsim.model.world import Target, World
+from avatarsim.paper.method import PaperLoop
 from avatarsim.rehearsal import Part
+from avatarsim.rigid.step import SimulatedLoop
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
-from avatarsim.stage_clock import StageClock
-from avatarsim.tally import Tally
-from avatarsim.world.target import Target
-from avatarsim.world.world import World
 
 
 def lower_loop(

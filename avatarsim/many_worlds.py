@@ -12,11 +12,11 @@ from functools import cache
 
 import numpy as np
 
+from avatarsim.batch import COLUMNS, STATUS, advance_together
 from avatarsim.engine import FrameRecord
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, WorldsFailed
 from avatarsim.frame import Frames
 from avatarsim.jit.layout import Index
-from avatarsim.loops.batch import COLUMNS, STATUS, advance_together
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine, frame_time

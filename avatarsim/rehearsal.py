@@ -16,7 +16,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.tally import WORD
+from avatarsim.counters import WORD
 
 REHEARSALS = 10
 """Frames run and undone before the first: Python (3.11 to 3.13) specialises a function for what it is given once it has been

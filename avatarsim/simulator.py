@@ -11,22 +11,20 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
-from avatarsim.carry_over import carry_loops, carry_poses, shared
-from avatarsim.contacts import Contact, contacts_of
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
+from avatarsim.model.world import Array, build, shown_again, shown_poses
+from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen, meanings
-from avatarsim.snapshot import Identity, identity, kept_by, read, written
-from avatarsim.start_check import require_free, require_within_limits
+from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
 from avatarsim.tolerances import NOTHING
 from avatarsim.version import VERSION
-from avatarsim.world.world import Array, build, shown_again, shown_poses
 
 PRESETS = ("default", "paper")
 """`default`: every state certified; `paper`: the paper's equations as printed."""

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import InvalidInput
 from avatarsim.spatial import rotation
 from reference.in_fcl import Question, fcl_distances

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import Mass
+from avatarsim.scene.body import Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation

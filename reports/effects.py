@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from reports.files import DAMAGED
 from reports.wording import MISSING, count, listed, quantity
 from scenarios.metrics import METRICS

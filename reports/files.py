@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_text
+from avatarsim.files import read_text
 
 Line = TypeVar("Line")
 WHOLE = "the whole file that one command wrote"

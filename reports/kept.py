@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import parsed_json, read_json
+from avatarsim.files import parsed_json, read_json
 from scenarios import array_file
 from scenarios.record import arrays_of, misfit
 

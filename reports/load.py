@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from scenarios.published import check
 from scenarios.results import MOST_BYTES
 from scenarios.sayable import Unsaid

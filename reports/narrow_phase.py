@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json, read_text
+from avatarsim.files import read_json, read_text
 from reports.files import DAMAGED, WHOLE
 from reports.wording import count, figures, listed, quantity
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from reports.alike import Basis, basis_of, factor, is_more, time_by
 from reports.files import WHOLE, lines, number
 from reports.metric_words import words

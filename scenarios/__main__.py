@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
-from avatarsim.command_line import ended, lost_output, path_option
+from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
 from scenarios import ablation, commands, comparison, listing, own_settings
 from scenarios.files import OUT

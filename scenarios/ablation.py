@@ -14,8 +14,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from avatarsim.scene.calls import KEPT
-from avatarsim.scene.effects import Effects
+from avatarsim.scene.effects import KEPT, Effects
 from avatarsim.scene.scene import Scene
 from scenarios import record
 from scenarios.commands import Plan, begun, finished, nothing, passes, scenes

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import check
+from avatarsim.files import check
 
 MOST = 2**30
 """Bytes that all arrays of one file may take. The longest recording of the catalogue takes a twentieth; a file of a megabyte that

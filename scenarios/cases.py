@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 from itertools import combinations_with_replacement
 from math import hypot
 
+from avatarsim.scene.body import ContactLaw, PairTable
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.spatial import rotation
 
 LAID = 2e-8

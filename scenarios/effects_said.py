@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from textwrap import fill
 
-from avatarsim.scene.calls import CALLS, KEPT
+from avatarsim.scene.effects import CALLS, KEPT
 from avatarsim.scene.scene import Scene
 
 LISTED = 3

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body
+from avatarsim.scene.body import Body, Mass
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free
-from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample

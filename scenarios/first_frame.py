@@ -21,7 +21,7 @@ from statistics import median
 
 import numpy as np
 
-from avatarsim.command_line import ended
+from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.scene.scene import Scene

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from avatarsim.spatial import rotation
 from scenarios.data_folder import data_file, pybullet_data
 from scenarios.scenario import RENDERED

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.regular_file import read_toml
+from avatarsim.files import read_toml
 
 EXAMPLE = "scenarios/settings_example.toml"
 """A file that every engine takes as it is, from the folder of the checkout."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import parsed_json
+from avatarsim.files import parsed_json
 from scenarios import array_file
 from scenarios.files import plain, write_whole
 

@@ -15,7 +15,7 @@ from types import FrameType
 from typing import NoReturn
 
 from avatarsim.errors import InvalidFile, InvalidInput
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from scenarios.files import plain, write_json
 from scenarios.job import Job
 from scenarios.results import MOST_BYTES, SCHEMA_VERSION

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 from avatarsim.compile_ahead import part_scene
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest

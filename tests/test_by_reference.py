@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.jit.by_reference import Reference
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.linking import KernelDispatcher

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.cache_entry import HEAD, Damaged, read_entry, write_entry
-from avatarsim.cache_folder import Distrusted
+from avatarsim.files import HEAD, Damaged, Distrusted, read_entry, write_entry
 
 DATA = bytes(range(256)) * 3
 

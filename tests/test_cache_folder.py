@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim import cache_folder
-from avatarsim.cache_folder import Distrusted, bases, is_readable, is_writable, require_trusted, require_trusted_folder
+from avatarsim import files as cache_folder
+from avatarsim.files import Distrusted, bases, is_readable, is_writable, require_trusted, require_trusted_folder
 
 
 @pytest.fixture(autouse=True)
 def nothing_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+    monkeypatch.setattr("avatarsim.console._SAID", set())
 
 
 def give_away(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,9 +9,8 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidScene, StartOverlaps
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, Mass, fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.command_line import UNSAID, USAGE, path_option
+from avatarsim.console import UNSAID, USAGE, path_option
 
 ROOT = Path(__file__).resolve().parent.parent
-PRINTS = "import sys\nfrom avatarsim.command_line import ended\nsys.exit(ended(lambda: print('x' * {}) or {}))"
+PRINTS = "import sys\nfrom avatarsim.console import ended\nsys.exit(ended(lambda: print('x' * {}) or {}))"
 FEW, MANY = 10, 1_000_000
 """Characters that wait in the buffer until the end, and that are written before."""
 
@@ -53,7 +53,7 @@ def test_an_error_stream_that_is_closed_changes_no_code() -> None:
 @pytest.mark.parametrize(("raised", "code"), [("SystemExit(2)", 2), ("SystemExit()", 0), ("SystemExit('bad')", USAGE),
                                               ("OSError(28, 'full', 'here')", UNSAID)])
 def test_ends_of_other_kinds_keep_their_code(raised: str, code: int) -> None:
-    script = f"import sys\nfrom avatarsim.command_line import ended\ndef main():\n    raise {raised}\nsys.exit(ended(main))"
+    script = f"import sys\nfrom avatarsim.console import ended\ndef main():\n    raise {raised}\nsys.exit(ended(main))"
     found, said = ran(["-c", script], subprocess.DEVNULL)
     assert found == code and "Traceback" not in said and ("here: full" in said) == (code == UNSAID)
 

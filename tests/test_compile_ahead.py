@@ -20,7 +20,7 @@ from avatarsim.compile_ahead import (
     stamp_name,
 )
 from avatarsim.jit import linking, places
-from avatarsim.jit.cpu import compiled_for, usable
+from avatarsim.jit.cache import compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import NAME, CannotKeep, Places
 
@@ -88,7 +88,7 @@ def test_where_nothing_can_be_kept_nothing_is_compiled_ahead_and_that_is_said(
     blocked.write_text("", encoding="utf-8")
     monkeypatch.setattr(places, "PLACES", Places(blocked / "kernels"))
     monkeypatch.setattr(compile_ahead, "run_shares", lambda *_: pytest.fail("compiled"))
-    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+    monkeypatch.setattr("avatarsim.console._SAID", set())
     assert compile_everything() and compile_everything()
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "cannot be kept" in said and str(blocked) in said

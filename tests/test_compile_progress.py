@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim import compile_progress
-from avatarsim.compile_ahead import PARTS, compile_part
-from avatarsim.compile_progress import Compiled
+from avatarsim import compile_ahead as compile_progress
+from avatarsim.compile_ahead import PARTS, Compiled, compile_part
 from avatarsim.jit import places
 from avatarsim.jit.places import Places
 
@@ -46,7 +45,7 @@ def compiled(folder: Path, count: int) -> None:
 IN_MEMORY = """
 import gc
 import avatarsim.compile_ahead
-from avatarsim.compile_progress import kernels
+from avatarsim.compile_ahead import kernels
 from avatarsim.jit.linking import KernelDispatcher
 made = {id(one) for one in gc.get_objects() if type(one) is KernelDispatcher and one.py_func.__module__.startswith("avatarsim.")}
 print({id(one) for one in kernels()} == made, len(made) > 500)

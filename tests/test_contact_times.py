@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings, Snapshot
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw, PairTable
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample

@@ -8,7 +8,7 @@ import pytest
 
 from avatarsim import compile_ahead
 from avatarsim.__main__ import main, parsed
-from avatarsim.cache_folder import VARIABLE
+from avatarsim.files import VARIABLE
 from avatarsim.jit import baseline, places
 from avatarsim.jit.places import NAME, Places
 

@@ -10,8 +10,7 @@ import pytest
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, WorldsFailed
 from avatarsim.many_worlds import PORTION, advance_many
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

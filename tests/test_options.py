@@ -8,8 +8,7 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput, UnknownName
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.settings import Chosen, CouplingSettings, PostureSettings, meanings
 from avatarsim.simulator import AvatarsimEngine

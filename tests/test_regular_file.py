@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.cache_entry import write_entry
-from avatarsim.cache_folder import make_private
+from avatarsim.assets import cache
 from avatarsim.errors import InvalidFile
-from avatarsim.pieces import cache
-from avatarsim.regular_file import DEEPEST, parsed_json, read_json, read_toml
+from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report
 from scenarios import record
 from scenarios.stability.finished import Finished

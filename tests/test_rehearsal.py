@@ -16,12 +16,12 @@ from avatarsim.compile_ahead import part_scene
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.frame import Frames
+from avatarsim.model.world import build
 from avatarsim.rehearsal import REHEARSALS, Undo
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.world.world import build
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at
 

@@ -10,9 +10,8 @@ import pytest
 from avatarsim.engine import Engine, FrameRecord, Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -18,8 +18,7 @@ import pytest
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import AvatarsimError, InvalidSnapshot, NotCopied
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -8,9 +8,8 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidScene, StartOverlaps
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest

@@ -1,4 +1,6 @@
-"""Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven link and its tracker.
+"""Velocities of driven links projected onto the non-penetration cone of active contacts with fixed bodies, before impacts.
+
+Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven link and its tracker.
 
 In free motion there is no offset and no lag. A collision changes the velocity of the coupled mass of the link that was hit, of
 no other; the spring between it and the tracker brings it back, by the exact solution for any frame time. Offsets of free roots
@@ -10,22 +12,45 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.coupling.holding import hold
-from avatarsim.coupling.joint_weight import joint_weights
-from avatarsim.coupling.pressing import press
-from avatarsim.coupling.recoil import recoil
-from avatarsim.coupling.spring import coupled
+from avatarsim.coupling.reaction import joint_weights, recoil
+from avatarsim.coupling.spring import coupled, press
 from avatarsim.ik.state import Contacts
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import IndexLine, Line, Vectors
+from avatarsim.model.dynamics import FIXED, Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses, place
+from avatarsim.model.skeleton import FREE, Posture, Skeleton, carry, displace
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
-from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, put_row, row, scale, sub
 from avatarsim.tolerances import NOTHING
-from avatarsim.world.dynamics import Dynamics, Velocities
-from avatarsim.world.geometry import Geometry, Poses, place
-from avatarsim.world.kinematics import carry, displace
-from avatarsim.world.skeleton import FREE, Posture, Skeleton
+
+ROUNDS = 10
+"""Times that all that holds a link is gone through: what one wall leaves may go into another. In a corner of 60 degrees each time
+leaves a quarter of that; fewer would leave a hand in a corner a velocity."""
+
+
+@kernel
+def hold(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
+    """Take from the velocity of each link what goes into the fixed bodies that held it last; what goes along them stays.
+
+    A hand at a wall stands still while its user goes on: a ball that meets it must not be struck with the user's velocity. A link
+    held by simulated bodies keeps its velocity, by which it pushes them.
+    """
+    v = velocities_out.linear
+    for _ in range(ROUNDS):
+        done = True
+        for k in range(contacts.used[0]):
+            a, other = contacts.pair[k, 0], contacts.pair[k, 1]
+            if dynamics.role[geo.body[other]] == FIXED:
+                n, b = row(contacts.normal, k), geo.body[a]
+                into = dot(row(v, b), n)
+                if into < 0.0:
+                    put_row(v, b, along(row(v, b), -into, n))
+                    done = False
+        if done:
+            break
+
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

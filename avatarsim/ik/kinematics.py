@@ -2,11 +2,10 @@
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array, Geometry, Poses, place
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, carry_links, displace_links
 from avatarsim.spatial.tangent import columns, step_between
 from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
-from avatarsim.world.geometry import Array, Geometry, Poses, place
-from avatarsim.world.kinematics import carry_links, displace_links
-from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
 @kernel

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from avatarsim.collide.scratch import make_scratch
+from avatarsim.collision.scratch import make_scratch
 from avatarsim.ik.broad_phase import forget_near
 from avatarsim.ik.kinematics import carry_avatar
-from avatarsim.ik.pair_cache import make_pair_cache
 from avatarsim.ik.state import (
     ACTIVE_CAP,
     COUNT_NAMES,
@@ -25,9 +24,10 @@ from avatarsim.ik.state import (
     Touching,
     Tracking,
     make_contacts,
+    make_pair_cache,
 )
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import FREE, Posture, Skeleton
 
 
 def zeros(*shape: int) -> Array:

@@ -10,9 +10,9 @@ from math import inf
 from avatarsim.ik.kinematics import longest_part, parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array
+from avatarsim.model.skeleton import FREE, HINGES, Posture, Skeleton
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Array
-from avatarsim.world.skeleton import FREE, HINGES, Posture, Skeleton
 
 AT_REST = 0.06
 """[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion: a millimetre in a frame of 1/60

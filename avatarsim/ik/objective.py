@@ -14,10 +14,10 @@ from math import sqrt
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array, Poses
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
-from avatarsim.world.geometry import Array, Poses
-from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 LOSS_RADIUS = 0.4
 """Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs

@@ -1,16 +1,15 @@
 """One frame of the posture solver, on one screen: target, budgets, islands, steps. See docs/posture.md."""
 
-from avatarsim.ik.broad_phase import forget_near, form_islands, sweep_all
-from avatarsim.ik.notice import notice_bodies
+from avatarsim.ik.broad_phase import forget_near, form_islands, notice_bodies, sweep_all
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
 
 ARRIVED = 3e-2
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""

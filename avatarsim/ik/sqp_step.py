@@ -1,4 +1,7 @@
-"""One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
+"""Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the
+Lagrangian.
+
+One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
 
 A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. If the step
 is still refused its goal is drawn nearer, for all of an avatar by one factor, and the QP is solved with corrections once more
@@ -6,13 +9,11 @@ is still refused its goal is drawn nearer, for all of an avatar by one factor, a
 and the rest of the body makes up for it, frame by frame, to and fro.
 """
 
-from avatarsim.ik.active_forces import forget_forces, note_forces
-from avatarsim.ik.certify import certify
+from avatarsim.ik.certify import certify, foresee
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
-from avatarsim.ik.foresee import foresee
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
-from avatarsim.ik.objective import model
+from avatarsim.ik.objective import model, stretch
 from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.state import (
     ADOPTED,
@@ -27,6 +28,7 @@ from avatarsim.ik.state import (
     ROWS,
     STEPS,
     Avatars,
+    ConstraintRows,
     IkScratch,
     IkState,
     Objective,
@@ -34,13 +36,40 @@ from avatarsim.ik.state import (
 )
 from avatarsim.ik.target import largest
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array, Geometry, Poses
+from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
-from avatarsim.spatial.vec3 import put_row, row
+from avatarsim.spatial.vec3 import add, put_row, row, scale
 from avatarsim.tolerances import least_gap
-from avatarsim.world.geometry import Array, Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
 
 CONTACT = int(RowKind.CONTACT)
+
+
+@kernel
+def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
+    """Nothing presses on the links of an avatar."""
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        put_row(state_out.force, link, (0.0, 0.0, 0.0))
+        state_out.bend[link] = 0.0
+
+
+@kernel
+def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: ConstraintRows, state_out: IkState) -> None:
+    """Add what the contact rows of a solved step press on each link with."""
+    s = state_out
+    for k in range(rows.used[0]):
+        if rows.kind[k] != CONTACT or not (rows.multiplier[k] > 0.0):
+            continue
+        for side in range(2):
+            link = geo.body[rows.pair[k, side]] - skel.first
+            if link < 0:
+                continue
+            push = rows.multiplier[k] / s.tracking.share[avatars.avatar[link]]
+            force = scale(row(rows.normal, k), push if side == 0 else -push)
+            arm = (rows.arm[k, 3 * side], rows.arm[k, 3 * side + 1], rows.arm[k, 3 * side + 2])
+            put_row(s.force, link, add(row(s.force, link), force))
+            s.bend[link] += stretch(force, arm)
+
 
 CORRECTIONS = 4
 """Rounds in which what failed at a trial becomes rows, and solves of a round. 8: the slowest frames take 2.5 times as long."""

@@ -6,12 +6,12 @@ from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array
+from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
-from avatarsim.world.geometry import Array
-from avatarsim.world.limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
-from avatarsim.world.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 
 
 @kernel

@@ -1,4 +1,6 @@
-"""Persistent compilation cache: one checked file per compiled kernel, signature and processor.
+"""Processor part of the cache key: for which processor is machine code compiled, and which of it may be loaded here?
+
+Persistent compilation cache: one checked file per compiled kernel, signature and processor.
 
 It stands in for numba's own cache, which unpickles whatever lies in its files, keeps an index that a crash can leave behind
 wrong, names files by absolute paths, and reads from nothing that it cannot write to.
@@ -9,6 +11,7 @@ the cache lies, so both may be moved.
 """
 
 import fcntl
+import functools
 import hashlib
 import os
 import pickle
@@ -16,15 +19,50 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from avatarsim.cache_entry import Damaged, read_entry, write_entry
-from avatarsim.cache_folder import Distrusted, make_private, say_distrust
-from avatarsim.jit import places
-from avatarsim.jit.cpu import Cpu, compiled_for, usable
+import llvmlite.binding as llvm
+import numba
+from numba.core.codegen import get_host_cpu_features
+
+from avatarsim.console import say_once
+from avatarsim.files import Damaged, Distrusted, make_private, read_entry, say_distrust, write_entry
+from avatarsim.jit import baseline, places
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import SHIPPED
-from avatarsim.say_once import say_once
+
+
+class Cpu(NamedTuple):
+    """A processor to compile for, in LLVM's words: target triple, name, features."""
+
+    triple: str
+    name: str
+    features: str
+
+
+@functools.cache
+def compiled_for() -> Cpu:
+    """The processor for which numba compiles in this process."""
+    name, features = numba.config.CPU_NAME, numba.config.CPU_FEATURES
+    return Cpu(
+        llvm.get_process_triple(),
+        llvm.get_host_cpu_name() if name is None else name,
+        get_host_cpu_features() if features is None else features,
+    )
+
+
+@functools.cache
+def usable() -> tuple[Cpu, ...]:
+    """Processors whose machine code may be loaded here, best first: the one compiled for, and the baseline of `jit/baseline.py`.
+
+    The latter is left out if numba was told a processor, or not to use vector code.
+    """
+    own, config = compiled_for(), numba.config
+    asked = config.CPU_NAME is not None or config.CPU_FEATURES is not None or not config.ENABLE_AVX
+    if asked or not baseline.runs_baseline():
+        return (own,)
+    return own, Cpu(own.triple, baseline.NAME, baseline.LISTED)
+
 
 SUFFIX = ".kernel"
 """How the names of entries end."""

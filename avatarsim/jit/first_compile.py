@@ -4,8 +4,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from avatarsim.progress import Progress
-from avatarsim.say_once import say_once
+from avatarsim.console import Progress, say_once
 
 ANNOUNCED = (
     "compiling the engine's kernels, once for this version and machine: one to two minutes; `python -m avatarsim compile` does it"

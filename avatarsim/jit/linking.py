@@ -31,9 +31,8 @@ from numba.core.serialize import dumps
 from numba.core.types.misc import unliteral
 
 from avatarsim.jit.cache import KernelFiles
-from avatarsim.jit.compiler_passes import KernelCompiler
+from avatarsim.jit.compiler_passes import KernelCompiler, KernelLibrary, is_large
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.kernel_library import KernelLibrary, is_large
 
 PREFIX = "avatarsim-sealed:"
 """What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""

@@ -7,10 +7,9 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from avatarsim.cache_entry import PART
-from avatarsim.cache_folder import bases, is_readable, is_writable
+from avatarsim.console import say_once
 from avatarsim.errors import AvatarsimError
-from avatarsim.say_once import say_once
+from avatarsim.files import PART, bases, is_readable, is_writable
 
 NAME = "avatarsim-kernels"
 """What the folder of compiled kernels is called wherever it lies."""

@@ -4,23 +4,21 @@ A step is one of the posture solver, towards any posture, so it slides along wha
 shown.
 """
 
-from avatarsim.ik.active_forces import forget_forces
 from avatarsim.ik.broad_phase import forget_near, sweep_boxes
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
 from avatarsim.ik.motion_budget import SLACK, keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
-from avatarsim.ik.pair_cache import forget_pairs
 from avatarsim.ik.solve import ARRIVED
-from avatarsim.ik.sqp_step import copy_poses, sqp_step
-from avatarsim.ik.state import FORWARDS, Avatars
+from avatarsim.ik.sqp_step import copy_poses, forget_forces, sqp_step
+from avatarsim.ik.state import FORWARDS, Avatars, forget_pairs
 from avatarsim.ik.target import copy_posture, largest
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import Skeleton
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Skeleton
 
 STRIDE = LOSS_RADIUS
 """[rad, and mean reaches of a link] how far a step goes at most: as far as the objective still is a square."""

@@ -10,6 +10,9 @@ from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import PRODUCTS, Avatars
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.planner.follow_path import SHORT, begin_cut, begin_end, end_cut, is_in_sight, spares_time
 from avatarsim.planner.ghost import (
     ADVANCED,
     LONGEST,
@@ -23,16 +26,10 @@ from avatarsim.planner.ghost import (
     step_ghost,
     value_to_aim,
 )
-from avatarsim.planner.goal_test import CANDIDATES, is_free, is_goal, place_candidate
-from avatarsim.planner.rent_or_buy import aim_at_tracker, buy
-from avatarsim.planner.sample import draw_sample
-from avatarsim.planner.shortcut import SHORT, begin_cut, begin_end, end_cut, spares_time
-from avatarsim.planner.sight import is_in_sight
+from avatarsim.planner.goal_test import CANDIDATES, aim_at_tracker, buy, is_free, is_goal, place_candidate
 from avatarsim.planner.state import GOAL_NODE, NODES, NONE, Ghost, Outcome, Phase, Plan
-from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, trace_path
+from avatarsim.planner.tree import AIM, add_node, draw_sample, get_node, keep_path, nearest_node, put_node, trace_path
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
 
 GOAL, SAMPLE, EXTEND = int(Phase.GOAL), int(Phase.SAMPLE), int(Phase.EXTEND)
 CONNECT, CUT, TRY_CUT, TRY_END = int(Phase.CONNECT), int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)

@@ -3,6 +3,8 @@ steps.
 
 A search goes on over many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The
 ghost is working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
+
+The arrays of the planner, made once per scene.
 """
 
 from enum import IntEnum
@@ -11,11 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.ik.make import empty_posture, indices, make_state, make_working, zeros
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.jit.layout import Cube, IndexGrid, IndexLine, Line
 from avatarsim.jit.record import known_as_table
-from avatarsim.world.geometry import Poses
-from avatarsim.world.skeleton import BALL, FREE, Posture, Skeleton
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
+from avatarsim.spatial.random import MODULUS, seeded
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -184,3 +188,24 @@ def plan_is_sound(plan: Plan) -> bool:
         return False
     places = (s["place"], s["cut_from"], s["cut_to"])
     return bool((s["begun"] <= used).all()) and all((place < np.maximum(length, 1)).all() for place in places)
+
+
+def make_planner(
+    geo: Geometry, skel: Skeleton, avatars: Avatars, shown: IkState, posture: Posture, poses: Poses, gravity: Array, seed: int
+) -> tuple[Plan, Ghost]:
+    """A planner of avatars that stand at `posture`, in which they travel."""
+    na, nl, nd = len(avatars.first_link) - 1, len(skel.kind), int(skel.first_dof[-1])
+    searches = np.zeros(na, SEARCH).view(Searches)
+    for a in range(na):
+        # of the same seed each avatar draws its own
+        searches["random"][a] = seeded((seed + 7919 * a) % MODULUS)[0]
+    before, path = np.full((na, NODES), NONE, dtype=np.int64), indices(na, NODES)
+    plan = Plan(searches, zeros(na, NODES + 1, packed_width(skel, avatars)), before, indices(na, NODES), path, indices(1))
+    strength = float(np.linalg.norm(gravity))
+    up = -gravity / strength if strength > 0.0 else zeros(3)
+    ghost = Ghost(
+        empty_posture(nl, nd), Poses(*(array.copy() for array in poses)),
+        make_state(geo, skel, avatars, shown.tracking["reach"].copy(), zeros(nd, 3), posture),
+        make_working(geo, skel, avatars, poses, 0), empty_posture(nl, nd), Posture(*(array.copy() for array in posture)), up,
+    )
+    return plan, ghost

@@ -1,22 +1,56 @@
-"""Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
+"""Progress monitor: does the objective of an avatar that is far from its target still fall?
+
+Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
 
 Each avatar for itself. While it plans it goes on tracking, so a search costs it nothing but its slice of work.
 """
 
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, time_of
-from avatarsim.ik.objective import locate, value_of
-from avatarsim.ik.progress import measure
+from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.planner.follow_path import AT, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
 from avatarsim.settings import PostureSettings
-from avatarsim.world.geometry import Geometry, Poses
-from avatarsim.world.skeleton import Posture, Skeleton
+
+SLOWEST = 0.25
+"""Share of the catch-up speed with which all link origins come nearer where an avatar makes progress."""
+
+FALLEN = 1.0 / 3.0
+"""Or share of itself by which the objective falls within the stall time: near the target most origins are there already."""
+
+
+@kernel
+def measure(
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, poses: Poses, state_out: IkState,
+    scratch: IkScratch,
+) -> float:
+    """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how
+    long the objective has not fallen as it must; the objective.
+
+    It is compared with what it was a stall time before at most, as the frames ended: what is lost again to a target that walks on
+    is no progress."""
+    t = state_out.tracking
+    value, far = value_of(skel, avatars, avatar, state_out, poses, scratch.objective)
+    t.distance[avatar] = far
+    t.since[avatar] += dt
+    links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
+    # what origins beyond the loss radius that come nearer with this speed take of the objective
+    least = SLOWEST * settings.catch_up_move * links * LOSS_RADIUS * t.reach[avatar]
+    least = min(least, FALLEN * t.objective[avatar] / settings.stall_time) * t.since[avatar]
+    if far <= settings.near or t.objective[avatar] - value >= least:
+        t.stalled[avatar], t.since[avatar], t.objective[avatar] = 0.0, 0.0, value
+    elif t.since[avatar] >= settings.stall_time:
+        t.stalled[avatar] += t.since[avatar]
+        t.since[avatar], t.objective[avatar] = 0.0, value
+    return value
+
 
 TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN), int(Mode.FOLLOW_PATH)
 

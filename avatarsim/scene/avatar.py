@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from avatarsim.errors import InvalidScene
+from avatarsim.scene.body import Mass
 from avatarsim.scene.checks import (
     Quaternion,
     Vector,
@@ -22,7 +23,6 @@ from avatarsim.scene.checks import (
     within,
 )
 from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid
-from avatarsim.scene.mass import Mass
 from avatarsim.scene.shape import Piece, reach
 from avatarsim.spatial import rotation
 

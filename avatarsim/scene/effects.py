@@ -1,8 +1,18 @@
-"""Which effects a scene calls for: derived once from its parts, narrowed by its author if they wish."""
+"""Which effects a scene calls for: derived once from its parts, narrowed by its author if they wish.
 
+Which part of a scene calls for which effect, why, and what is given up without it: one table, and the finding of the parts.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import NamedTuple
+
+import numpy as np
 
 from avatarsim.errors import InvalidScene
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
+from avatarsim.scene.joint import Ball, Hinges
 
 
 @dataclass(frozen=True)
@@ -46,3 +56,126 @@ class Effects:
     def missing_from(self, derived: "Effects") -> tuple[str, ...]:
         """Names of effects that `derived` has and this one lacks: what an author took away."""
         return tuple(f.name for f in fields(self) if getattr(derived, f.name) and not getattr(self, f.name))
+
+
+ROUND = 1e-9
+"""Spread of the principal moments of inertia, relative to the largest, up to which a body turns like a ball: its gyroscopic
+effect is below rounding after a minute. Larger: a nearly round body would not precess; smaller: rounding would call for it."""
+
+
+class Parts(NamedTuple):
+    """What a scene is made of, as far as it calls for effects."""
+
+    bodies: tuple[Body, ...]
+    avatars: tuple[Avatar, ...]
+    materials: PairTable
+
+
+@dataclass(frozen=True)
+class Call:
+    """One row of the table.
+
+    `part` calls for the `effect`; `why` says what it is for; `lapses` which of the engine's promises no longer holds for a scene
+    whose author leaves it out (empty: none does, the scene just shows less); `found` names the parts that call.
+    """
+
+    effect: str
+    part: str
+    why: str
+    lapses: str
+    found: Callable[[Parts], Sequence[str]]
+
+
+def moving(parts: Parts) -> list[str]:
+    """Simulated bodies."""
+    return [body.name for body in parts.bodies if body.role is Role.SIMULATED]
+
+
+def driven(parts: Parts) -> list[str]:
+    """Avatars."""
+    return [avatar.name for avatar in parts.avatars]
+
+
+def jointed(parts: Parts) -> list[str]:
+    """Avatars with joints that move."""
+    return [a.name for a in parts.avatars if any(isinstance(link.joint, Hinges | Ball) for link in a.links)]
+
+
+def many_limbed(parts: Parts) -> list[str]:
+    """Avatars with two links at least that are not parent and child."""
+    return [avatar.name for avatar in parts.avatars if len(avatar.links) > 2]
+
+
+def limited(parts: Parts) -> list[str]:
+    """Links with an interval for a hinge or for swing and twist."""
+    joints = [(f"{avatar.name}/{link.name}", link.joint) for avatar in parts.avatars for link in avatar.links]
+    return [name for name, joint in joints if isinstance(joint, Hinges) or (isinstance(joint, Ball) and joint.limits)]
+
+
+def coned(parts: Parts) -> list[str]:
+    """Links with a spherical polygon."""
+    joints = [(f"{avatar.name}/{link.name}", link.joint) for avatar in parts.avatars for link in avatar.links]
+    return [name for name, joint in joints if isinstance(joint, Ball) and joint.cone]
+
+
+def both(parts: Parts) -> list[str]:
+    """Avatars, if there are simulated bodies that they can meet."""
+    return driven(parts) if moving(parts) else []
+
+
+def met(parts: Parts) -> dict[str, ContactLaw]:
+    """The contacts that a simulated body can make, by `material on material`."""
+    free = [body.material for body in parts.bodies if body.role is Role.SIMULATED]
+    held = [body.material for body in parts.bodies if body.role is not Role.SIMULATED]
+    held += [link.material for avatar in parts.avatars for link in avatar.links]
+    pairs = {tuple(sorted((a, b))) for a in set(free) for b in set(held)}
+    pairs |= {tuple(sorted((a, b))) for k, a in enumerate(free) for b in set(free[k + 1 :])}
+    return {f"{a} on {b}": parts.materials.pairs[a, b] for a, b in sorted(pairs) if (a, b) in parts.materials.pairs}
+
+
+def bouncing(parts: Parts) -> list[str]:
+    """Pairs of materials that bounce."""
+    return [f"{pair} {contact.restitution:g}" for pair, contact in met(parts).items() if contact.restitution > 0.0]
+
+
+def rubbing(parts: Parts) -> list[str]:
+    """Pairs of materials with friction."""
+    return [f"{pair} {contact.friction:g}" for pair, contact in met(parts).items() if contact.friction > 0.0]
+
+
+def tumbling(parts: Parts) -> list[str]:
+    """Simulated bodies whose principal moments of inertia differ."""
+    return [
+        body.name for body in parts.bodies
+        if body.role is Role.SIMULATED and body.mass is not None
+        and np.ptp(np.linalg.eigvalsh(body.mass.inertia)) > ROUND * body.mass.inertia.max()
+    ]
+
+
+NO_OVERLAP, STAYS, BOUNCES, FAST = "1 (no overlap)", "2 (stays with the user)", "3 (bounces as stated)", "4 (speed)"
+"""The engine's promises, as ARCHITECTURE.md numbers them."""
+
+CALLS = (
+    Call("overlap_removal", "an avatar", "a tracked posture goes into things; the one shown must not", NO_OVERLAP, driven),
+    Call("kinematics", "an avatar's hinge or ball joint", "links of a chain give way by turning in their joints", STAYS, jointed),
+    Call("self_contact", "an avatar of three links or more", "limbs must not go through each other",
+         NO_OVERLAP, many_limbed),
+    Call("limits", "a limited hinge or ball joint", "a posture must stay within what the joint allows", STAYS, limited),
+    Call("reach_cones", "a ball joint with a reach cone", "a limb must stay in its spherical polygon", STAYS, coned),
+    Call("coupling", "an avatar together with a simulated body", "what a limb gives a body, it takes: eq. 6 brings it back",
+         BOUNCES, both),
+    Call("dynamics", "a simulated body", "it falls, is pushed and pushes", BOUNCES, moving),
+    Call("restitution", "a pair of materials, one of them a simulated body's, with restitution above 0",
+         "bodies bounce, eq. 8", BOUNCES, bouncing),
+    Call("friction", "a pair of materials, one of them a simulated body's, with friction above 0",
+         "bodies stick and roll, eq. 10", BOUNCES, rubbing),
+    Call("gyroscopic", "a simulated body with unequal moments of inertia", "its axis of rotation moves though nothing pushes it",
+         BOUNCES, tumbling),
+    Call("continuous", "a simulated body", "impacts happen when surfaces meet, and thin things are not jumped",
+         NO_OVERLAP, moving),
+    Call("sleeping", "a simulated body", "a body at rest costs near nothing", FAST, moving),
+)
+"""The table. A scene has an effect if a part of it calls; the parts are found in the rows' order."""
+
+KEPT = ("kinematics",)
+"""Effects that no author can leave out."""

@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, Role
-from avatarsim.scene.calls import CALLS, KEPT, Parts
+from avatarsim.scene.body import TABLE_1, Body, PairTable, Role
 from avatarsim.scene.checks import FARTHEST, Vector, bounded, distinct, each, instance, name_pairs, named
-from avatarsim.scene.effects import Effects
-from avatarsim.scene.material import TABLE_1, PairTable
+from avatarsim.scene.effects import CALLS, KEPT, Effects, Parts
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
 EARTH: Vector = (0.0, 0.0, -9.81)

@@ -1,4 +1,7 @@
-"""Three-vectors inside kernels: plain tuples of floats, which the compiler keeps in registers."""
+"""Three-vectors inside kernels: plain tuples of floats, which the compiler keeps in registers.
+
+Symmetric 3 x 3 matrices inside kernels: three column tuples.
+"""
 
 from math import sqrt
 from typing import Any, TypeAlias
@@ -97,3 +100,11 @@ def put_row(m_out: NDArray[Any], i: int, a: Vec3) -> None:
     m_out[i, 0] = a[0]
     m_out[i, 1] = a[1]
     m_out[i, 2] = a[2]
+
+
+@kernel
+def solved(a: Vec3, b: Vec3, c: Vec3, v: Vec3) -> Vec3:
+    """x with the symmetric matrix of columns a, b, c times x = v, by Cramer's rule."""
+    bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
+    whole = dot(a, bc)
+    return (dot(v, bc) / whole, dot(v, ca) / whole, dot(v, ab) / whole)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from reference.broad_phase.clock import KERNELS, MOST_OBJECTS, measure
 from reference.broad_phase.layouts import LAYOUTS, MOTIONS, field
 from reference.broad_phase.rows import Row, csv_text

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.sweep import all_pairs, forget, sweep_and_prune
-from avatarsim.collide.sweep_memory import SweepMemory, make_sweep_memory
+from avatarsim.collision.broad_phase import all_pairs, forget, sweep_and_prune
+from avatarsim.collision.grid import SweepMemory, make_sweep_memory
 from avatarsim.jit.by_reference import refer
 from avatarsim.jit.kernel import kernel
-from avatarsim.world.pair_filter import PairFilter
+from avatarsim.model.geometry import PairFilter
 from reference.broad_phase.layouts import Field
 from reference.broad_phase.one_axis import one_axis
 from reference.broad_phase.rows import Row

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.world.pair_filter import OPEN, PairFilter, pair_filter
+from avatarsim.model.geometry import OPEN, PairFilter, pair_filter
 
 Array = NDArray[np.float64]
 

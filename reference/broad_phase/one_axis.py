@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.sweep import boxes_meet
+from avatarsim.collision.broad_phase import boxes_meet
 from avatarsim.jit.kernel import kernel
-from avatarsim.world.pair_filter import PairFilter, may_meet
+from avatarsim.model.geometry import PairFilter, may_meet
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

@@ -2,15 +2,18 @@
 
 from typing import Any, Final
 
-from avatarsim.ik import foresee, solve, sqp_step
+from avatarsim import lower_loop as ik_loop
+from avatarsim.ik import certify as foresee
+from avatarsim.ik import solve, sqp_step
 from avatarsim.ik.certify import certify
 from avatarsim.ik.constraints import add_touching
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, try_step
-from avatarsim.loops import ik_loop, paper, paper_rounds, paper_walk
-from avatarsim.paper.free_link import free_link, link_contacts
-from avatarsim.separate.overlaps import find_overlaps
-from avatarsim.separate.push_apart import push_apart
-from avatarsim.world.kinematics import forward
+from avatarsim.model.skeleton import forward
+from avatarsim.paper import algorithm_1 as paper_rounds
+from avatarsim.paper import method as paper
+from avatarsim.paper import walk_back as paper_walk
+from avatarsim.paper.ccd_ik import free_link, link_contacts
+from avatarsim.paper.push_apart import find_overlaps, push_apart
 from reference.frame_shares.cycles import clocked, require_counter, twin
 
 COLLISION, IK, POSING, PUSHING, WHOLE = range(5)

@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.body import Role
+from avatarsim.scene.body import Mass, Role
 from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
-from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation

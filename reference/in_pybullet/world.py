@@ -14,10 +14,9 @@ import pybullet
 from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, Role
+from avatarsim.scene.body import Body, Mass, Role, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
-from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation

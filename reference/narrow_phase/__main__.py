@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from reference.narrow_phase.benchmark import FULL, QUICK, ROWS, about, measure, write
 from reference.narrow_phase.cells import cells
 from reference.narrow_phase.field import ROOMS

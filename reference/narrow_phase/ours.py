@@ -7,17 +7,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collide.coherent import signed_distance_coherent
-from avatarsim.collide.pair_memory import PairMemory, make_pair_memory
-from avatarsim.collide.scratch import Scratch, make_scratch
-from avatarsim.collide.signed_distance import signed_distance
+from avatarsim.collision.scratch import Scratch, make_scratch
+from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.collision.warm_query import signed_distance_coherent
+from avatarsim.collision.warm_start import PairMemory, make_pair_memory
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Line, Matrices, Vectors
+from avatarsim.model.geometry import Shapes, make_shapes, piece_points
 from avatarsim.scene.shape import Piece, Shape
 from avatarsim.spatial.vec3 import row
-from avatarsim.world.geometry import piece_points
-from avatarsim.world.shapes import Shapes, make_shapes
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]

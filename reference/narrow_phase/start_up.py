@@ -25,16 +25,16 @@ PREPARE = """
 import gc
 import time
 import numpy as np
-from avatarsim.collide.coherent import signed_distance_coherent
-from avatarsim.collide.global_depth import global_depth
-from avatarsim.collide.pair_memory import make_pair_memory
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.collide.support import gap_along
-from avatarsim.collide.sweep import sweep_and_prune
-from avatarsim.collide.sweep_memory import make_sweep_memory
-from avatarsim.world.pair_filter import OPEN, pair_filter
-from avatarsim.world.shapes import POINTS, make_shapes
+from avatarsim.collision.warm_query import signed_distance_coherent
+from avatarsim.paper.push_apart import global_depth
+from avatarsim.collision.warm_start import make_pair_memory
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.collision.support import gap_along
+from avatarsim.collision.broad_phase import sweep_and_prune
+from avatarsim.collision.grid import make_sweep_memory
+from avatarsim.model.geometry import OPEN, pair_filter
+from avatarsim.model.geometry import POINTS, make_shapes
 
 gc.disable()
 corners = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

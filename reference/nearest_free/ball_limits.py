@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.joint import Ball
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import Ball, ReachCone
 from avatarsim.spatial import rotation
 from reference.nearest_free.tree import turn_by
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, rigid_avatar
+from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, ellipsoid_hull
 from avatarsim.spatial import rotation
 

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_bytes
+from avatarsim.files import read_bytes
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
 from scenarios.avatars.limits import ball_limits, hinge_limits, reach_cone

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import UnknownName
-from avatarsim.scene.joint import SwingTwist
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import ReachCone, SwingTwist
 
 DOWN, UP = (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
 

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_bytes
+from avatarsim.files import read_bytes
 from avatarsim.scene.avatar import Link
+from avatarsim.scene.body import Mass, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges, Joint, Rigid
-from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
 from scenarios.avatars.stl import hull_of

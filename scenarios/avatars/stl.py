@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_bytes
+from avatarsim.files import read_bytes
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judge import Judge
 from scenarios.beside.pair import Among, Beside, compared

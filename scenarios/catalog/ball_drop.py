@@ -4,9 +4,7 @@ Closed form: the ball meets the slab at sqrt(2 g h), leaves at e times that (eq.
 There is no avatar: what is judged is the bounce alone.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import TABLE_1
+from avatarsim.scene.body import TABLE_1, Body, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

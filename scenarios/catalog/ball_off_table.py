@@ -10,9 +10,8 @@ in 126 (0.038 m).
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

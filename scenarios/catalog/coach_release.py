@@ -9,8 +9,7 @@ In the 240 frames of a quick comparison the raw motion is inside slab in 224 of 
 """
 
 
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample

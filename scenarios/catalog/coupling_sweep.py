@@ -13,9 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

@@ -9,7 +9,7 @@ In the 180 frames of a quick comparison the raw motion is inside wall in 111 of 
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

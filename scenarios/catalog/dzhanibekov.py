@@ -4,9 +4,8 @@ Box of 0.1 x 0.4 x 0.9 m, 10 kg, first angular velocity (0.1, 5, 0.1) rad/s. The
 4.194, 7.223 s and so on (Jacobi's elliptic functions).
 """
 
-from avatarsim.scene.body import simulated
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import flip_times

@@ -3,9 +3,7 @@
 The question of SimBenchmark's bouncing test: how the energy drifts. Impact n is at (2 n - 1) sqrt(2 h / g).
 """
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table

@@ -6,9 +6,7 @@ since the floor pushes through the middle of the end.
 
 import numpy as np
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from reference.closed_form import rod_angular_velocity

@@ -4,9 +4,8 @@ Closed form: z = h + v t - g t^2 / 2. Engines that step semi-implicitly are g t 
 that the same engine sees contact at all.
 """
 
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.expected import Course, OfTime, steady, uniform

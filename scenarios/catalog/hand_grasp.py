@@ -14,9 +14,8 @@ from functools import cache
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.joint import Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -10,8 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from avatarsim.scene.body import Body, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Body, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

@@ -5,9 +5,7 @@ masses to ten thousand to one. Each tower begins with a millimetre of air below 
 they touch.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import pair_table

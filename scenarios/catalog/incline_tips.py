@@ -2,9 +2,7 @@
 
 from math import radians, tan
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import LAID, pair_table, turned_by

@@ -4,10 +4,8 @@ With k = I / (m r^2) about its axis a log slides with v0 - mu g t until v0 k / (
 line on which it touches stays below its axis however it turns: nobody may carry it round with the body.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from scenarios.cases import LAID, pair_table, turned_by

@@ -5,9 +5,7 @@ law used: ours takes pairs one after another (eqs. 7 to 10), and `newton_cradle_
 gapped one's.
 """
 
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.closed_form import cradle_velocities

@@ -6,9 +6,7 @@ mu (1 + e) v_n >= 2/7 v_t, the sphere leaves at 5/7 v_t; else at v_t - mu (1 + e
 
 from math import cos, radians, sin
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import Oblique, oblique_bounce

@@ -10,8 +10,7 @@ In the 150 frames of a quick comparison the raw motion is inside slot in 129 of 
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import fixed
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

@@ -6,9 +6,7 @@ judged: the rod is a number, above the floor, and has no more energy than before
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from scenarios.cases import LAID, pair_table, turned_by

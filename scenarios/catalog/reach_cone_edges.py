@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.joint import Ball, Free, SwingTwist
-from avatarsim.scene.mass import solid
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.body import solid
+from avatarsim.scene.joint import Ball, Free, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

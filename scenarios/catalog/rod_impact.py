@@ -6,10 +6,8 @@ point that meets the plate. Rods turn about a main axis and cubes have none, so 
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation

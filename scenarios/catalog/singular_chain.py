@@ -10,8 +10,8 @@ In the 240 frames of a quick comparison the raw motion is inside wall in 140 of 
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample

@@ -5,8 +5,7 @@ No gravity and nothing to touch. Angular momentum and energy must stay for a min
 
 import numpy as np
 
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import Mass
+from avatarsim.scene.body import Mass, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece
 from scenarios.cases import NOWHERE

@@ -3,10 +3,8 @@
 Closed form: v0 - mu g t until 2 v0 / (7 mu g), after 12 v0^2 / (49 mu g); from then on 5/7 v0.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import roll_distance, roll_speed, roll_time

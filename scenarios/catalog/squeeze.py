@@ -10,8 +10,7 @@ In the 150 frames of a quick comparison the raw motion is inside box in 107 of t
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample

@@ -3,9 +3,7 @@
 The hard part is not to be exact but to go on: bodies in motion that touch one another keep their pace, whatever it costs.
 """
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table

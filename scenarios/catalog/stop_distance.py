@@ -6,10 +6,8 @@ each is the same question.
 
 from math import cos, radians, sin
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import stop_distance, stop_time

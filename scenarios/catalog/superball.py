@@ -3,9 +3,7 @@
 The heavy ball bounces first and then throws the light one back at (3 M - m) / (M + m) v; at m = M / 3 it keeps nothing itself.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import superball_speed, two_spheres

@@ -7,10 +7,8 @@ moments is three equations for three loads: N_1 = m g x_2 / (x_2 - x_1 + mu h), 
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, Mass, fixed, simulated
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import Mass
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import tripod_load

@@ -4,9 +4,7 @@ Newton's restitution with friction can add energy at an eccentric impact; consta
 judged by itself, so that none can hide its gain behind another's loss.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import pair_table, turned_by

@@ -4,9 +4,7 @@ Closed form of that time: sqrt(2 h / g) (1 + e) / (1 - e), after a way of h (1 +
 one by one never gets there, one that stops counting gets there early.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from scenarios.cases import pair_table

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.errors import InvalidFile, InvalidInput
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from scenarios.files import clear_halves, plain, write_json
 
 Entry = Mapping[str, Any]

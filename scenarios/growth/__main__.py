@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known

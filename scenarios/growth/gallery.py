@@ -3,9 +3,8 @@
 from math import ceil, sqrt
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -2,8 +2,7 @@
 
 from math import ceil, sqrt
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from avatarsim.errors import UnknownName
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -11,10 +11,8 @@ from math import cos, radians, sin, sqrt
 import numpy as np
 
 from avatarsim.errors import UnknownName
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.spatial import rotation

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.mass import Mass
+from avatarsim.scene.body import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from scenarios.record import Recording

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import ReachCone
 from avatarsim.spatial.rotation import cross
 
 Array = NDArray[np.float64]

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.joint import Ball, Hinges, SwingTwist
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import Ball, Hinges, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from scenarios.measure.cone import beyond_cone_each

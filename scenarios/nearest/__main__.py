@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.csv_rows import csv_text
 from scenarios.files import OUT, write_text

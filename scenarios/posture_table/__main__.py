@@ -17,7 +17,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.engines import GATED
 from scenarios.files import OUT, write_text

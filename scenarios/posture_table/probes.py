@@ -13,11 +13,11 @@ from types import MappingProxyType
 import numpy as np
 
 from avatarsim.errors import InvalidInput, InvalidScene, StartOverlaps, UnknownName
+from avatarsim.model.world import build
+from avatarsim.pose_queries import require_free
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
-from avatarsim.start_check import require_free
-from avatarsim.world.world import build
 from scenarios import gallery, stage
 from scenarios.avatars.humanoid import humanoid
 from scenarios.avatars.standing import standing

@@ -8,7 +8,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios import catalog
 from scenarios.csv_rows import csv_text

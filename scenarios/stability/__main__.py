@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.csv_rows import csv_text
 from scenarios.engines import BASELINE, known

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import parsed_json, read_text
+from avatarsim.files import parsed_json, read_text
 from scenarios.files import plain, write_text
 from scenarios.provenance import PACKAGES, code_hash, version
 from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 
-from avatarsim.command_line import ended, path_option
+from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError
 from scenarios.csv_rows import csv_lines
 from scenarios.files import OUT, write_text

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidFile
-from avatarsim.regular_file import read_json
+from avatarsim.files import read_json
 from reference.frame_shares.measure import Shares, measured
 from scenarios.kept import as_recorded, fitting, scenes_of
 from scenarios.measure.tracker_offset import angle_offsets

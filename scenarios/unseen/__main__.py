@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from avatarsim.command_line import ended
+from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.gate import FAILED, HELD, INCOMPLETE, USAGE
 from scenarios.processes import Died, Pool

@@ -4,9 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import Mass, fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
-from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest

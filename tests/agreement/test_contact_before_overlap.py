@@ -7,9 +7,8 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Ball
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

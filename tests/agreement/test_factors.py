@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
 from reference.in_pybullet.cannot_say import cannot_say

@@ -5,9 +5,8 @@ import pytest
 
 from avatarsim.engine import Engine, Settings
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import simulated
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.joint import Free
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

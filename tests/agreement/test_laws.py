@@ -7,9 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.engine import Settings
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
+from avatarsim.scene.body import TABLE_1, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation

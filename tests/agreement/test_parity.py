@@ -8,8 +8,8 @@ import pytest
 
 from avatarsim.engine import Engine, FrameRecord, Settings
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import Mass, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid
-from avatarsim.scene.mass import Mass, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import link_poses, rest

@@ -5,9 +5,8 @@ import pytest
 
 from avatarsim.engine import Engine, Settings, Snapshot
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import SwingTwist
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation

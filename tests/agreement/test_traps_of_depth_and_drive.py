@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation

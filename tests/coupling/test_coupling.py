@@ -9,18 +9,16 @@ from avatarsim.coupling.spring import coupled
 from avatarsim.coupling.virtual_coupling import Springs, give, give_to_roots, make_springs, place_displaced, pull, relax
 from avatarsim.engine import Settings
 from avatarsim.ik.state import make_contacts
+from avatarsim.model.skeleton import carry, forward
+from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import TABLE_1, Body, fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import CouplingSettings
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.world.kinematics import carry, forward
-from avatarsim.world.world import World, build
 
 DT = 1.0 / 60.0
 NO_GRAVITY = (0.0, 0.0, 0.0)

@@ -5,19 +5,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from avatarsim.coupling.holding import hold
+from avatarsim.coupling.virtual_coupling import hold
 from avatarsim.engine import Settings
 from avatarsim.ik.state import make_contacts
+from avatarsim.model.world import build
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw, PairTable
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from avatarsim.world.world import build
 
 DT = 1.0 / 60.0
 CUBE, COMING = 0.1, -0.1

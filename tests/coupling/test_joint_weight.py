@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from avatarsim.coupling.joint_weight import LEAST, ROOT, joint_weights
+from avatarsim.coupling.reaction import LEAST, ROOT, joint_weights
+from avatarsim.model.skeleton import FREE, forward
 from avatarsim.scene.scene import Scene
-from avatarsim.world.kinematics import forward
-from avatarsim.world.skeleton import FREE
 from tests.worlds.little_worlds import little, mixed_avatar
 
 

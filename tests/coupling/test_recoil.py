@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from avatarsim.coupling.recoil import MOST_TURN, middle, recoil
+from avatarsim.coupling.reaction import MOST_TURN, middle, recoil
+from avatarsim.model.skeleton import displace, forward
+from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.world.kinematics import displace, forward
-from avatarsim.world.world import World, build
 
 BONE = (Piece(Box((0.04, 0.04, 0.3)), (0.0, 0.0, 0.15)),)
 ABOUT_X = Hinges((Hinge((1.0, 0.0, 0.0), -2.0, 2.0),))

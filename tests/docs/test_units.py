@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import checked
 from avatarsim.spatial import rotation

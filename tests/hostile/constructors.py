@@ -17,16 +17,13 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
+from avatarsim.assets import pieces_of_mesh
+from avatarsim.assets.decompose import Wishes
 from avatarsim.engine import Settings
-from avatarsim.pieces import pieces_of_mesh
-from avatarsim.pieces.wishes import Wishes
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, Role, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
 from avatarsim.scene.effects import Effects
-from avatarsim.scene.joint import Ball, Hinge, Hinges, SwingTwist
-from avatarsim.scene.mass import Mass, solid, volume
-from avatarsim.scene.material import ContactLaw, PairTable
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import Ball, Hinge, Hinges, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, checked, rest
@@ -173,7 +170,7 @@ def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: 
 
 def mesh_doors() -> list[SearchStrategy[Asked]]:
     """Meshes as arrays, with all wishes; one hull, since to decompose takes seconds."""
-    from tests.pieces.solids import cube, ell
+    from tests.assets.solids import cube, ell
 
     meshes = st.sampled_from((cube(), ell()))
     wishes = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),

@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from avatarsim.pieces import cache, pieces_of_mesh
-from avatarsim.pieces.mesh_file import read_mesh
-from avatarsim.pieces.repairs import finite as finite_mesh
+from avatarsim.assets import cache, pieces_of_mesh
+from avatarsim.assets.mesh import read_mesh
+from avatarsim.assets.repairs import finite as finite_mesh
 from avatarsim.scene.avatar import Avatar
 from reports import baseline, headline, kept, write_report
 from reports.load import load as load_results

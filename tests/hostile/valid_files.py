@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from scenarios import array_file, catalog, overlapping, record
-from tests.pieces.solids import cube, ell, torus
+from tests.assets.solids import cube, ell, torus
 from tests.reports import recorded, test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability, test_sweep
 from tests.reports.conftest import whole_run
 from tests.scenarios import examples
@@ -222,8 +222,8 @@ def cache_in(folder: Path) -> Iterator[None]:
 @cache
 def pieces() -> Files:
     """What the cache of convex pieces keeps of one mesh."""
-    from avatarsim.pieces import cache as kept_pieces
-    from avatarsim.pieces.hausdorff import Deviation
+    from avatarsim.assets import cache as kept_pieces
+    from avatarsim.assets.hausdorff import Deviation
 
     hulls = tuple(np.asarray(points, dtype=np.float64) for points in (cube()[0], ell()[0]))
     answer = kept_pieces.Answer(hulls, "decomposed", Deviation(0.1, 0.2, 0.05), ("a repair",))

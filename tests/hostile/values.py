@@ -10,11 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid, SwingTwist
-from avatarsim.scene.mass import Mass, solid
-from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.body import TABLE_1, Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, ReachCone, Rigid, SwingTwist
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
 

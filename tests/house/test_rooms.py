@@ -13,7 +13,7 @@ from tests import longest_first
 HOUSE = Path(__file__).resolve().parents[2]
 ENGINE = HOUSE / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
-BROTHERS = ("separate", "paper", "ik", "impact", "motion")
+BROTHERS = ("ik", "rigid")
 """Rooms that do not import one another: only the frame, above them, composes them."""
 LONGEST = 500
 """Most lines of an engine file. Longer ones answer more than one question."""
@@ -23,8 +23,8 @@ HEAVY = (
 )
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
 
-WRITES = {"ik": ("velocities",), "impact": ("posture",), "separate": ("velocities",)}
-"""What a room may not write: the posture solver and separation leave velocities alone, impacts leave joint angles alone."""
+WRITES = {"ik": ("velocities",), "rigid": ("posture",)}
+"""What a room may not write: the posture solver leaves velocities alone, impacts leave joint angles alone."""
 
 
 def imports(file: Path) -> Iterator[str]:
@@ -46,14 +46,15 @@ def test_brothers_do_not_know_each_other(room: str) -> None:
                 assert brother == room or not module.startswith(f"avatarsim.{brother}"), f"{file.name} imports {module}"
 
 
-@pytest.mark.parametrize("room", ["spatial", "scene", "world", "collide", *BROTHERS])
+@pytest.mark.parametrize("room", ["spatial", "scene", "model", "collision", "planner", "coupling", "paper", *BROTHERS])
 def test_no_room_looks_up_to_the_frame_or_out_of_the_house(room: str) -> None:
+    assert (ENGINE / room / "__init__.py").exists()
     for file in sorted((ENGINE / room).glob("*.py")):
         for module in imports(file):
             assert not module.startswith(("avatarsim.frame", "avatarsim.simulator", "reference", "scenarios", "reports", "tests"))
 
 
-LAYERS = ("spatial", "scene", "world", "collide")
+LAYERS = ("spatial", "scene", "model", "collision")
 
 
 @pytest.mark.parametrize("room", LAYERS)

@@ -20,10 +20,10 @@ from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
-from tests.collide.judged import SCRATCH, signed_distance
-from tests.collide.strata import BATCH, STRATA, draw
-from tests.impact.random_impacts import run as impacts
+from tests.collision.judged import SCRATCH, signed_distance
+from tests.collision.strata import BATCH, STRATA, draw
 from tests.progress_bar import bar
+from tests.rigid.random_impacts import run as impacts
 from tests.stability import hostile_run
 from tests.stability.hostile import TRIALS
 

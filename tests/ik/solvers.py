@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.state import Avatars, IkScratch, IkState
+from avatarsim.model.skeleton import FREE, Posture
+from avatarsim.model.world import World, build, posture_of
 from avatarsim.scene.scene import Scene
-from avatarsim.world.skeleton import FREE, Posture
-from avatarsim.world.world import World, build, posture_of
 from tests.worlds.little_worlds import hand, mixed_avatar, random_sample
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.ik.active_set import finish
+from avatarsim.ik.qp import finish
 from avatarsim.ik.state import ACTIVE_CAP, MOST_PRESSED, ConstraintRows
 from tests.ik.least_distance import least_distance
 from tests.ik.solvers import TREES, solver_of

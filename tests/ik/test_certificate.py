@@ -8,21 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim import tolerances
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import signed_distance
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.ik.broad_phase import notice_bodies
 from avatarsim.ik.certificate import accepted_gap
 from avatarsim.ik.certify import certify
 from avatarsim.ik.kinematics import try_step
-from avatarsim.ik.notice import notice_bodies
+from avatarsim.model.geometry import may_meet
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest
 from avatarsim.settings import PostureSettings
-from avatarsim.world.pair_filter import may_meet
 from tests.ik.solvers import Solver, solver_of
 from tests.worlds.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
 

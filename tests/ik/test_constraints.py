@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import signed_distance
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.ik.constraints import IDLE_STEPS, add_touching, keep_touching, touch
 from avatarsim.ik.kinematics import try_step
+from avatarsim.model.skeleton import Posture
 from avatarsim.scene.scene import Scene
 from avatarsim.settings import PostureSettings
-from avatarsim.world.skeleton import Posture
 from tests.ik.solvers import Solver, random_posture, solver_of
 from tests.worlds.little_worlds import hand, mixed_avatar, panel
 

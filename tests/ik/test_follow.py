@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
+from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges, Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from avatarsim.world.world import build
 from reference.judge import Judge
 from scenarios import catalog
 from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error

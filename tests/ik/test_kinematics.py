@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from avatarsim.ik.kinematics import parts_of, tangent_error, try_step
+from avatarsim.model.skeleton import BALL
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
-from avatarsim.world.skeleton import BALL
 from tests.ik.solvers import TREES, Solver, copied, point_rates, random_posture, solver_of
 from tests.worlds.little_worlds import random_sample
 

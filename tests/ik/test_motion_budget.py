@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.motion_budget import AT_REST, bound_step, keep_budget, open_budget, spend
+from avatarsim.model.skeleton import FREE, HINGES
 from avatarsim.settings import PostureSettings
-from avatarsim.world.skeleton import FREE, HINGES
 from tests.ik.solvers import TREES, Solver, random_posture, solver_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from avatarsim.ik.notice import notice_bodies
+from avatarsim.ik.broad_phase import notice_bodies
+from avatarsim.model.geometry import place
 from avatarsim.scene.scene import Scene
-from avatarsim.world.geometry import place
 from tests.ik.scenes import block
 from tests.ik.solvers import Solver, solver_of
 from tests.worlds.little_worlds import hand

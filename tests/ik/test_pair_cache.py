@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.ik.pair_cache import PROBES, axis_at, forget_pairs, keep_axis, make_pair_cache, slot_of
+from avatarsim.ik.state import PROBES, axis_at, forget_pairs, keep_axis, make_pair_cache, slot_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 PIECES = 5000

@@ -12,9 +12,8 @@ import pytest
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import fixed
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import rest

@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from avatarsim.ik.objective import model
 from avatarsim.ik.qp import solve_qp
 from avatarsim.ik.state import MOST_PRESSED, RowKind
-from avatarsim.world.skeleton import FREE
+from avatarsim.model.skeleton import FREE
 from tests.ik.least_distance import nearest_step
 from tests.ik.solvers import Array, Solver, apart, metric_of
 

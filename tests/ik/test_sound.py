@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from avatarsim.ik.sound import state_is_sound
-from avatarsim.ik.state import IkState
+from avatarsim.ik.state import IkState, state_is_sound
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from tests.ik.solvers import Solver, solver_of

@@ -9,11 +9,11 @@ from avatarsim.ik.broad_phase import form_islands
 from avatarsim.ik.constraints import touch
 from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.target import clip_to_limits, meet_target
+from avatarsim.model.joint_limits import cone_excess
+from avatarsim.model.skeleton import BALL, Posture
+from avatarsim.model.world import posture_of
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns
-from avatarsim.world.limits import cone_excess
-from avatarsim.world.skeleton import BALL, Posture
-from avatarsim.world.world import posture_of
 from tests.ik.solvers import TREES, Solver, copied, solver_of
 from tests.worlds.little_worlds import random_sample
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from avatarsim.jit import kernel
 
 COPIED = (
-    "errors.py", "progress.py", "say_once.py", "cache_folder.py", "cache_entry.py", "jit",
+    "errors.py", "console.py", "files.py", "jit",
 )
 """What the decorator is made of."""
 

@@ -11,26 +11,24 @@ import numpy as np
 import pytest
 from numba.core.registry import cpu_target
 
-from avatarsim.collide.pair_memory import PairMemory, make_pair_memory
-from avatarsim.collide.scratch import Scratch, make_scratch
+from avatarsim.collision.scratch import Scratch, make_scratch
+from avatarsim.collision.warm_start import PairMemory, make_pair_memory
 from avatarsim.coupling.virtual_coupling import make_springs
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
-from avatarsim.impact.events import make_events
 from avatarsim.jit.arena import Image, opened, packed
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagLine, Grid, Line, Matrices, Stack, numba_type
-from avatarsim.loops.paper_memory import make_paper_memory
-from avatarsim.loops.upper_memory import Switches
-from avatarsim.loops.upper_memory import make_memory as make_upper_memory
-from avatarsim.planner.make import make_planner
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
+from avatarsim.model.geometry import SHAPE
+from avatarsim.model.world import World, build
+from avatarsim.paper.state import make_paper_memory
+from avatarsim.planner.state import make_planner
+from avatarsim.rigid.state import Switches, make_events
+from avatarsim.rigid.state import make_memory as make_upper_memory
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings, PostureSettings
-from avatarsim.world.shapes import SHAPE
-from avatarsim.world.world import World, build
 from tests.worlds.little_worlds import mixed_avatar, panel
 
 ROOT = Path(__file__).parents[2]

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from avatarsim import progress
+from avatarsim import console as progress
 from avatarsim.jit.first_compile import FirstCompile
 
 
@@ -18,7 +18,7 @@ class Terminal(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def fresh(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+    monkeypatch.setattr("avatarsim.console._SAID", set())
     monkeypatch.setattr(progress, "QUIET_FOR", 0.0)
     monkeypatch.setattr(progress, "BAR_EVERY", 0.0)
 
@@ -64,6 +64,6 @@ def test_a_closed_stream_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     closed = io.StringIO()
     closed.close()
     for stream in (None, closed):
-        monkeypatch.setattr("avatarsim.say_once._SAID", set())
+        monkeypatch.setattr("avatarsim.console._SAID", set())
         monkeypatch.setattr(sys, "stderr", stream)
         compiled(FirstCompile(), 1)

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from avatarsim.collide.support import support
+from avatarsim.collision.support import support
 from avatarsim.jit import linking
 from tests.jit.kernel_package import make_package, plain_environment
 

@@ -76,7 +76,7 @@ def test_a_folder_that_was_made_after_the_start_is_read_too(tmp_path: Path) -> N
 def test_where_nothing_can_be_kept_it_is_said_once_or_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("avatarsim.say_once._SAID", set())
+    monkeypatch.setattr("avatarsim.console._SAID", set())
     blocked = tmp_path / "a_file"
     blocked.write_text("")
     unable = Places(blocked / "kernels")

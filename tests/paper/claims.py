@@ -193,7 +193,7 @@ IN_WORDS = {
     "three kinds of objects": Claim(
         "fixed ones never give way, driven ones first, simulated ones if they must",
         (
-            "separate/test_priority.py::test_the_rule",
+            "printed/test_priority.py::test_the_rule",
             "paper/test_figure_3.py::test_a_hand_in_a_ball_gives_way_and_the_ball_stays",
         ),
         ("squeeze",),
@@ -210,7 +210,7 @@ IN_WORDS = {
         "planar joints stop at an angle, others are projected back into a reach cone",
         (
             "printed/test_cyclic_coordinate_descent.py::test_hinge_limits_hold_exactly_for_ten_thousand_goals",
-            "world/test_reach_cone.py::test_nothing_inside_is_nearer_than_the_nearest_direction_inside",
+            "model/test_reach_cone.py::test_nothing_inside_is_nearer_than_the_nearest_direction_inside",
         ),
         ("limit_torture", "reach_cone_edges"),
     ),
@@ -229,11 +229,11 @@ IN_WORDS = {
     ),
     "sweep and prune": Claim(
         "pairs are filtered before they are asked",
-        ("collide/test_sweep.py::test_finds_the_pairs_of_the_dumb_twin_frame_after_frame",),
+        ("collision/test_sweep.py::test_finds_the_pairs_of_the_dumb_twin_frame_after_frame",),
         ("balls_216",),
     ),
     "missed collisions": Claim(
-        "left to future work: continuous collision detection", ("loops/test_upper.py::test_nothing_tunnels",),
+        "left to future work: continuous collision detection", ("rigid/test_upper.py::test_nothing_tunnels",),
         ("tunnelling", "thin_wall_hand"),
     ),
 }

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from avatarsim.collide.global_depth import global_depth
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.signed_distance import signed_distance
-from avatarsim.collide.status import CONVERGED
-from avatarsim.loops.paper_memory import WALKED_BACK
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.collision.status import CONVERGED
+from avatarsim.model.geometry import place
+from avatarsim.paper.push_apart import global_depth
+from avatarsim.paper.state import WALKED_BACK
+from avatarsim.pose_queries import meeting_pairs, overlapping_pairs
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.start_check import meeting_pairs, overlapping_pairs
-from avatarsim.world.geometry import place
 from tests.worlds.arms import ball_hand, world_of
 from tests.worlds.loops import Loop
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from avatarsim.collide.global_depth import global_penetration_depth
-from avatarsim.collide.status import CANCELLING, CONVERGED, NOT_FINITE
+from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE
+from avatarsim.paper.push_apart import global_penetration_depth
 
 
 def eq1(depths, normals):

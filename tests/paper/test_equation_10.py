@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.impact.friction_impulse import friction_impulse, limited_friction_impulse
-from tests.loops.upper_world import World, ball, slab
+from avatarsim.rigid.contact_law import friction_impulse, limited_friction_impulse
+from tests.rigid.upper_world import World, ball, slab
 
 vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.paper.end_effector import end_effector
+from avatarsim.paper.ccd_ik import end_effector
 
 
 @pytest.mark.parametrize("count", [1, 2, 7])

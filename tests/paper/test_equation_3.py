@@ -5,18 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.collide.global_depth import global_penetration_depth
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.status import CONVERGED
-from avatarsim.paper.end_effector import end_effector, goal_of
-from avatarsim.paper.free_link import link_contacts
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.status import CONVERGED
+from avatarsim.model.world import build
+from avatarsim.paper.ccd_ik import end_effector, goal_of, link_contacts
+from avatarsim.paper.push_apart import global_penetration_depth
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.joint import Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.world.world import build
 
 pytestmark = [pytest.mark.nojit]
 

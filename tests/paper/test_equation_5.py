@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from avatarsim.paper.joint_plane import joint_turn
+from avatarsim.paper.ccd_ik import joint_turn
 from avatarsim.spatial import rotation
 
 pytestmark = [pytest.mark.nojit]

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.impact.relative_velocity import (
+from avatarsim.rigid.contact_law import (
     normal_velocity,
     point_velocity,
     relative_velocity,

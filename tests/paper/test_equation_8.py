@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from avatarsim.impact.relative_velocity import velocity_after
+from avatarsim.rigid.contact_law import velocity_after
 from avatarsim.scene.shape import Box
-from tests.loops.upper_world import G, World, ball, slab, thing
+from tests.rigid.upper_world import G, World, ball, slab, thing
 
 RATES = (30.0, 60.0, 240.0, 1000.0)
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from avatarsim.loops.paper_memory import (
+from avatarsim.model.geometry import place
+from avatarsim.paper.state import (
     GAVE_WAY,
     HELD,
     ITERATIONS,
@@ -15,11 +16,9 @@ from avatarsim.loops.paper_memory import (
     WALK_TESTS,
     WALKED_BACK,
 )
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.pose_queries import overlapping_pairs
+from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.start_check import overlapping_pairs
-from avatarsim.world.geometry import place
 from tests.worlds.arms import arm, ball_hand, limited_ball, planar
 from tests.worlds.loops import Loop
 

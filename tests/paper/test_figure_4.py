@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avatarsim.loops.paper_memory import CANCELLED, HELD, ROUNDS, WALKED_BACK
+from avatarsim.paper.state import CANCELLED, HELD, ROUNDS, WALKED_BACK
+from avatarsim.pose_queries import overlapping_pairs
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.start_check import overlapping_pairs
 from tests.worlds.arms import ball_hand
 from tests.worlds.loops import Loop
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.material import TABLE_1
-from tests.loops.upper_world import G, World, ball, slab
+from avatarsim.scene.body import TABLE_1
+from tests.rigid.upper_world import G, World, ball, slab
 
 PRINTED = {
     ("wood", "wood"): (0.3, 0.3), ("wood", "human"): (0.2, 0.2), ("wood", "metal"): (0.2, 0.1),

@@ -4,10 +4,9 @@ import numpy as np
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest

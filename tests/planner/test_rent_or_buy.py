@@ -9,17 +9,16 @@ from avatarsim.ik.kinematics import parts_of, tangent_error
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.objective import value_of
 from avatarsim.ik.state import Avatars
+from avatarsim.model.skeleton import Posture
+from avatarsim.model.world import World, build
 from avatarsim.planner.ghost import put_ghost
-from avatarsim.planner.make import make_planner
-from avatarsim.planner.rent_or_buy import aim_at_tracker, buy
+from avatarsim.planner.goal_test import aim_at_tracker, buy
 from avatarsim.planner.rrt_connect import begin_search, search
-from avatarsim.planner.state import GOAL_NODE, NONE, Ghost, Outcome, Phase, Plan, plan_is_sound
+from avatarsim.planner.state import GOAL_NODE, NONE, Ghost, Outcome, Phase, Plan, make_planner, plan_is_sound
 from avatarsim.planner.tree import add_node, get_node
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.settings import PostureSettings
-from avatarsim.world.skeleton import Posture
-from avatarsim.world.world import World, build
 from tests.planner.scenes import Run, behind_the_wall, block, moved, walker
 from tests.worlds.little_worlds import at
 

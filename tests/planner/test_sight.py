@@ -4,10 +4,10 @@ import pytest
 
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.solve import activate
-from avatarsim.planner.sight import is_in_sight
+from avatarsim.model.world import build
+from avatarsim.planner.follow_path import is_in_sight
 from avatarsim.scene.avatar import Avatar
 from avatarsim.settings import PostureSettings
-from avatarsim.world.world import build
 from tests.planner.scenes import behind_the_wall, palm, walker
 
 pytestmark = pytest.mark.nojit

@@ -9,14 +9,13 @@ from hypothesis import strategies as st
 
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.state import Avatars
-from avatarsim.planner.make import make_planner
-from avatarsim.planner.state import NODES, NONE, Plan, plan_is_sound
+from avatarsim.model.skeleton import Posture, Skeleton
+from avatarsim.model.world import build
+from avatarsim.planner.state import NODES, NONE, Plan, make_planner, plan_is_sound
 from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_node, put_node, square_distance, trace_path
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
-from avatarsim.world.skeleton import Posture, Skeleton
-from avatarsim.world.world import build
 from tests.worlds.little_worlds import mixed_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]

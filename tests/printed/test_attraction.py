@@ -6,11 +6,11 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from avatarsim.model.joint_limits import cone_excess
+from avatarsim.model.skeleton import Posture
 from avatarsim.paper.attraction import attract, share_of_way
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import columns
-from avatarsim.world.limits import cone_excess
-from avatarsim.world.skeleton import Posture
 from tests.worlds.arms import arm, ball_hand, limited_ball, planar, world_of
 
 pytestmark = [pytest.mark.nojit]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avatarsim.paper.chain import chains_of, shuffle
+from avatarsim.paper.state import chains_of, shuffle
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.spatial.random import draw, seeded
 from tests.worlds.arms import arm, ball_hand, planar, world_of

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from avatarsim.paper.cyclic_coordinate_descent import NO_GOAL, OUT_OF_SWEEPS, REACHED, SINGULAR, STUCK
+from avatarsim.model.joint_limits import cone_excess
+from avatarsim.paper.ccd_ik import NO_GOAL, OUT_OF_SWEEPS, REACHED, SINGULAR, STUCK
 from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import columns
-from avatarsim.world.limits import cone_excess
 from reference.closed_form_reach import reach_angles, reach_shortfall
 from tests.worlds.arms import BENDING, arm, limited_ball, planar, reach, three_axes, world_of
 

@@ -3,18 +3,17 @@
 import numpy as np
 import pytest
 
-from avatarsim.collide.scratch import make_scratch
-from avatarsim.collide.status import CANCELLING, CONVERGED, NOT_FINITE
-from avatarsim.paper.chain import chains_of
-from avatarsim.paper.cyclic_coordinate_descent import NO_GOAL, REACHED
-from avatarsim.paper.free_link import free_link, link_contacts
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE
+from avatarsim.model.geometry import place
+from avatarsim.model.skeleton import forward
+from avatarsim.paper.ccd_ik import NO_GOAL, REACHED, free_link, link_contacts
+from avatarsim.paper.state import chains_of
 from avatarsim.scene.body import fixed
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.settings import PaperSettings
 from avatarsim.spatial import rotation
-from avatarsim.world.geometry import place
-from avatarsim.world.kinematics import forward
 from tests.worlds.arms import RADIUS, arm, planar, world_of
 
 pytestmark = [pytest.mark.nojit]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from avatarsim.paper.into_limits import into_limits
+from avatarsim.model.joint_limits import cone_excess
+from avatarsim.paper.walk_back import into_limits
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import columns
-from avatarsim.world.limits import cone_excess
 from tests.worlds.arms import arm, limited_ball, planar, world_of
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from avatarsim.paper.link_pose import pose_link
+from avatarsim.model.geometry import Poses
+from avatarsim.model.skeleton import forward
+from avatarsim.paper.ccd_ik import pose_link
 from avatarsim.spatial import rotation
-from avatarsim.world.geometry import Poses
-from avatarsim.world.kinematics import forward
 from tests.worlds.arms import arm, ball_hand, limited_ball, planar, three_axes, world_of
 
 

@@ -5,9 +5,8 @@ import pytest
 
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import Mass, fixed, simulated
 from avatarsim.scene.joint import Ball, Free
-from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation

@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import Mass
+from avatarsim.scene.body import Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, simulated
+from avatarsim.scene.body import Body, Mass, simulated
 from avatarsim.scene.joint import Ball, Free, Joint
-from avatarsim.scene.mass import Mass
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.spatial import rotation

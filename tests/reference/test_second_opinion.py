@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.mass import Mass
+from avatarsim.scene.body import Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation

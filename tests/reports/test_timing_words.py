@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.stage_clock import STAGES
+from avatarsim.counters import STAGES
 from reports import timing_words, write_report
 from reports.__main__ import README
 from reports.columns import COLUMNS

@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
-from avatarsim.scene.mass import solid
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.body import Body, fixed, simulated, solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput, UnknownName
-from avatarsim.scene.material import TABLE_1
+from avatarsim.scene.body import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
 from reference.judge import Judge

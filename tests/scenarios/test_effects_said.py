@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.scene.calls import CALLS
+from avatarsim.scene.effects import CALLS
 from scenarios import catalog
 from scenarios.effects_said import LISTED, effects_of, lapse_said, lines_of, parts_named, table_of_calls
 from scenarios.scenario import Scenario

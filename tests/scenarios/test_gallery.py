@@ -9,8 +9,7 @@ from scipy.spatial import ConvexHull as QuickHull
 
 from avatarsim.errors import InvalidFile, MissingPackage
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Role
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Role, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull, Piece, Sphere
 from avatarsim.spatial import rotation

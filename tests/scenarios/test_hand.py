@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from avatarsim.scene.body import simulated
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.joint import Free
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull as Hull
 from avatarsim.scene.tracker import rest

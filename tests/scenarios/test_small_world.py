@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import StartOverlaps
-from avatarsim.start_check import require_free
-from avatarsim.world.world import build
+from avatarsim.model.world import build
+from avatarsim.pose_queries import require_free
 from scenarios import catalog
 from scenarios.measure.side import outside
 from scenarios.small_world import FACE, GRAVITY, NEAR, SHOT, TALL, Place, dropped, regions, shot, slides, small_world

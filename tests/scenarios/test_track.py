@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation

@@ -6,8 +6,8 @@ import pytest
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 
 BALL = (Piece(Sphere(0.1)),)

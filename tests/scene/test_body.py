@@ -5,8 +5,7 @@ import math
 import pytest
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.body import Body, Role, fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Body, Role, fixed, simulated, solid
 from avatarsim.scene.shape import Piece, Sphere
 
 BALL = (Piece(Sphere(0.1)),)

@@ -6,11 +6,8 @@ import pytest
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import fixed, simulated
-from avatarsim.scene.calls import CALLS, KEPT
-from avatarsim.scene.effects import Effects
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw, PairTable
+from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.effects import CALLS, KEPT, Effects
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from tests.stability.hostile import hinged_avatar

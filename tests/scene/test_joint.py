@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.joint import MANY_TURNS, Ball, Hinge, Hinges, SwingTwist
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import MANY_TURNS, Ball, Hinge, Hinges, ReachCone, SwingTwist
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from avatarsim.errors import InvalidScene
-from avatarsim.scene.mass import Mass, solid, volume
+from avatarsim.scene.body import Mass, solid, volume
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
 
 RNG = np.random.default_rng(1)

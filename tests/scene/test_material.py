@@ -5,7 +5,7 @@ import math
 import pytest
 
 from avatarsim.errors import InvalidScene, UnknownName
-from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
+from avatarsim.scene.body import TABLE_1, ContactLaw, PairTable
 
 
 def test_pairs_read_the_same_in_either_order() -> None:

@@ -7,10 +7,8 @@ import pytest
 
 from avatarsim.errors import InvalidSample, InvalidScene
 from avatarsim.scene.avatar import Avatar, rigid_avatar
-from avatarsim.scene.body import fixed, simulated
+from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.effects import Effects
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw, PairTable
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.errors import InvalidSample
 from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, _sound, checked, link_poses, rest
 from avatarsim.spatial import rotation

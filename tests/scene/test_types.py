@@ -10,11 +10,9 @@ import pytest
 
 from avatarsim.errors import InvalidInput, InvalidScene, InvalidShape
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, Role, fixed, simulated
+from avatarsim.scene.body import TABLE_1, Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid
 from avatarsim.scene.checks import FARTHEST, FASTEST, FASTEST_SPIN, Vector, finite_array, vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
-from avatarsim.scene.mass import Mass, solid
-from avatarsim.scene.material import TABLE_1, ContactLaw, PairTable
 from avatarsim.scene.scene import HEAVIEST, Scene
 from avatarsim.scene.shape import MOST_VERTICES, Box, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, checked, rest

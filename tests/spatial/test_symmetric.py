@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.spatial.symmetric import solved
+from avatarsim.spatial.vec3 import solved
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 

@@ -10,10 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import FrameRecord
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest

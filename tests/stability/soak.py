@@ -19,9 +19,8 @@ import numpy as np
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.joint import Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

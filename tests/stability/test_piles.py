@@ -4,10 +4,10 @@ gains energy, and all numbers are numbers."""
 import numpy as np
 import pytest
 
-from avatarsim.loops.upper_memory import UNSQUEEZED
+from avatarsim.rigid.state import UNSQUEEZED
 from avatarsim.scene.body import Body
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere, ellipsoid_hull
-from tests.loops.upper_world import G, World, slab, thing
+from tests.rigid.upper_world import G, World, slab, thing
 
 SIZE, PITCH = 0.1, 0.36
 """Half the size of a body, and how far their middles are from one another at the start [m]."""

@@ -5,18 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.paper.cyclic_coordinate_descent import reach_goal
+from avatarsim.model.skeleton import forward
+from avatarsim.model.world import World, build
+from avatarsim.paper.ccd_ik import reach_goal
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body
+from avatarsim.scene.body import Body, solid
 from avatarsim.scene.joint import Ball, Hinge, Hinges, Joint, SwingTwist
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import PaperSettings
 from avatarsim.spatial import rotation
-from avatarsim.world.kinematics import forward
-from avatarsim.world.world import World, build
 
 Array = NDArray[np.float64]
 Z = (0.0, 0.0, 1.0)

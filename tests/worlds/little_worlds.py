@@ -5,18 +5,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.model.skeleton import forward
+from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial import rotation
-from avatarsim.world.kinematics import forward
-from avatarsim.world.world import World, build
 
 Vectors = NDArray[np.float64]
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from avatarsim.loops.paper_memory import make_paper_memory
-from avatarsim.loops.paper_rounds import follow_as_printed
+from avatarsim.model.joint_limits import cone_excess, has_cone
+from avatarsim.model.skeleton import HINGES, Posture
+from avatarsim.paper.algorithm_1 import follow_as_printed
+from avatarsim.paper.state import make_paper_memory
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.tracker import rest
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.tangent import columns
-from avatarsim.world.limits import cone_excess, has_cone
-from avatarsim.world.skeleton import HINGES, Posture
 from tests.worlds.arms import world_of
 
 DT = 1.0 / 60.0

@@ -1,10 +1,9 @@
 """Dead ends, tubes and posts, and avatars that they hold off."""
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
 
 BEFORE, BEHIND = (-0.3, 0.0, 0.0), (0.3, 0.0, 0.0)

@@ -11,8 +11,7 @@ In the 330 frames of a quick comparison the raw motion is inside each of the fiv
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample

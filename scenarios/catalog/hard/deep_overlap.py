@@ -4,8 +4,7 @@ An engine may refuse such a start and name the pairs, as a scene asks for by exp
 velocity. Engines that push with springs or with position errors turned into speed shoot the boxes apart.
 """
 
-from avatarsim.scene.body import Body, simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import Body, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from scenarios.cases import NOWHERE

@@ -11,10 +11,8 @@ from math import pi
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, ConvexHull, Piece, Sphere
 from reference.closed_form import bounce_state

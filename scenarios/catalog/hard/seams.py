@@ -10,10 +10,8 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Shape, Sphere
 from reference.closed_form import roll_distance, roll_speed, roll_time, stop_distance, stop_time

@@ -9,9 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import bounce_state, roll_distance, roll_speed, roll_time, stop_distance, stop_time

@@ -4,9 +4,7 @@ No gravity, elastic. Closed form: contact at (d - r) / v, d from the ball's cent
 then back at the same speed.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import wall_contact_time

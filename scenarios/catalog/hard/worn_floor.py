@@ -5,9 +5,7 @@ Corners that stand on different steps ask a rigid body for velocities that it ca
 time, or jumps, goes centimetres too far. Nobody is on more than one step up: that would be a wall.
 """
 
-from avatarsim.scene.body import Body, fixed, simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import stop_distance, stop_time

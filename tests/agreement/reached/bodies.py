@@ -6,10 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import Engine, Settings
-from avatarsim.scene.body import Body, fixed, simulated
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.scene.tracker import rest

@@ -3,10 +3,9 @@
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges, Rigid
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample

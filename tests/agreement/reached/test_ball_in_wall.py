@@ -11,8 +11,7 @@ import pytest
 
 from avatarsim.engine import Engine
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import fixed
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample

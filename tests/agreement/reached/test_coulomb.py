@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw
 from avatarsim.scene.shape import Box
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import GRAVITY, RATES, Seen, Thrown, over_floor, seen

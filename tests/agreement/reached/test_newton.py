@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, RATES, Seen, Thrown, over_floor, seen
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest

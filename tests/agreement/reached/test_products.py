@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.body import simulated
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.in_pybullet.factors import Array, coefficients, fit, weights

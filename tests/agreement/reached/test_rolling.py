@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Engine
-from avatarsim.scene.material import ContactLaw
+from avatarsim.scene.body import ContactLaw
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Thrown, over_floor, seen
 from tests.agreement.rivals import ENGINES
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.collide.sweep import all_pairs
-from avatarsim.collide.sweep_memory import SWEEP as SWEEPS
-from avatarsim.world.pair_filter import OPEN, pair_filter
+from avatarsim.collision.broad_phase import all_pairs
+from avatarsim.collision.grid import SWEEP as SWEEPS
+from avatarsim.model.geometry import OPEN, pair_filter
 from reference.broad_phase import __main__ as broad_phase
 from reference.broad_phase.clock import KERNELS, NOTHING, SWEEP, course, frames_of, measure, swing_of
 from reference.broad_phase.layouts import LAYOUTS, MOTIONS, NEAR, field

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.collide.sweep import all_pairs
+from avatarsim.collision.broad_phase import all_pairs
 from reference.broad_phase.layouts import HUGE, LAYOUTS, MOTIONS, NEAR, SWING, field
 
 

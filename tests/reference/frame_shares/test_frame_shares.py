@@ -8,7 +8,7 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.jit.kernel import OPTIONS, njit
-from avatarsim.loops import paper
+from avatarsim.paper import method as paper
 from avatarsim.simulator import AvatarsimEngine
 from reference.frame_shares import cycles
 from reference.frame_shares.cycles import clocked, per_microsecond, spent, twin

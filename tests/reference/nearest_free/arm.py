@@ -3,10 +3,8 @@
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
-from avatarsim.scene.mass import Mass
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.body import Mass, fixed
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

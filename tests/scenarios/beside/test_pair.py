@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import simulated
+from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.mass import solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest

@@ -43,7 +43,7 @@ def test_each_engine_hangs_on_its_own_sources() -> None:
     theirs, ours = reachable("reference/in_mujoco/engine.py"), reachable("avatarsim/simulator.py")
     assert Path("reference/in_mujoco/presets.py") in theirs and Path("reference/targets.py") in theirs
     assert not any("in_pybullet" in path.parts for path in theirs) and Path("avatarsim/frame.py") not in theirs
-    assert Path("avatarsim/impact/impact_queue.py") in ours and not any(path.parts[0] == "reference" for path in ours)
+    assert Path("avatarsim/rigid/impacts.py") in ours and not any(path.parts[0] == "reference" for path in ours)
 
 
 def test_measures_hang_on_the_judge_and_not_on_any_engine() -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.scene.mass import solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
 from scenarios.measure.body_offset import body_offset, body_offsets, second_moments

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import ReachCone
 from scenarios.measure.cone import beyond_cone, beyond_cone_each
-from tests.world.test_reach_cone import CONES
+from tests.model.test_reach_cone import CONES
 
 
 @pytest.mark.parametrize("name", CONES)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.scene.reach_cone import ReachCone
+from avatarsim.scene.joint import ReachCone
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from scenarios.measure.cone import beyond_cone

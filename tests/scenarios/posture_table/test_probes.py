@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidInput, UnknownName
-from avatarsim.start_check import require_free
-from avatarsim.world.world import build
+from avatarsim.model.world import build
+from avatarsim.pose_queries import require_free
 from scenarios.posture_table import probes
 from scenarios.reach import reach
 from scenarios.scenario import RENDERED

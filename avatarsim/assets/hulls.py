@@ -1,0 +1,101 @@
+"""Convex hulls by Qhull (Barber, Dobkin and Huhdanpaa 1996): planes, depth of a surface in its hull, hulls of fewer vertices."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from avatarsim.assets.mesh import Array, Indices
+from avatarsim.assets.mesh_queries import point_triangle
+from avatarsim.errors import InvalidShape
+from avatarsim.scene.shape import FLATTEST_HULL
+
+PAIRS_AT_ONCE = 400_000
+"""Pairs of point and facet measured in one go, for the memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """Hull of `points` (n, 3): numbers `used` (k,) of those on it, outward `planes` (m, 4), `facets` (m, 3, 3) corners."""
+
+    points: Array
+    used: Indices
+    planes: Array
+    facets: Array
+
+    def heights(self, points: Array) -> Array:
+        """Signed height (n,) over the highest plane: negative inside; outside never more than the distance."""
+        return np.asarray((points @ self.planes[:, :3].T + self.planes[:, 3]).max(axis=1))
+
+    def distances(self, points: Array) -> Array:
+        """Distance (n,) of points (n, 3) from the solid hull; 0 inside."""
+        found = np.zeros(len(points))
+        outside = np.flatnonzero(self.heights(points) > 0.0)
+        step = max(1, PAIRS_AT_ONCE // len(self.facets))
+        for first in range(0, len(outside), step):
+            some = outside[first : first + step]
+            pairs = np.repeat(points[some], len(self.facets), axis=0)
+            measured = point_triangle(pairs, np.tile(self.facets, (len(some), 1, 1)))
+            found[some] = measured.reshape(len(some), -1).min(axis=1)
+        return found
+
+
+def hull_of(points: Array, name: str) -> Hull:
+    """Hull of points (n, 3); InvalidShape, which names `name`, when they have no volume."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    centred = points - points.mean(axis=0)
+    spread = np.linalg.svd(centred, compute_uv=False) if len(points) >= 4 else np.zeros(3)
+    thickness = float(spread[2] / spread[0]) if spread[0] > 0.0 else 0.0
+    valid = f"above {FLATTEST_HULL:g}: a flat mesh has no volume; give it thickness, or use a Box"
+    if not thickness > FLATTEST_HULL:
+        raise InvalidShape(f"thickness of {name} relative to its extent", thickness, valid)
+    try:
+        found = ConvexHull(points)
+    except QhullError as error:
+        raise InvalidShape(f"thickness of {name} relative to its extent", thickness, valid) from error
+    used = np.sort(np.asarray(found.vertices, dtype=np.int64))
+    return Hull(points, used, np.unique(found.equations, axis=0), points[found.simplices])
+
+
+def depth_below(hull: Hull, corners: Array) -> float:
+    """A depth that no point of the surface (t, 3, 3), which lies in the hull, exceeds beneath the hull's faces.
+
+    The depth below one plane is linear, so over a triangle it is largest at a corner; the depth below the hull is that
+    below the nearest plane. A surface whose every triangle lies in a face has depth 0: it is convex.
+    """
+    deepest = 0.0
+    step = max(1, PAIRS_AT_ONCE // len(hull.planes))
+    for first in range(0, len(corners), step):
+        some = corners[first : first + step]
+        below = -(some @ hull.planes[:, :3].T + hull.planes[:, 3])
+        deepest = max(deepest, float(below.max(axis=1).min(axis=1).max()))
+    return deepest
+
+
+def reduced(hull: Hull, most: int, name: str) -> Hull:
+    """A hull of at most `most` of the hull's own vertices: always the one farthest outside is taken next.
+
+    It lies within the old hull; what it loses is measured with everything else by `hausdorff.py`.
+    """
+    if len(hull.used) <= most:
+        return hull
+    points = hull.points[hull.used]
+    chosen = _spread(points)
+    while True:
+        inner = hull_of(points[chosen], name)
+        heights = inner.heights(points)
+        heights[chosen] = -np.inf
+        # several at once while there is room, so that a hull of thousands does not cost thousands of hulls
+        room = most - len(chosen)
+        if room <= 0:
+            return inner
+        order = np.argsort(-heights, kind="stable")[: max(1, room // 8)]
+        chosen = np.concatenate([chosen, order])
+
+
+def _spread(points: Array) -> Indices:
+    """Four or more points that span a volume: the farthest along each axis of the cloud, both ways."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.svd(centred, full_matrices=False)[2]
+    along = centred @ axes.T
+    return np.unique(np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])).astype(np.int64)

@@ -1,0 +1,236 @@
+"""Depth of two overlapping cores, one of them an ellipsoid: branch and bound with EPA's facets and Newton's method.
+
+EPA alone approaches a smooth surface facet by facet. Here a facet is excluded once a stationary point that Newton's method found
+near it explains it: in a cone around that point the support function is proved to be nowhere lower, and the facet cannot hide a
+direction outside that cone. When every facet is high enough or excluded, the lowest stationary point is the global depth.
+
+Signed distance of two cores, one of them an ellipsoid: GJK or EPA first, then Newton's method, whose result is proved.
+"""
+
+from math import inf, nan, sqrt
+
+from avatarsim.collision.ellipsoid import bends_out, least_cosine, polish, proves_itself, rolling_radius
+from avatarsim.collision.epa import SMOOTH, VISIBLE, cone_to, deepest_points, epa_to, find_horizon, points_agree
+from avatarsim.collision.gjk import (
+    CLOSE_ENOUGH,
+    NOWHERE,
+    WHOLE,
+    Balls,
+    add_support,
+    closest_in_simplex,
+    closest_points,
+    first_direction,
+    gjk_from,
+)
+from avatarsim.collision.primitives import Answer
+from avatarsim.collision.scratch import FACES_CAP, POINTS_CAP, Scratch, number
+from avatarsim.collision.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF_ITERATIONS
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import POINTS, Shapes
+from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
+
+START = 0.03
+"""Relative to the shapes' size: how near GJK and EPA come before Newton is tried. Larger: it is tried in vain; smaller:
+they do slowly what it does fast."""
+
+NEARER = 0.5
+"""By this much nearer EPA comes before Newton is tried again, if it found nothing new."""
+
+FEATURE = 3
+"""Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""
+
+MINIMA_KEPT = 24
+"""Stationary points kept in one query, in the last slots of the scratch. Fewer: symmetric pairs converge slowly."""
+
+SAME = 1e-9
+"""One minus the cosine of two normals that are the same stationary point."""
+
+EXPLAINED = 1e-10
+"""Relative to the shapes' size: a facet lower than the answer by less needs no explanation."""
+
+
+@kernel
+def explained(f: int, minima: int, depth: float, scratch: Scratch) -> bool:
+    """Whether what face f may hide at less than ``depth`` lies in the cone of a stationary point.
+
+    A direction d with h(d) < depth has the point depth d outside the polytope, beyond the plane of a face of height H
+    and normal n, so n.d > H / depth; hence d is at most the sum of two angles from the stationary normal.
+    """
+    n, height = row(scratch.normal, f), scratch.height[f]
+    off = min(height / depth, 1.0)
+    if not (off > 0.0):
+        return False
+    for i in range(minima):
+        near = min(dot(n, row(scratch.w, POINTS_CAP - 2 - i)), 1.0)
+        if near > 0.0:
+            cos = near * off - sqrt((1.0 - near * near) * (1.0 - off * off))
+            if cos >= scratch.height[FACES_CAP - 1 - i]:
+                return True
+    return False
+
+
+@kernel
+def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
+    """Whether m is one of the stationary points kept."""
+    for i in range(minima):
+        if dot(m, row(scratch.w, POINTS_CAP - 2 - i)) > 1.0 - SAME:
+            return True
+    return False
+
+
+@kernel
+def smooth_depth(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
+    """As `core_distance`, for cores, one of them an ellipsoid, that GJK left with ``count`` points and no gap but for the balls.
+
+    Heights and depths in here are those without the balls, and so are the points of the polytope.
+
+    Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
+    """
+    size = max(shapes.extent[a], shapes.extent[b])
+    side = 0 if shapes.kind[a] == POINTS else 1
+    flat_a, flat_b = closest_points(count, scratch)
+    try_at = START * size
+    status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, count, try_at, scratch)
+    if faces == 0 and balls[0] + balls[1] > 0.0:
+        # A ball written as an ellipsoid leaves nothing, or something flat, which has no facets.
+        balls = WHOLE
+        add_support(vertices, shapes, a, b, m, balls, 0, scratch)
+        status, m, depth, points, faces, _ = epa_to(vertices, shapes, a, b, seed, balls, 1, try_at, scratch)
+    rolled = balls[0] + balls[1]
+    best, n, on_a, on_b, minima = inf, m, flat_a, flat_b, 0
+    i, j, k = scratch.rows[0, side], scratch.rows[0, side], scratch.rows[0, side]
+    while status == CONVERGED and faces > 0:
+        f, lowest = -1, inf
+        for g in range(faces):
+            if scratch.alive[g] == 1 and scratch.settled[g] == 0 and scratch.height[g] < lowest:
+                if scratch.height[g] < best - EXPLAINED * size and not explained(g, minima, best, scratch):
+                    f, lowest = g, scratch.height[g]
+        if f < 0:
+            break
+        m = row(scratch.normal, f)
+        w = add_support(vertices, shapes, a, b, m, balls, points, scratch)
+        depth = dot(w, m)
+        if not (abs(depth) < inf):
+            status = NOT_FINITE
+            break
+        if best > 0.0 and best < inf:
+            whole_w = along(w, rolled, m)
+            if bends_out(vertices, shapes, a, b, m, whole_w, lowest / best, best + rolled - EXPLAINED * size):
+                scratch.settled[f] = 1
+                continue
+        if depth - lowest <= try_at or depth < 0.0:
+            x, y, z = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
+            i_f, j_f, k_f = scratch.rows[x, side], scratch.rows[y, side], scratch.rows[z, side]
+            found, better, height, p, q = polish(vertices, shapes, a, b, m, i_f, j_f, k_f)
+            new = found and not already_found(better, minima, scratch)
+            if new and height - rolled < best:
+                best, n, on_a, on_b, i, j, k = height - rolled, better, p, q, i_f, j_f, k_f
+                if proves_itself(vertices, shapes, a, b, found, better, height, rolled):
+                    break
+            if new and minima < MINIMA_KEPT:
+                put_row(scratch.w, POINTS_CAP - 2 - minima, better)
+                scratch.height[FACES_CAP - 1 - minima] = least_cosine(vertices, shapes, a, b, better, height)
+                minima += 1
+            if not new:
+                try_at = max(NEARER * (depth - lowest), SMOOTH * size)
+                if depth - lowest <= SMOOTH * size or depth < 0.0:
+                    # Newton has nothing to add: EPA's own answer.
+                    if depth < best:
+                        best, n, minima = depth, m, -1
+                    break
+        if depth - lowest <= EXPLAINED * size:
+            # The face is one of A - B's own, which has faces where a core is a polytope and the other a mere ball.
+            if depth < best - EXPLAINED * size:
+                best, n, minima = depth, m, -1
+                break
+            scratch.settled[f] = 1
+            continue
+        if points >= POINTS_CAP - 2 - MINIMA_KEPT:
+            status = OUT_OF_ITERATIONS
+            if depth < best:
+                best, n, minima = depth, m, -1
+            break
+        points += 1
+        edges, marked = find_horizon(f, w, VISIBLE * size, scratch)
+        whole, faces = cone_to(points - 1, edges, marked, faces, scratch)
+        if not whole:
+            status = DEGENERATE
+            if depth < best:
+                best, n, minima = depth, m, -1
+    if status == NOT_FINITE:
+        return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
+    if not (best < inf):
+        # A - B is flat, or EPA could not even begin.
+        if faces > 0:
+            flat_a, flat_b = deepest_points(m, depth, faces, size, scratch)
+        return status, -depth - rolled, neg(m), along(flat_a, balls[0], m), along(flat_b, -balls[1], m), 0, 0
+    if minima < 0:
+        on_a, on_b = deepest_points(n, best, faces, size, scratch)
+        if status == CONVERGED and best < 0.0 and not points_agree(on_a, on_b, n, best, size):
+            status = DEGENERATE
+        return status, -best - rolled, neg(n), along(on_a, balls[0], n), along(on_b, -balls[1], n), 0, 0
+    for slot in range(FEATURE):
+        scratch.rows[slot, 0] = scratch.rows[0, 0]
+        scratch.rows[slot, 1] = scratch.rows[0, 1]
+    scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
+    return status, -best - rolled, neg(n), on_a, on_b, FEATURE, 0
+
+
+@kernel
+def same_feature(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, scratch: Scratch) -> Answer:
+    """Newton from normal n (out of b into a) and the feature whose rows are in the first three points of the scratch.
+
+    The answer counts as known only if it is proved.
+    """
+    side = 0 if shapes.kind[a] == POINTS else 1
+    i, j, k = scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side]
+    found, m, height, on_a, on_b = polish(vertices, shapes, a, b, neg(n), i, j, k)
+    rolled = rolling_radius(vertices, shapes, a) + rolling_radius(vertices, shapes, b)
+    return proves_itself(vertices, shapes, a, b, found, m, height, rolled), -height, neg(m), on_a, on_b
+
+
+@kernel
+def smooth_distance(
+    vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
+) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
+    """As `core_distance`, if one of the two is an ellipsoid.
+
+    GJK and EPA see the ellipsoids without the largest balls that roll inside them. What is left is smaller and less round:
+    shallow overlaps are distances, and of deep ones fewer facets come nearer. Newton sees the whole.
+
+    Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
+    """
+    v = first_direction(vertices, shapes, a, b, seed)
+    balls = (rolling_radius(vertices, shapes, a), rolling_radius(vertices, shapes, b))
+    rolled = balls[0] + balls[1]
+    margin = margin + rolled
+    size = max(shapes.extent[a], shapes.extent[b])
+    start = START * max(shapes.extent[a] - 2.0 * balls[0], shapes.extent[b] - 2.0 * balls[1]) / size
+    side = 0 if shapes.kind[a] == POINTS else 1
+    status, n, distance, count = gjk_from(vertices, shapes, a, b, v, balls, 0, margin, start, scratch)
+    for closer in range(2):
+        if status == NOT_FINITE:
+            return status, nan, NOWHERE, NOWHERE, NOWHERE, 0, 0
+        if distance > margin:
+            # Proved along n, whatever the tolerance of GJK.
+            return status, distance - rolled, n, NOWHERE, NOWHERE, 0, 0
+        if not (distance > 0.0):
+            return smooth_depth(vertices, shapes, a, b, seed, balls, count, scratch)
+        last = count - 1
+        i, j, k = scratch.rows[0, side], scratch.rows[min(last, 1), side], scratch.rows[last, side]
+        known, m, height, on_a, on_b = polish(vertices, shapes, a, b, neg(n), i, j, k)
+        if known and height < rolled:
+            a_row, b_row = scratch.rows[last, 0], scratch.rows[last, 1]
+            for p in range(FEATURE):
+                scratch.rows[p, 0] = a_row
+                scratch.rows[p, 1] = b_row
+            scratch.rows[0, side], scratch.rows[1, side], scratch.rows[2, side] = i, j, k
+            return CONVERGED, -height, neg(m), on_a, on_b, FEATURE, 0
+        if closer == 0:
+            # From afar GJK may not see which feature it is, or Newton may go elsewhere.
+            _, v, count = closest_in_simplex(count, scratch)
+            status, n, distance, count = gjk_from(vertices, shapes, a, b, v, balls, count, margin, CLOSE_ENOUGH, scratch)
+    on_a, on_b = closest_points(count, scratch)
+    return status, distance - rolled, n, along(on_a, -balls[0], n), along(on_b, balls[1], n), 0, 0

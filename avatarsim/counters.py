@@ -1,0 +1,108 @@
+"""Time and calls per stage of a frame. Off, it costs one count per stage.
+
+Counters of a frame by name, unpacked only when they are read.
+"""
+
+from collections.abc import ItemsView, Iterator, Mapping, Sequence
+from time import perf_counter_ns
+from types import TracebackType
+from typing import ClassVar
+
+import numpy as np
+
+STAGES = ("coupling", "posture", "motion")
+"""The stages of a frame that are timed apart."""
+
+
+class Stage:
+    """Counts the calls of one stage since it was made, and its nanoseconds since the frame began when `timing`."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("calls", "ns", "_start")
+    WRITTEN: ClassVar[tuple[str, ...]] = ()
+    KEPT: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, timing: bool) -> None:
+        self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: a clock is no part of the world."""
+        return {}
+
+    def __enter__(self) -> None:
+        self.calls += 1
+        if self.timing:
+            self._start = perf_counter_ns()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.timing:
+            self.ns += perf_counter_ns() - self._start
+
+
+class StageClock:
+    """One `Stage` per name."""
+
+    def __init__(self, timing: bool) -> None:
+        self.timing = timing
+        self.stages = {name: Stage(timing) for name in STAGES}
+
+    def frame(self) -> None:
+        """Begin a frame: forget the last one's times."""
+        for stage in self.stages.values():
+            stage.ns = 0
+
+    def stage(self, name: str) -> Stage:
+        """The stage, to be used in a `with`."""
+        return self.stages[name]
+
+    @property
+    def calls(self) -> dict[str, int]:
+        """Calls per stage since the clock was made."""
+        return {name: stage.calls for name, stage in self.stages.items()}
+
+    @property
+    def ns(self) -> dict[str, int]:
+        """Nanoseconds per stage of this frame, zero for those that were not called; empty unless timing."""
+        return {name: stage.ns for name, stage in self.stages.items()} if self.timing else {}
+
+
+WORD = np.dtype(np.int64).itemsize
+"""Bytes of one number."""
+
+
+class Tally(Mapping[str, int]):
+    """`numbers` in the order of `names`: as integers, or as the bytes of an array of int64.
+
+    They are held as bytes and read when asked for: to fill a dictionary of them takes longer than to certify a pair, in every
+    frame, and a list is one more object for Python's cyclic collector."""
+
+    __slots__ = ("_names", "_numbers")
+
+    def __init__(self, names: tuple[str, ...] = (), numbers: Sequence[int] | bytes = b"") -> None:
+        self._names = names
+        self._numbers = numbers if isinstance(numbers, bytes) else np.array(numbers, dtype=np.int64).tobytes()
+
+    def __getitem__(self, name: str) -> int:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._all()[self._names.index(name)]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return repr(dict(self.items()))
+
+    def _all(self) -> memoryview:
+        return memoryview(self._numbers).cast("q")
+
+    def items(self) -> ItemsView[str, int]:
+        """Names and numbers, in their order."""
+        return dict(zip(self._names, self._all(), strict=True)).items()
+
+    def beside(self, other: "Tally", names: tuple[str, ...]) -> "Tally":
+        """Both; `names` are those of this one, then of the other: a caller in every frame has put them together once."""
+        return Tally(names, self._numbers + other._numbers)

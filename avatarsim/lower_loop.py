@@ -1,0 +1,253 @@
+"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics with the virtual coupling (eq. 6).
+
+Lower loop without overlap removal, for scenes that switch it off: the tracker's posture is shown as it is.
+"""
+
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from avatarsim.counters import Tally
+from avatarsim.coupling.virtual_coupling import Springs, give, make_springs, no_springs, pull, strike
+from avatarsim.engine import Snapshot
+from avatarsim.errors import InvalidSnapshot
+from avatarsim.ik.broad_phase import notice_bodies
+from avatarsim.ik.make import make_solver
+from avatarsim.ik.solve import begin_frame, solve
+from avatarsim.ik.state import (
+    ADOPTED,
+    BAD_QUERIES,
+    COUNT_NAMES,
+    DROPPED,
+    FOLLOWING,
+    OUT_OF_WORK,
+    PLANNING,
+    WAITING,
+    Avatars,
+    IkScratch,
+    IkState,
+    Mode,
+    state_is_sound,
+)
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import entry_kernel
+from avatarsim.jit.layout import Array, Index
+from avatarsim.model.skeleton import forward
+from avatarsim.model.world import Target, TargetParts, World, WorldParts
+from avatarsim.planner.follow_path import aim_along_paths
+from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan, make_planner, plan_is_sound
+from avatarsim.planner.supervisor import drop_paths, supervise
+from avatarsim.rigid.state import trail_snapshots
+from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.spatial.random import MODULUS
+
+SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
+"""Indices of the counts that a frame record shows as statuses."""
+
+MOST = 2**60
+"""Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
+
+STEPS_KEPT = 64
+"""Most steps of one frame whose poses a recording keeps; more are counted. Each island takes a step of its own."""
+
+NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+
+
+class IkParts(NamedTuple):
+    """What lies in the arena of the lower loop; `coupled`: whether the coupling acts."""
+
+    coupled: bool
+    springs: Springs
+    settings: PostureSettings
+    avatars: Avatars
+    state: IkState
+    working: IkScratch
+    plan: Plan
+    ghost: Ghost
+
+
+@entry_kernel
+def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
+    """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
+
+    Unless `answers`: the coupling acts for dt [s], then `solve`. With `answers`, after the upper loop: impulses `received` (nb,
+    3) [N s] go into the coupling, and `solve` continues within the frame's motion budget, since bodies that blocked links may
+    have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each kernel
+    that calls `solve` compiles all of it.
+    """
+    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
+    springs, settings, avatars = own.springs, own.settings, own.avatars
+    state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
+    if answers:
+        if own.coupled:
+            give(skeleton, received, w.dynamics.inverse_mass, springs.pressed, springs.rate)
+        if not moving.any() or state.contacts.used[0] == 0:
+            return
+        dt = 0.0
+    elif own.coupled:
+        pull(geometry, skeleton, w.dynamics, poses, state.contacts, dt, tracker, w.velocities, springs)
+    elif springs.mass.shape[0] > 0:
+        strike(skeleton, tracker, dt, w.velocities, springs)
+    begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
+    if dt > 0.0:
+        drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
+    aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
+    solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
+    if dt > 0.0:
+        supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)
+
+
+class IkLoop:
+    """The driven bodies of a world: every state shown was certified from the last one."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("springs", "state", "plan")
+    WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
+
+    def __init__(
+        self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
+    ) -> None:
+        self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
+        solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
+        # without dynamics nothing gives back what pressing took, and the coupling would run away
+        coupled = world.scene.effects.coupling and world.scene.effects.dynamics
+        springs = (
+            make_springs(
+                world.geometry, world.skeleton, world.dynamics, world.posture, world.poses, coupling
+            ) if world.scene.effects.dynamics
+            else no_springs(world.poses, coupling)
+        )
+        planner = make_planner(
+            world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
+        )
+        self.words, own = packed(IkParts(coupled, springs, settings, *solver, *planner))
+        self.springs, self.avatars, self.state, self.working = own.springs, own.avatars, own.state, own.working
+        self.plan, self.ghost = own.plan, own.ghost
+
+    def follow(self, target: Target, dt: float) -> None:
+        """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
+        track(self.world.words, target.words, self.words, dt, False, NOTHING_RECEIVED, self.begin())
+
+    def begin(self) -> Index:
+        """Begin a frame: which bodies (nb) may have moved since the last one, as `track` takes it."""
+        known, self._told = self._known, 0
+        # the first frame checks all bodies
+        self._known = self._moving
+        return known
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Bodies, pieces and counts; `ik.sound` says what holds between them."""
+        geo = self.world.geometry
+        pieces, bodies = len(geo.body), len(geo.first_shape) - 1
+        return {
+            **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
+            "used": (0, MOST),
+            "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
+            "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
+            "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
+            "has_failed": (0, 1), "is_certified": (0, 1),
+            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
+        }
+
+    def _planned(self) -> Mapping[str, tuple[int, int]]:
+        """The same of the planner; matched first, since other fields are called `count` too."""
+        node, count = (NONE, NODES - 1), (0, NODES)
+        return {
+            "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
+            "searches.count": count, "begun": count, "meeting": node, "here": (0, NODES - 1), "length": count,
+            "place": (0, NODES - 1), "cuts": (0, MOST), "cut_from": (0, NODES - 1),
+            "cut_to": (0, NODES - 1), "random": (1, MODULUS - 1), "before": node, "plan.tree": (0, 2), "path": node,
+            "plan.turn": (0, max(len(self.state.tracking) - 1, 0)),
+        }
+
+    def go_on(self, begun: bool) -> None:
+        """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
+        is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
+        if not is_sound or not plan_is_sound(self.plan):
+            raise InvalidSnapshot(
+                "state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene"
+            )
+        # avatars too are where the state says, before their islands are solved for
+        geo, link = self.world.geometry, self.world.skeleton.first
+        piece = geo.first_shape[link]
+        firsts = link, link, geo.shapes.start[piece], piece, link
+        for trial, shown, first in zip(self.working.trial, self.world.poses, firsts, strict=True):
+            trial[first:] = shown[first:]
+        # bodies that have not moved since keep their cached axes
+        notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
+        self._known, self._told = self._moving if begun else NOT_KNOWN, 0
+
+    def watch(self, moving: Index) -> None:
+        """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""
+        self._moving = moving
+
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+        """Impulses (nb, 3) [N s] go into the coupling; a driven body held by what is `moving` (nb) now goes on."""
+        track(self.world.words, target.words, self.words, 0.0, True, impulses, moving)
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
+        recorded: links as they were left then, all else as it is now."""
+        told, self._told = self._told, self.working.counts.item(ADOPTED)
+        return trail_snapshots(self.world, self.working.trail[told : self._told], time)
+
+    def counts(self) -> Tally:
+        """Work done in the last frame."""
+        return Tally(COUNT_NAMES, self.working.counts.tobytes())
+
+    def statuses(self) -> dict[str, int]:
+        """What did not end well in the last frame, and how often."""
+        counts = self.working.counts.tolist()
+        found = {COUNT_NAMES[place]: counts[place] for place in SAID if counts[place]}
+        if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
+            found["steps not recorded"] = lost
+        return found
+
+
+class TrackedLoop:
+    """The driven bodies of a world at the tracker's posture, whatever they overlap."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_still", "_axes")
+    KEPT: ClassVar[tuple[str, ...]] = ()
+    WORKING: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        degrees = int(world.skeleton.first_dof[-1])
+        self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing is kept."""
+        return {}
+
+    def go_on(self, begun: bool) -> None:
+        """Nothing: every frame is the first."""
+
+    def watch(self, moving: Index) -> None:
+        """Nothing: this loop checks no body."""
+
+    def follow(self, target: Target, dt: float) -> None:
+        """Take the tracker's posture over."""
+        world = self.world
+        for mine, theirs in zip(world.posture, target.posture, strict=True):
+            np.copyto(mine, theirs)
+        forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
+
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+        """Impulses (nb, 3) [N s] change nothing: the tracker does not yield."""
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """Nothing: there is one step."""
+        return ()
+
+    def counts(self) -> Tally:
+        """No work worth counting."""
+        return Tally()
+
+    def statuses(self) -> dict[str, int]:
+        """Nothing can fail."""
+        return {}

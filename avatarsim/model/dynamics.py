@@ -1,0 +1,97 @@
+"""Mass, inertia, pair coefficients and gravity as arrays; velocities of simulated bodies."""
+
+from collections import Counter
+from itertools import combinations_with_replacement
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.model.geometry import OPEN
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int(Role.DRIVEN.value)
+"""Values of `Role`, as kernels read them."""
+
+
+class Dynamics(NamedTuple):
+    """Constants of the dynamics.
+
+    role              (nb) int64, values of `Role`
+    inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
+    inertia           (nb, 3, 3) about the centre of mass, body axes [kg m^2]; zero unless simulated
+    inverse_inertia   (nb, 3, 3)
+    material          (nb) int64, number of the material of a body among the nm of the scene
+    restitution, friction   (nm, nm) of pairs of materials; zero where no two bodies of theirs can meet
+    gravity           (3) [m/s^2]
+    """
+
+    role: IndexLine
+    inverse_mass: Line
+    inertia: Matrices
+    inverse_inertia: Matrices
+    material: IndexLine
+    restitution: Grid
+    friction: Grid
+    gravity: Line
+
+
+class Velocities(NamedTuple):
+    """Linear velocity of the centre of mass (nb, 3) [m/s] and angular velocity (nb, 3) [rad/s], world axes."""
+
+    linear: Vectors
+    angular: Vectors
+
+
+def dynamics(scene: Scene) -> Dynamics:
+    """Arrays of mass and material of `scene`; effects that it does not call for are zero in them."""
+    n = len(scene.names)
+    inverse_mass, inertia, inverse_inertia = np.zeros(n), np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
+    for b, body in enumerate(scene.bodies):
+        if body.role is Role.SIMULATED and body.mass is not None:
+            inverse_mass[b] = 1.0 / body.mass.mass
+            inertia[b] = body.mass.inertia
+            inverse_inertia[b] = np.linalg.inv(body.mass.inertia)
+    b = len(scene.bodies)
+    for avatar in scene.avatars:
+        for link in avatar.links:
+            inverse_mass[b] = 1.0 / (avatar.coupled_mass if avatar.coupled_mass is not None else link.mass.mass)
+            b += 1
+    names = sorted(set(scene.material_names))
+    number = {name: k for k, name in enumerate(names)}
+    material = np.array([number[name] for name in scene.material_names], dtype=np.int64)
+    restitution, friction = np.zeros((len(names), len(names))), np.zeros((len(names), len(names)))
+    for x, y in meeting_materials(scene):
+        pair = scene.materials.contact(x, y)
+        i, k = number[x], number[y]
+        restitution[i, k] = restitution[k, i] = pair.restitution if scene.effects.restitution else 0.0
+        friction[i, k] = friction[k, i] = pair.friction if scene.effects.friction else 0.0
+    role = np.array([r.value for r in scene.roles], dtype=np.int64)
+    return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity))
+
+
+def meeting_materials(scene: Scene) -> list[tuple[str, str]]:
+    """The pairs of materials of which any two bodies may meet; only they need coefficients."""
+    kinds = list(zip(scene.material_names, scene.families, strict=True))
+    members = Counter(kinds)
+    skipped = Counter(
+        tuple(sorted((kinds[a], kinds[b]))) for a, b in {(min(pair), max(pair)) for pair in scene.skipped} if a != b
+    )
+    found = set()
+    for one, other in combinations_with_replacement(sorted(members), 2):
+        pairs = members[one] * (members[one] - 1) // 2 if one == other else members[one] * members[other]
+        if (one[1] != other[1] or one[1] == OPEN) and pairs > skipped[one, other]:
+            found.add((one[0], other[0]))
+    return sorted(found)
+
+
+def velocities(scene: Scene) -> Velocities:
+    """First velocities of every body; zero for fixed and driven ones."""
+    n = len(scene.links)
+    linear = [body.velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n
+    angular = [body.angular_velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n
+    return Velocities(np.array(linear, dtype=np.float64).reshape(-1, 3), np.array(angular, dtype=np.float64).reshape(-1, 3))

@@ -1,0 +1,322 @@
+"""Reach cones (Wilhelms and Van Gelder 2001): the allowed directions of a limb as a spherical polygon; tests and projection.
+
+The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles between its edges and a point
+that sees every edge. A circular swing cone applies as well; the projection is into both.
+
+Joint limits: intervals of hinges, swing cone and twist interval of ball joints; excess beyond them, projection into them.
+
+With T the shortest rotation of `axis` onto `centre` and R the rotation of a ball joint, R T^-1 is decomposed into swing and twist
+about `centre`: the swing is the angle between R axis and centre, the twist the remaining rotation about centre.
+"""
+
+from math import atan2, cos, sin, sqrt
+
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.skeleton import Skeleton
+from avatarsim.spatial.tangent import Columns, about, columns, product, turned
+from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub, unit
+from avatarsim.tolerances import ROUNDING
+
+
+@kernel
+def has_reach(skel: Skeleton, link: int) -> bool:
+    """Whether the limb of a link has a spherical polygon."""
+    return bool(skel.reach_first[link + 1] > skel.reach_first[link])
+
+
+@kernel
+def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
+    """Corner k of a link's polygon, the next one, and the unit normal of the edge's plane, which points inside."""
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    start = row(skel.reach_corner, first + k)
+    end = row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first)
+    normal = cross(start, end)
+    return start, end, scale(normal, 1.0 / norm(normal))
+
+
+@kernel
+def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
+    """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    beside = dot(row(skel.reach_side, first), limb)
+    for k in range(first, last):
+        following = k + 1 if k + 1 < last else first
+        # the side where one triangle ends is where the next one begins
+        next_beside = dot(row(skel.reach_side, following), limb)
+        # a direction so little outside an edge counts as on it: projected ones are, by rounding
+        if beside >= -ROUNDING and next_beside <= ROUNDING:
+            normal = cross(row(skel.reach_corner, k), row(skel.reach_corner, following))
+            if dot(scale(normal, 1.0 / norm(normal)), limb) >= -ROUNDING:
+                return True
+        beside = next_beside
+    return False
+
+
+@kernel
+def angle_between(a: Vec3, b: Vec3) -> float:
+    """Angle [rad] of two unit vectors."""
+    return atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def chord(a: Vec3, b: Vec3) -> float:
+    """Squared distance of two unit vectors: it grows as their angle does and costs no arc tangent."""
+    way = sub(a, b)
+    return dot(way, way)
+
+
+@kernel
+def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
+    """The point of the great arc from start to end that is nearest to a unit direction."""
+    foot = sub(limb, scale(inward, dot(inward, limb)))
+    length = norm(foot)
+    if length > ROUNDING:
+        foot = scale(foot, 1.0 / length)
+        if dot(cross(inward, start), foot) >= 0.0 and dot(cross(end, inward), foot) >= 0.0:
+            return foot
+    return start if dot(start, limb) >= dot(end, limb) else end
+
+
+@kernel
+def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
+    """Angle [rad] by which a unit direction is outside the polygon; 0 inside."""
+    if is_in_reach(skel, link, limb):
+        return 0.0
+    nearest = 10.0
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        start, end, inward = edge(skel, link, k)
+        nearest = min(nearest, angle_between(nearest_on_edge(start, end, inward, limb), limb))
+    return nearest
+
+
+@kernel
+def swing_of(skel: Skeleton, link: int, limb: Vec3) -> float:
+    """Angle [rad] of a unit direction to the centre of the circular swing cone."""
+    return angle_between((skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5]), limb)
+
+
+@kernel
+def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3:
+    """The direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
+
+    The edge of what is allowed consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest of
+    an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
+    """
+    if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
+        return limb
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    best = row(skel.sight, link)
+    least = chord(best, limb)
+    candidate = nearest_on_circle(centre, most, limb)
+    if chord(candidate, limb) < least and is_in_reach(skel, link, candidate):
+        best, least = candidate, chord(candidate, limb)
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        if is_plane_beyond(skel, link, k, limb, least):
+            continue
+        start, end, inward = edge(skel, link, k)
+        # where that of an edge which is nearest is too far, or allowed, the rest of the edge has nothing to add;
+        # its end is the start of another
+        for which in range(4):
+            if which == 0:
+                candidate = nearest_on_edge(start, end, inward, limb)
+                if not (chord(candidate, limb) < least):
+                    break
+            elif which == 1:
+                candidate = start
+            else:
+                crosses, candidate = crossing(start, end, inward, centre, most, which == 2)
+                if not crosses:
+                    continue
+            away = chord(candidate, limb)
+            if away < least and swing_of(skel, link, candidate) <= most + ROUNDING:
+                best, least = candidate, away
+                if which == 0:
+                    break
+    return best
+
+
+@kernel
+def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
+    """Whether a limb's direction is farther from the plane of an edge than the root of `square`, without computing the root."""
+    first, last = skel.reach_first[link], skel.reach_first[link + 1]
+    normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
+    away = dot(normal, limb)
+    return away * away > square * dot(normal, normal)
+
+
+@kernel
+def nearest_on_circle(centre: Vec3, radius: float, limb: Vec3) -> Vec3:
+    """The direction at angle `radius` [rad] from the centre that is nearest to a limb's."""
+    sideways = sub(limb, scale(centre, dot(centre, limb)))
+    length = norm(sideways)
+    if length < ROUNDING:
+        sideways, length = perpendicular(centre), 1.0  # every one is as near
+    return add(scale(centre, cos(radius)), scale(sideways, sin(radius) / length))
+
+
+@kernel
+def crossing(start: Vec3, end: Vec3, inward: Vec3, centre: Vec3, radius: float, first: bool) -> tuple[bool, Vec3]:
+    """Where the great arc from start to end meets the circle of angle `radius` [rad] about a centre: one of two places."""
+    # on the great circle, in the plane of the arc, the angle to the centre is least towards the centre's own foot
+    foot = sub(centre, scale(inward, dot(inward, centre)))
+    length = norm(foot)
+    if not (length > ROUNDING and abs(cos(radius)) <= length):
+        return False, start
+    towards = scale(foot, 1.0 / length)
+    turn = acos_of(cos(radius) / length)
+    along_arc = cross(inward, towards)
+    place = add(scale(towards, cos(turn)), scale(along_arc, sin(turn) if first else -sin(turn)))
+    within = dot(cross(inward, start), place) >= 0.0 and dot(cross(end, inward), place) >= 0.0
+    return within, place
+
+
+@kernel
+def acos_of(cosine: float) -> float:
+    """The angle [rad] of a cosine in [-1, 1], by the arc tangent."""
+    return atan2(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine)
+
+
+UNLIMITED_COSINE = -2.0
+"""Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
+
+SURELY = 1e-10
+"""[rad] a ball so far inside its limits is inside whatever the rounding; smaller: rounding could pass one that is outside. Within
+this of a half turn from an end the sine is not conclusive; then the angles are computed."""
+
+INWARD = 1e-9
+"""Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
+
+LEFT_ALONE = 2.0 * INWARD
+"""[rad] a target so far inside its limits stays as it is, without computing its angles."""
+
+
+@kernel
+def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
+    """Swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
+    axis = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2])
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    limb = turned(turn, axis)
+    back = cross(limb, centre)
+    sine = norm(back)
+    swing = atan2(sine, dot(limb, centre))
+    if sine > 1e-12:
+        back = scale(back, 1.0 / sine)
+    else:
+        back = any_normal(centre)
+        if swing < 1.0:
+            swing = 0.0
+    # swing the limb back onto the centre; what is left turns about the centre
+    relative = product(turn, columns(skel.untwist, link))
+    probe = any_normal(centre)
+    left = about(back, swing, turned(relative, probe))
+    return swing, atan2(dot(centre, cross(probe, left)), dot(probe, left)), back
+
+
+@kernel
+def any_normal(v: Vec3) -> Vec3:
+    """A unit vector at right angles to the unit vector v."""
+    if abs(v[0]) < 0.6:
+        return unit(cross(v, (1.0, 0.0, 0.0)))
+    return unit(cross(v, (0.0, 1.0, 0.0)))
+
+
+@kernel
+def has_cone(skel: Skeleton, link: int) -> bool:
+    """Whether the ball of a link has limits."""
+    return bool(skel.cone[link, 6] > UNLIMITED_COSINE + 0.5)
+
+
+@kernel
+def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
+    """How far the rotation of a ball is beyond its limits [rad], the largest of swing, twist and reach; 0 or less inside."""
+    swing, twist, _ = swing_and_twist(skel, link, turn)
+    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+    excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
+    return max(excess, reach_excess(skel, link, limb_of(skel, link, turn))) if has_reach(skel, link) else excess
+
+
+@kernel
+def surely_inside(skel: Skeleton, link: int, turn: Columns, spare: float) -> bool:
+    """Whether the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: a test without angles,
+    which nearly every ball of every trial passes. Where it fails `cone_excess` decides."""
+    limb, t = limb_of(skel, link, turn), skel.cone
+    centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
+    probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])
+    low, high = (t[link, 16], t[link, 17]), (t[link, 18], t[link, 19])
+    if not surely_in_cone(limb, centre, edge, probe, turned(turn, untwisted), low, high, spare):
+        return False
+    return not has_reach(skel, link) or is_in_reach(skel, link, limb)
+
+
+@kernel
+def surely_in_cone(
+    limb: Vec3, centre: Vec3, edge: tuple[float, float], probe: Vec3, swung: Vec3, low: tuple[float, float],
+    high: tuple[float, float], spare: float,
+) -> bool:
+    """The same for swing and twist alone. `edge`: cosine and sine of the largest swing; the twist takes `probe` to `swung` with
+    the swing undone; low, high: cosines and sines of its ends.
+
+    Takes numbers and not the skeleton, since passing that takes longer than the test.
+    """
+    back, cosine = cross(limb, centre), dot(limb, centre)
+    sine = norm(back)
+    # sine of the angle between the limb and the edge of the cone
+    if not (edge[1] * cosine - edge[0] * sine > spare and sine > spare):
+        return False
+    back = scale(back, 1.0 / sine)
+    # turned back by the swing, whose sine and cosine are known
+    left = add(add(scale(swung, cosine), scale(cross(back, swung), sine)), scale(back, (1.0 - cosine) * dot(back, swung)))
+    x, y = dot(probe, left), dot(centre, cross(probe, left))
+    # the sines of what is left to the ends; where zero is between these only the end on the twist's own side counts
+    to_low, to_high = low[0] * y - low[1] * x, high[1] * x - high[0] * y
+    if low[1] < 0.0 < high[1]:
+        return bool((to_high if y >= 0.0 else to_low) > spare)
+    return bool(min(to_low, to_high) > spare)
+
+
+@kernel
+def limb_of(skel: Skeleton, link: int, turn: Columns) -> Vec3:
+    """Where the limb of a ball points, in the parent's axes."""
+    return turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
+
+
+@kernel
+def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
+    """The rotation itself if the ball allows it, else the limb on the nearest edge of cone and polygon and the twist clipped."""
+    swing, twist, back = swing_and_twist(skel, link, turn)
+    centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    most = max(0.0, atan2(skel.cone[link, 7], skel.cone[link, 6]) - INWARD)
+    low, high = skel.cone[link, 8] + INWARD, skel.cone[link, 9] - INWARD
+    if low > high:
+        low = high = 0.5 * (low + high)
+    # an angle outside the interval goes to the nearer end, measured around the circle
+    clipped = twist
+    if twist < low or twist > high:
+        to_low, to_high = abs(wrapped(twist - low)), abs(wrapped(twist - high))
+        clipped = low if to_low < to_high else high
+    inside = swing <= most
+    limb = limb_of(skel, link, turn)
+    allowed = limb
+    if has_reach(skel, link):
+        inside = inside and is_in_reach(skel, link, limb)
+        if not inside:
+            allowed = nearest_in_reach(skel, link, limb, most)
+    if inside and clipped == twist:
+        return turn
+    # unswing, correct the twist, swing out again as far as allowed
+    out, again = min(swing, most), back
+    if not inside and has_reach(skel, link):
+        again = cross(allowed, centre)
+        sine = norm(again)
+        out = atan2(sine, dot(allowed, centre))
+        again = scale(again, 1.0 / sine) if sine > 1e-12 else back
+    x, y, z = turn
+    x, y, z = about(back, swing, x), about(back, swing, y), about(back, swing, z)
+    x, y, z = about(centre, clipped - twist, x), about(centre, clipped - twist, y), about(centre, clipped - twist, z)
+    return about(again, -out, x), about(again, -out, y), about(again, -out, z)
+
+
+@kernel
+def wrapped(angle: float) -> float:
+    """The same angle in [-pi, pi]."""
+    return atan2(sin(angle), cos(angle))

@@ -1,0 +1,246 @@
+"""Kinematic trees of all avatars as arrays: links, joints and joint limits.
+
+Forward kinematics: from a posture and a step in its tangent space to the poses of links.
+
+Tangent space: translation of a free root in the world's axes, rotation vector of roots and balls in the link's own axes (the step
+R exp(w)), angles of hinges. World axes are those of the geometric Jacobian (Featherstone 2008, chapter 4).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.model.geometry import Geometry, Poses, place
+from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, ReachCone, Rigid, SwingTwist
+from avatarsim.scene.scene import Scene
+from avatarsim.spatial import rotation
+from avatarsim.spatial.tangent import about, columns, product, put_columns, stepped, straightened, turned
+from avatarsim.spatial.vec3 import Rows, add, put_row, row
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+RIGID, HINGES, BALL, FREE = 0, 1, 2, 3
+"""Kinds of joints. Tangent degrees of freedom: none, one per hinge, three, six (translation, then rotation)."""
+
+UNLIMITED = 1e9
+"""Stands for no limit [rad, m]: far beyond any angle or place, yet safe to subtract."""
+
+
+class Skeleton(NamedTuple):
+    """Constants of nl links with nd tangent degrees of freedom.
+
+    first      body index of link 0; link i is body first + i
+    kind       (nl) joint kind
+    parent     (nl) parent link, -1 at a root
+    first_dof  (nl + 1) tangent degrees of link i are first_dof[i] .. first_dof[i + 1]
+    anchor     (nl, 3) joint centre in the parent's frame [m]
+    rest       (nl, 3, 3) link frame in the parent's at zero
+    axis       (nd, 3) hinge axes in the link frame
+    limits     (nd, 2) hinge limits [rad]
+    cone       (nl, 20) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
+               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; what follows from these: a unit vector at
+               right angles to the centre 10:13, the same through `untwist` 13:16, cosine and sine of the twist low 16:18 and
+               high 18:20, zeros where these are beyond half a turn
+    untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre in the parent's frame, after `rest`
+    reach_first (nl + 1) corners of the spherical polygon of link i are reach_first[i] .. reach_first[i + 1]; none: no polygon
+    reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
+    reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound what an edge spans with it
+    sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
+    related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
+    """
+
+    first: int
+    kind: IndexLine
+    parent: IndexLine
+    first_dof: IndexLine
+    anchor: Vectors
+    rest: Matrices
+    axis: Vectors
+    limits: Grid
+    cone: Grid
+    untwist: Matrices
+    reach_first: IndexLine
+    reach_corner: Vectors
+    reach_side: Vectors
+    sight: Vectors
+    related: FlagGrid
+
+
+class Posture(NamedTuple):
+    """A posture: root position (nl, 3), rotation (nl, 3, 3) of balls and roots, hinge angle (nd)."""
+
+    root: Vectors
+    turn: Matrices
+    angle: Line
+
+
+def skeleton(scene: Scene) -> Skeleton:
+    """Arrays of all links of `scene`."""
+    links, nl = scene.links, len(scene.links)
+    kind, parent, first_dof = np.zeros(nl, dtype=np.int64), np.full(nl, -1, dtype=np.int64), [0]
+    axis: list[tuple[float, float, float]] = []
+    limits: list[tuple[float, float]] = []
+    cone, untwist = np.zeros((nl, 20)), np.tile(np.eye(3), (nl, 1, 1))
+    cone[:, 6] = -2.0
+    corners: list[list[float]] = []
+    sides: list[list[float]] = []
+    reach_first, sight = [0], np.zeros((nl, 3))
+    at: dict[tuple[str, str], int] = {}
+    owned = [(avatar, link) for avatar in scene.avatars for link in avatar.links]
+    for i, (avatar, link) in enumerate(owned):
+        at[avatar.name, link.name] = i
+        if link.parent is not None:
+            parent[i] = at[avatar.name, link.parent]
+        joint = link.joint
+        if isinstance(joint, Hinges):
+            kind[i] = HINGES
+            axis += [hinge.axis for hinge in joint.hinges]
+            kept = scene.effects.limits
+            limits += [(hinge.lower, hinge.upper) if kept else (-UNLIMITED, UNLIMITED) for hinge in joint.hinges]
+        elif not isinstance(joint, Rigid):
+            kind[i] = FREE if isinstance(joint, Free) else BALL
+            free = 6 if isinstance(joint, Free) else 3
+            axis += [(0.0, 0.0, 0.0)] * free
+            limits += [(-UNLIMITED, UNLIMITED)] * free
+            if isinstance(joint, Ball):
+                # limits are stated in the parent's frame; the kernels see the turn from the link's frame at zero
+                rest = rotation.to_matrix(link.orientation)
+                polygon = joint.cone if scene.effects.reach_cones else None
+                swing = joint.limits if scene.effects.limits else None
+                if polygon is not None:
+                    sight[i] = polygon.visible_point @ rest
+                    corners += (polygon.vertices @ rest).tolist()
+                    sides += np.cross(sight[i], polygon.vertices @ rest).tolist()
+                    swing = swing or wide_open(joint, polygon, rest)
+                if swing is not None:
+                    cone[i, :10] = [*swing.axis, *(swing.centre @ rest), np.cos(swing.swing), np.sin(swing.swing), *swing.twist]
+                    untwist[i] = rotation.to_matrix(rotation.between(swing.axis, swing.centre)).T @ rest
+                    cone[i, 10:] = twist_told(cone[i, 3:6], untwist[i], *swing.twist)
+        first_dof.append(len(axis))
+        reach_first.append(len(corners))
+    related = np.eye(nl, dtype=np.bool_)
+    for i in range(nl):
+        if parent[i] >= 0:
+            related[i] |= related[parent[i]]
+    return Skeleton(
+        len(scene.bodies), kind, parent, np.array(first_dof, dtype=np.int64),
+        np.array([link.anchor for link in links], dtype=np.float64).reshape(nl, 3),
+        np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
+        np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
+        cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3),
+        np.array(sides, dtype=np.float64).reshape(-1, 3), sight, related,
+    )
+
+
+def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
+    """Precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
+    aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
+    aside /= np.linalg.norm(aside)
+    ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4
+    return [*aside, *(untwist @ aside), *ends]
+
+
+def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
+    """Swing and twist without limits around a polygon: its limb is that of the joint's own limits, if it has any, else what
+    points to the polygon's visible point when the joint is at zero, with the link's frame ``rest`` (3, 3) in the parent's."""
+    if joint.limits is not None:
+        axis, centre = joint.limits.axis, joint.limits.centre
+    else:
+        centre = polygon.visible_point
+        x, y, z = centre @ rest
+        axis = (float(x), float(y), float(z))
+    return SwingTwist(axis, centre, WIDEST_SWING, (-PI, PI))
+
+
+def hinge_dofs(skel: Skeleton) -> Index:
+    """Tangent index of every hinge, in the order of TrackerSample.angles."""
+    hinged = np.flatnonzero(skel.kind == HINGES)
+    spans = [range(skel.first_dof[link], skel.first_dof[link + 1]) for link in hinged]
+    return np.array([j for span in spans for j in span], dtype=np.int64)
+
+
+@kernel
+def forward(geo: Geometry, skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
+    """Poses of all links at `posture` displaced by `step` (nd), shapes and all; world axes (nd, 3) of every degree of freedom."""
+    carry(skel, posture, step, poses_out, axes_out)
+    place_links(geo, skel, poses_out)
+
+
+@kernel
+def place_links(geo: Geometry, skel: Skeleton, poses_out: Poses) -> None:
+    """Carry the shapes of all links to where `carry` has put these."""
+    for link in range(skel.kind.shape[0]):
+        place(geo, poses_out, skel.first + link)
+
+
+@kernel
+def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
+    """The same of positions, rotations and axes alone: a hand of many pieces takes most of its time for their vertices."""
+    carry_links(skel, 0, skel.kind.shape[0], posture, step, poses_out, axes_out)
+
+
+@kernel
+def carry_links(
+    skel: Skeleton, first: int, end: int, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows
+) -> None:
+    """Positions and rotations of links first .. end - 1, whole avatars, at `posture` displaced by `step` (nd), and axes (nd, 3).
+
+    Hinge: angle + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
+    """
+    kinds, first_dof, parents, bodies = skel.kind, skel.first_dof, skel.parent, skel.first
+    anchors, rests, axis_of = skel.anchor, skel.rest, skel.axis
+    turns, roots, angles, positions, rotations = posture.turn, posture.root, posture.angle, poses_out.position, poses_out.rotation
+    for link in range(first, end):
+        d, kind, parent = first_dof[link], kinds[link], parents[link]
+        if kind == FREE:
+            origin = (roots[link, 0] + step[d], roots[link, 1] + step[d + 1], roots[link, 2] + step[d + 2])
+            frame = stepped(columns(turns, link), (step[d + 3], step[d + 4], step[d + 5]))
+            for i in range(3):
+                for k in range(3):
+                    axes_out[d + i, k] = 1.0 if i == k else 0.0
+                put_row(axes_out, d + 3 + i, frame[i])
+        else:
+            if parent >= 0:
+                carrier = columns(rotations, bodies + parent)
+                origin = add(row(positions, bodies + parent), turned(carrier, row(anchors, link)))
+                frame = product(carrier, columns(rests, link))
+            else:
+                origin, frame = row(anchors, link), columns(rests, link)
+            if kind == BALL:
+                frame = product(frame, stepped(columns(turns, link), (step[d], step[d + 1], step[d + 2])))
+                for i in range(3):
+                    put_row(axes_out, d + i, frame[i])
+            elif kind == HINGES:
+                for j in range(d, first_dof[link + 1]):
+                    axis, angle = turned(frame, row(axis_of, j)), angles[j] + step[j]
+                    put_row(axes_out, j, axis)
+                    frame = (about(axis, angle, frame[0]), about(axis, angle, frame[1]), about(axis, angle, frame[2]))
+        put_row(positions, bodies + link, origin)
+        put_columns(rotations, bodies + link, frame)
+
+
+@kernel
+def displace(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
+    """Make posture + step the posture, limits or not."""
+    displace_links(skel, 0, skel.kind.shape[0], posture_out, step)
+
+
+@kernel
+def displace_links(skel: Skeleton, first: int, end: int, posture_out: Posture, step: Rows) -> None:
+    """The same of links first .. end - 1; rotations are straightened, or they would drift apart over the frames."""
+    for link in range(first, end):
+        d, kind = skel.first_dof[link], skel.kind[link]
+        if kind == FREE:
+            for k in range(3):
+                posture_out.root[link, k] += step[d + k]
+            d += 3
+        if kind == FREE or kind == BALL:
+            frame = stepped(columns(posture_out.turn, link), (step[d], step[d + 1], step[d + 2]))
+            put_columns(posture_out.turn, link, straightened(frame))
+        elif kind == HINGES:
+            for j in range(d, skel.first_dof[link + 1]):
+                posture_out.angle[j] += step[j]

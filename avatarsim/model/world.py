@@ -1,0 +1,180 @@
+"""Layout of the arenas of a world and of a target: see `jit.arena`.
+
+World: all arrays of a scene, the constant model and the state that the stages of a frame write.
+
+Target posture of a frame: the tracker sample as arrays, checked as it is read.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import ClassVar, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import AvatarsimError, InvalidSample
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Index, IndexLine
+from avatarsim.model.conversion import read_sample, write_shown
+from avatarsim.model.dynamics import Dynamics, Velocities, dynamics, velocities
+from avatarsim.model.geometry import Geometry, Poses, geometry, poses
+from avatarsim.model.skeleton import Posture, Skeleton, hinge_dofs, skeleton
+from avatarsim.scene.body import Role
+from avatarsim.scene.checks import as_number, real_array
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from avatarsim.spatial import rotation
+
+
+class WorldParts(NamedTuple):
+    """Arrays of a world."""
+
+    geometry: Geometry
+    dynamics: Dynamics
+    poses: Poses
+    velocities: Velocities
+    skeleton: Skeleton
+    posture: Posture
+
+
+class TargetParts(NamedTuple):
+    """The tracker's posture of this frame; one to read a sample into; the degree of freedom of every hinge angle in a sample."""
+
+    posture: Posture
+    incoming: Posture
+    hinges: IndexLine
+
+
+Array = NDArray[np.float64]
+
+FLOAT64: Final = np.dtype(np.float64)
+"""The one that nearly all arrays of that kind carry; the others are copied."""
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Arrays built once from a scene; `words` is the arena that the next six are views of.
+
+    `centres` (nb, 3) are centres of mass in body frames, the origin of simulated bodies; `hinges` the degree of freedom of every
+    hinge angle in a TrackerSample.
+    """
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture")
+    WORKING: ClassVar[tuple[str, ...]] = ()
+
+    scene: Scene
+    words: NDArray[np.int64]
+    geometry: Geometry
+    skeleton: Skeleton
+    dynamics: Dynamics
+    poses: Poses
+    velocities: Velocities
+    posture: Posture
+    centres: Array
+    hinges: NDArray[np.int64]
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: what changes in a world are real numbers."""
+        return {}
+
+
+def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:
+    """The sample as arrays for the kernels; the sample has been checked."""
+    nl = len(skel.kind)
+    posture = Posture(np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(skel.first_dof[-1]))
+    read_sample(*sample_arrays(sample), hinges, posture)
+    return posture
+
+
+def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
+    """Positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
+    return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
+
+
+def _ready(array: Array) -> Array:
+    # np.require finds this out in three times the time
+    if type(array) is np.ndarray and array.dtype is FLOAT64 and array.flags.carray:
+        return array
+    return np.require(real_array(array), np.float64, ["C", "W"])
+
+
+def build(scene: Scene) -> World:
+    """The world of `scene` at its first poses."""
+    geo, skel = geometry(scene), skeleton(scene)
+    hinges = hinge_dofs(skel)
+    link_position, link_orientation = link_poses(scene.avatars, scene.first_sample)
+    centres = np.zeros((len(scene.names), 3))
+    for b, body in enumerate(scene.bodies):
+        if body.role is Role.SIMULATED and body.mass is not None:
+            centres[b] = body.mass.centre
+    position = np.vstack([np.array([body.position for body in scene.bodies], dtype=np.float64).reshape(-1, 3), link_position])
+    orientation = np.vstack(
+        [np.array([body.orientation for body in scene.bodies], dtype=np.float64).reshape(-1, 4), link_orientation]
+    )
+    placed = poses(geo, position + rotation.rotate(orientation, centres), orientation)
+    posture = posture_of(skel, hinges, scene.first_sample)
+    words, (geo, masses, placed, speeds, skel, posture) = packed(
+        WorldParts(geo, dynamics(scene), placed, velocities(scene), skel, posture)
+    )
+    return World(scene, words, geo, skel, masses, placed, speeds, posture, centres, hinges)
+
+
+def shown_poses(world: World) -> tuple[Array, Array]:
+    """Positions (n, 3) and orientations (n, 4) of body frames now."""
+    n = len(world.centres)
+    return shown_again(world, (np.empty((n, 3)), np.empty((n, 4))), 0)
+
+
+def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
+    """The same, with the entries of `before` for bodies below `first`, which have not moved since: most bodies are furniture."""
+    position, orientation = before[0].copy(), before[1].copy()
+    if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
+        raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
+    return position, orientation
+
+
+@kernel
+def read_opened(positions: Array, rotations: Array, angles: Array, target: Index) -> bool:
+    """`read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
+    parts = opened(target, TargetParts)
+    if not read_sample(positions, rotations, angles, parts.hinges, parts.incoming):
+        return False
+    return read_sample(positions, rotations, angles, parts.hinges, parts.posture)
+
+
+class Target:
+    """The latest tracker sample. A bad one raises InvalidSample and leaves the last good one in place."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("posture",)
+    WORKING: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        first = posture_of(world.skeleton, world.hinges, world.scene.first_sample)
+        incoming = Posture(*(array.copy() for array in first))
+        self.words, (self.posture, _, hinges) = packed(TargetParts(first, incoming, world.hinges))
+        self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Nothing: a posture is real numbers."""
+        return {}
+
+    def read(self, sample: TrackerSample) -> None:
+        """Check the sample and take it over."""
+        try:
+            positions, rotations, angles = sample_arrays(sample)
+        except (AttributeError, TypeError, ValueError) as error:
+            checked(sample, self.world.scene.avatars)
+            raise InvalidSample("tracker sample", sample, "a TrackerSample of numbers") from error
+        time, fits = sample.time, (positions.shape, rotations.shape, angles.shape) == self._shapes
+        good = fits and isfinite(time if type(time) is float else as_number(time))
+        if not (good and read_opened(positions, rotations, angles, self.words)):
+            # the slow check finds which value is wrong, for the message
+            checked(sample, self.world.scene.avatars)
+            raise InvalidSample("tracker sample", sample, "finite, and quaternions of length 1")

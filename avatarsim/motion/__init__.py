@@ -1,1 +1,0 @@
-"""Motion: paths of rigid bodies and their times of impact. Reads velocities, writes poses."""

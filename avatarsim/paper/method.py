@@ -1,0 +1,96 @@
+"""Lower loop of method `paper` (Schmidl and Lin 2004) as the frame sees it: postures, velocities of links, impulses received."""
+
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.counters import Tally
+from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
+from avatarsim.engine import Snapshot
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import entry_kernel
+from avatarsim.model.geometry import OPEN, Poses
+from avatarsim.model.world import Target, TargetParts, World, WorldParts
+from avatarsim.paper.algorithm_1 import follow_as_printed
+from avatarsim.paper.state import COUNT_NAMES, STATUS_NAMES, WORKING, PaperMemory, make_paper_memory
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
+from avatarsim.spatial.random import MODULUS
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class PaperParts(NamedTuple):
+    """What lies in the arena of the lower loop."""
+
+    settings: PaperSettings
+    coupling: CouplingSettings
+    attraction: AttractionSettings
+    memory: PaperMemory
+
+
+@entry_kernel
+def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
+    """`follow_as_printed` on the arenas of a world, its target and what the loop keeps."""
+    w, own, tracker = opened(world, WorldParts), opened(kept, PaperParts), opened(target, TargetParts).posture
+    follow_as_printed(
+        w.geometry, w.skeleton, tracker, dt, own.settings, own.coupling, own.attraction, w.posture, w.poses, own.memory
+    )
+
+
+class PaperLoop:
+    """The driven bodies of a world under method `paper`. `seed` settles the order in which chains are treated."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("_kept", "_before")
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = WORKING
+
+    def __init__(
+        self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
+    ) -> None:
+        self.world = world
+        self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
+        self.memory = own.memory
+        self._before = Poses(*(array.copy() for array in world.poses))
+        self._no_rate = np.zeros_like(self.memory.velocity)
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """The order of the chains, the state of their generator, and families, which are only compared."""
+        return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
+
+    def go_on(self, begun: bool) -> None:
+        """The memory was replaced, and with it the pair filter: the broad phase begins anew."""
+        fat = self.memory.overlaps.sweep.fat
+        fat[:, :3], fat[:, 3:] = np.inf, -np.inf
+
+    def watch(self, moving: Index) -> None:
+        """Nothing: this loop checks all bodies in every frame."""
+
+    def follow(self, target: Target, dt: float) -> None:
+        """One frame towards the tracker's posture; the velocities of links are those of their displayed motion."""
+        world = self.world
+        np.copyto(self._before.position, world.poses.position)
+        np.copyto(self._before.rotation, world.poses.rotation)
+        follow_printed(world.words, target.words, self._kept, dt)
+        if world.scene.effects.dynamics:
+            tracked_velocities(world.skeleton, self._before, world.poses, self._no_rate, dt, world.velocities)
+
+    def receive(self, impulses: Array, moving: Index, target: Target) -> None:
+        """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
+        give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
+
+    def passed(self, time: float) -> tuple[Snapshot, ...]:
+        """Nothing: states within the rounds overlap, and are not shown."""
+        return ()
+
+    def counts(self) -> Tally:
+        """Work done in the last frame."""
+        return Tally(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tobytes())
+
+    def statuses(self) -> dict[str, int]:
+        """What did not end well in the last frame, and how often."""
+        found = zip(STATUS_NAMES, self.memory.counts[len(COUNT_NAMES) :].tolist(), strict=True)
+        return {name: count for name, count in found if count}

@@ -1,0 +1,332 @@
+"""Sliding contacts within a segment of constant forces: which of them slip, when the first slip ends, their kinetic friction.
+
+Resting contact forces (Baraff 1994), constant over a segment of time: for bodies that stay in contact, at rest or sliding.
+
+Unlike there the forces reach velocities at the end of the segment, and come from the contact solver (projected Gauss-Seidel).
+"""
+
+from math import hypot, inf
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.jit.kernel import kernel
+from avatarsim.rigid.contact_law import kinetic_friction, tangential_velocity
+from avatarsim.rigid.contacts import (
+    NOT_DRIVEN,
+    POINTS_OF_PAIR,
+    SHARP,
+    Contacts,
+    Masses,
+    axis,
+    push_along,
+    velocity_at,
+    weigh_after,
+)
+from avatarsim.rigid.solver import change, solve_contacts, solve_roughly, sweeps, unsolved
+from avatarsim.spatial.tangent import columns, turned
+from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row, sub
+
+Array = NDArray[np.float64]
+
+SLIPPED = 1e-8
+"""The end of a slip is looked for if it would go farther than this [m] in the segment, and is faster than `remainder`."""
+
+PARALLEL = 1e-9
+"""Normals nearer to each other than this are of one face."""
+
+
+@kernel
+def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
+    """Whether contacts i and k are of the same shapes, or of one body and one immovable face, which may be of several pieces."""
+    if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
+        return True
+    if contacts.driven[i] != contacts.driven[k]:
+        return False
+    for side in range(2):
+        if contacts.body[i, side] != contacts.body[k, side]:
+            if masses.inverse_mass[contacts.body[i, side]] > 0.0 or masses.inverse_mass[contacts.body[k, side]] > 0.0:
+                return False
+    return norm(sub(axis(contacts, i, 0), axis(contacts, k, 0))) < PARALLEL
+
+
+@kernel
+def remainder(contacts: Contacts, k: int, h: float, angular: Array, angular_end: Array) -> float:
+    """Speed [m/s] at which contact k may slip after a segment of h seconds that was to hold it.
+
+    Constant forces include the lever arms of the midpoint and the bias acceleration of the start; the error is h^2 / 2 (w x r'' +
+    w' x r'), at most h^2 / 2 w (w^2 + 2 w') r. Ended as a slip, it would shorten the segments of a pivoting corner without end.
+    """
+    if contacts.smooth[k] != SHARP:
+        return 0.0
+    found = 0.0
+    for side in range(2):
+        b = contacts.body[k, side]
+        arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
+        w, gain = norm(row(angular, b)), norm(sub(row(angular_end, b), row(angular, b)))
+        found += norm(arm) * w * h * (w * w * h + 2.0 * gain)
+    return 0.5 * found
+
+
+@kernel
+def slip_that_ends(
+    contacts: Contacts, k: int, h: float, linear: Array, angular: Array, angular_end: Array
+) -> tuple[Vec3, float]:
+    """(slip velocity of contact k at the start of a segment of h seconds, its norm [m/s]); zero where its end is not searched."""
+    u = tangential_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+    slip = norm(u)
+    if slip * h > SLIPPED and slip > remainder(contacts, k, h, angular, angular_end):
+        return u, slip
+    return (0.0, 0.0, 0.0), 0.0
+
+
+@kernel
+def end_of_slip(
+    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
+) -> float:
+    """Time <= h at which the first slip ends.
+
+    Summed over the points of a face that slip at the start, since their shares of the friction are not unique. Less friction than
+    sliding gives means that the slip ended at that part of h; a slip that reversed went through zero meanwhile. Whether it ended
+    follows from the sizes of the friction impulses: under a spinning box they cancel as vectors although no point sticks. When it
+    ended follows from their power: impulses of points that only strain against each other have none together.
+    """
+    soonest = h
+    count, start = contacts.used[0], 0
+    while start < count:
+        end, limit, pull, touching, power, most = start, 0.0, 0.0, -1, 0.0, 0.0
+        while end < count and one_face(contacts, masses, start, end):
+            if contacts.impulse[end, 0] > 0.0:
+                u0, slip = slip_that_ends(contacts, end, h, linear, angular, angular_end)
+                if slip > 0.0:
+                    limit += contacts.friction[end] * contacts.impulse[end, 0]
+                    pull += hypot(contacts.impulse[end, 1], contacts.impulse[end, 2])
+                    most += contacts.friction[end] * contacts.impulse[end, 0] * slip
+                    for i in range(1, 3):
+                        power -= contacts.impulse[end, i] * dot(axis(contacts, end, i), u0)
+                    touching = end
+            end += 1
+        if limit > 0.0:
+            n = axis(contacts, touching, 0)
+            u0 = tangential_velocity(n, velocity_at(contacts, touching, linear, angular))
+            slip, share = norm(u0), pull / limit
+            u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
+            u1 = tangential_velocity(n, u1)
+            if share < 1.0 - 1e-7:
+                share = power / most if 0.0 < power < share * most else share
+                soonest = min(soonest, h * share)
+            elif dot(u0, u1) < 0.0:
+                soonest = min(soonest, h * slip / (slip + norm(u1)))
+        start = end
+    return soonest
+
+
+@kernel
+def slip_on(
+    contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
+) -> None:
+    """Set kinetic friction at all contacts that slip at the start of a segment of h seconds, as if they slipped throughout."""
+    for k in range(contacts.used[0]):
+        u, slip = slip_that_ends(contacts, k, h, linear, angular, angular_end)
+        if contacts.driven[k] == NOT_DRIVEN and contacts.impulse[k, 0] > 0.0 and slip > 0.0:
+            along_x, along_y = dot(axis(contacts, k, 1), u), dot(axis(contacts, k, 2), u)
+            x, y = kinetic_friction(contacts.friction[k], contacts.impulse[k, 0], along_x, along_y, slip)
+            change(contacts, masses, k, (0.0, x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]), linear_end, angular_end)
+
+
+Index = NDArray[np.int64]
+
+STAND_OFF = 2e-8
+"""Gap [m] at which bodies stop, meet and rest. The first apex of a bounce of height h is off by 2e-8/h; must stay above about a
+hundred roundings of a coordinate, see `motion.time_of_impact`."""
+
+LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
+"""Heights in stand-offs: a held point below LEVEL stays at its height, a higher one is brought down to LEVEL. Among more than
+DETERMINED points it may stay up to HOVER: a body may have more of them than it needs, and the corners of one face, a nanometre
+apart in height, would ask for velocities that no rigid body can have at once."""
+
+PARTING = 5e-4
+"""Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
+below the slowest rebound of `impact_queue`."""
+
+HOP = 1e-6
+"""Slower separations are braked over the segment if they rise less than half of this [m] meanwhile. Without it a box that settles
+rocks from corner to corner by nanometres, thousands of times."""
+
+LIFT = 2e-4
+"""Speed [m/s] at which a dip is lifted, if the body has the energy for it (`can_pay`): within 3 ms, and a flight of 2e-9 m at its
+end. Lifting by position projection instead would feed rocking bodies with potential energy, and they would never rest."""
+
+PAYS = 400.0
+"""A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times the cost of the lift on Earth. Slower bodies
+stay in their dip, since lifting them would add energy."""
+
+SOLVED = 1e-9
+"""Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times
+slower."""
+
+SWEEPS = 600
+"""Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
+
+GUESSES = 8
+"""Rounds in which normals are solved and the friction of slipping contacts is set in turn, before all are solved together."""
+
+ALONE = 32
+"""Most contact points for which that is done. Among more, some slip and some stick, and it does not converge."""
+
+ATTEMPTS = 6
+"""Times one segment may be shortened because a slip ends inside it."""
+
+
+class Care(NamedTuple):
+    """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
+    attempts; 1 attempt asks for `solve_roughly`."""
+
+    tolerance: float
+    first: int
+    sweeps: int
+    attempts: int
+
+
+@kernel
+def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
+    """Whether the kinetic energy of a body of contact k can pay for lifting it by ``dip`` [m]."""
+    v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
+    return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * contacts.pace[0] * contacts.pace[0] * dip)
+
+
+@kernel
+def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
+    """Distance [m] by which contact k is to close, or, below 0, to open; 0 where neither body has the energy for the lift."""
+    gap = contacts.gap[k]
+    stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
+    way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
+    return 0.0 if way < 0.0 and not can_pay(contacts, k, -gap, linear) else float(way)
+
+
+@kernel
+def known_bend(contacts: Contacts, k: int, angular: Array) -> Vec3:
+    """Part [m/s^2] of the bias acceleration of contact k due to its turning lever arms; midpoint arms include half of it."""
+    a, b = contacts.body[k, 0], contacts.body[k, 1]
+    return sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
+
+
+@kernel
+def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
+    """Set the bias velocities of all contacts after h seconds of constant force, from velocities at the start.
+
+    Velocities at the end are taken with the lever arms of the midpoint, so the bias acceleration is added to the target, less the
+    half of `known_bend` that those arms include already.
+    """
+    for k in range(contacts.used[0]):
+        v = dot(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
+        if v * h > HOP or v > PARTING * contacts.pace[0]:
+            contacts.target[k] = -inf
+            for i in range(3):
+                contacts.impulse[k, i] = 0.0
+        else:
+            way = way_to_go(contacts, k, linear)
+            bend = along(row(contacts.bend, k), -0.5, known_bend(contacts, k, angular))
+            contacts.target[k] = -h * dot(axis(contacts, k, 0), bend) - max(-LIFT * contacts.pace[0], 2.0 * way / h)
+            contacts.slide[k, 0] = -h * dot(axis(contacts, k, 1), bend)
+            contacts.slide[k, 1] = -h * dot(axis(contacts, k, 2), bend)
+
+
+@kernel
+def aim_at_once(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
+    """Set the bias velocities of all contacts over all of h seconds, on straight paths: so that no gap is closed at their end.
+
+    Half of the bias acceleration is added, less the part in the midpoint arms. A contact that would open at the end would dip
+    midway; it opens at once instead.
+    """
+    for k in range(contacts.used[0]):
+        way = way_to_go(contacts, k, linear)
+        bend = sub(row(contacts.bend, k), known_bend(contacts, k, angular))
+        contacts.target[k] = max(0.0, -0.5 * h * dot(axis(contacts, k, 0), bend)) - max(-LIFT * contacts.pace[0], way / h)
+        contacts.slide[k, 0] = -0.5 * h * dot(axis(contacts, k, 1), bend)
+        contacts.slide[k, 1] = -0.5 * h * dot(axis(contacts, k, 2), bend)
+
+
+@kernel
+def fall(
+    members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array,
+    angular: Array, linear_end: Array, angular_end: Array,
+) -> None:
+    """Velocities of the members after h seconds without contacts; ``inertia`` (nb, 3, 3) in world axes, gyroscopic unless
+    ``round_``."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        for i in range(3):
+            linear_end[b, i] = linear[b, i] + (h * gravity[i] if moving[b] == 1 else 0.0)
+            angular_end[b, i] = angular[b, i]
+        if moving[b] == 1 and round_[b] == 0:
+            w = row(angular, b)
+            torque = cross(turned(columns(inertia, b), w), w)
+            put_row(angular_end, b, along(w, h, turned(columns(masses.inverse_inertia, b), torque)))
+
+
+@kernel
+def hold(
+    contacts: Contacts, masses: Masses, members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
+    linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array, care: Care,
+    at_once: bool,
+) -> tuple[float, float]:
+    """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
+
+    Args:
+        contacts: hold forces [N] on entry (a guess), impulses over the segment [N s] on return.
+        members: the bodies that the contacts are between, but for fixed and sleeping ones.
+        masses: driven bodies must not yield in them.
+        linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
+        at_once: the velocities at the end are to be those of the whole segment, see `aim_at_once`.
+
+    Returns:
+        (length of the segment [s], residual [m/s]).
+    """
+    for k in range(contacts.used[0]):
+        for i in range(3):
+            contacts.impulse[k, i] *= h
+    residual = 0.0
+    for attempt in range(care.attempts):
+        count = contacts.used[0]
+        # forces at the lever arms of the midpoint do the work along the curved path to second order
+        weigh_after(contacts, masses, 0.5 * h)
+        if at_once:
+            aim_at_once(contacts, h, linear, angular)
+        else:
+            aim(contacts, h, linear, angular)
+        fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
+        for k in range(count):
+            for i in range(3):
+                push_along(contacts, masses, k, i, contacts.impulse[k, i], linear_end, angular_end)
+        residual = unsolved(contacts, 0, count, linear_end, angular_end)
+        for _ in range(GUESSES if attempt > 0 and count <= ALONE else 0):
+            # shortly before a slip ends the solver converges slowest in friction, which is known there
+            if not (residual > 10.0 * care.tolerance):
+                break
+            slip_on(contacts, masses, h, linear, angular, linear_end, angular_end)
+            sweeps(contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, False, before, direction)
+            residual = unsolved(contacts, 0, count, linear_end, angular_end)
+        if residual > 10.0 * care.tolerance or not (residual >= 0.0):
+            if care.attempts == 1:
+                residual = solve_roughly(
+                    contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, care.sweeps, before,
+                    direction,
+                )
+            else:
+                residual = solve_contacts(
+                    contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, care.sweeps, before,
+                    direction,
+                )
+            if not (residual <= 10.0 * care.tolerance):
+                # the end of a slip cannot be found from forces that have not converged
+                break
+        shorter = end_of_slip(contacts, masses, h, linear, angular, linear_end, angular_end)
+        if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == care.attempts - 1:
+            break
+        for k in range(count):
+            for i in range(3):
+                contacts.impulse[k, i] *= shorter / h
+        h = shorter
+    return h, residual

@@ -1,0 +1,116 @@
+"""Sleeping and broad phase of the upper loop: begins a frame, wakes bodies beside driven ones that moved, finds near pairs."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.path import STILL
+from avatarsim.collision.status import NOT_FINITE as SWEEP_NOT_FINITE
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import DRIVEN, SIMULATED, Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses, place
+from avatarsim.rigid.clocks import go_back
+from avatarsim.rigid.contact_generation import note_shown
+from avatarsim.rigid.islands import due_of, part
+from avatarsim.rigid.near_pairs import near_pairs, stands, wake_beside
+from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import put_row, row
+
+Index = NDArray[np.int64]
+
+
+@kernel
+def begin(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, sleeping: bool
+) -> int:
+    """Mark the moving bodies, wake those beside a driven body that moved, and return how many will move in dt seconds.
+
+    Only the flags of fixed and sleeping bodies are read, of which there may be thousands.
+    """
+    moving, asleep = memory.moving, memory.asleep
+    memory.counts[:] = 0
+    memory.owing[0] = 0
+    bodies, awake = moving.shape[0], 0
+    for b in range(bodies):
+        moved, role = moving[b] == 1, dynamics.role[b]
+        if role == SIMULATED and not (sleeping and asleep[b] == 1):
+            asleep[b], moving[b] = 0, 1
+        else:
+            moving[b] = 0
+        # a body that fell asleep in the last frame is reset once more, now at rest
+        if moved or moving[b] == 1 or role == DRIVEN:
+            make_ready(velocities, memory, b)
+    for b in range(bodies):
+        if dynamics.role[b] == DRIVEN:
+            notice_driven(geometry, poses, velocities, dt, memory, b)
+    for b in range(bodies):
+        awake += moving[b]
+    return awake
+
+
+@kernel
+def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
+    """Reset the per-frame state of body b."""
+    nothing = (0.0, 0.0, 0.0)
+    put_row(memory.received, b, nothing)
+    put_row(memory.owed_linear, b, nothing)
+    put_row(memory.owed_angular, b, nothing)
+    memory.paths.kind[b] = STILL
+    memory.islands.spent[b], memory.islands.charged[b] = 0, 0
+    memory.islands.begun[b], memory.islands.due[b] = 0.0, 0.0
+    memory.corrected[b] = -1.0
+    # contacts with bodies at rest read these rows too
+    put_row(memory.linear_end, b, row(velocities.linear, b))
+    put_row(memory.angular_end, b, row(velocities.angular, b))
+
+
+@kernel
+def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: float, memory: Memory, b: int) -> None:
+    """If driven body b was moved, or moves: wake bodies that sleep beside it, and take over its pose and displayed velocity."""
+    trial = memory.trial
+    same = stands(velocities.linear, velocities.angular, b)
+    for i in range(3):
+        same = same and poses.position[b, i] == trial.position[b, i]
+        for k in range(3):
+            same = same and poses.rotation[b, i, k] == trial.rotation[b, i, k]
+    if same:
+        put_row(memory.shown_linear, b, (0.0, 0.0, 0.0))
+        put_row(memory.shown_angular, b, (0.0, 0.0, 0.0))
+        return
+    note_shown(poses, dt, memory, b)
+    wake_beside(trial.hulls, poses.hulls, b, memory.margin[0], memory.wanted, memory.asleep, memory.moving)
+    put_row(memory.began.position, b, row(poses.position, b))
+    put_row(trial.position, b, row(poses.position, b))
+    put_columns(trial.rotation, b, columns(poses.rotation, b))
+    place(geometry, trial, b)
+
+
+@kernel
+def regroup(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, chosen: Index, now: float,
+    dt: float,
+) -> int:
+    """Bound the motion of these bodies from ``now`` to the end of the frame anew, and form the islands that follow.
+
+    Bodies of an island that is joined by one at ``now`` are rolled back to ``now``. Returns DONE, OUT_OF_ROOM or NOT_FINITE.
+    """
+    memory.counts[SWEEPS] += 1
+    status, count = near_pairs(
+        poses.hulls, poses.position, memory.span, chosen, memory.moving, memory.asleep, velocities.linear, velocities.angular,
+        dynamics.gravity, dt - now, memory.margin[0], memory.wanted, memory.boxes, memory.sweep, memory.pairs,
+    )
+    if status == SWEEP_NOT_FINITE:
+        return NOT_FINITE
+    room, islands = memory.pairs.shape[0], memory.islands
+    for b in range(memory.moving.shape[0]):
+        if memory.moving[b] == 1 and memory.joins[b] == 0:
+            # woken just now
+            islands.begun[b], islands.due[b] = now, now
+        memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
+    part(islands, memory.pairs, min(count, room), memory.moving, memory.joins)
+    memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
+    # at the start of a frame too: an island already at the end of the frame may be joined by bodies at its start
+    for b in range(memory.moving.shape[0]):
+        if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
+            go_back(geometry, poses, velocities, memory, b, now)
+    return DONE if count <= room else OUT_OF_ROOM

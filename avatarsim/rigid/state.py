@@ -1,0 +1,289 @@
+"""Recorded events of a frame: the state of all bodies right before and right after each impact.
+
+Events and steps of a frame, from the buffers of the two loops to snapshots that a recording keeps.
+
+State and working memory of the upper loop (Figure 3): allocated once per world, nothing while frames run.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.first_contact import ROUND
+from avatarsim.collision.grid import SweepMemory, make_sweep_memory
+from avatarsim.collision.manifold import Manifold, make_manifold
+from avatarsim.collision.path import Paths, Series, make_paths, make_series
+from avatarsim.collision.scratch import Scratch, make_scratch
+from avatarsim.engine import Snapshot
+from avatarsim.jit.kernel import kernel
+from avatarsim.jit.layout import Cube, Grid, IndexGrid, IndexLine, Line, Matrices, Stack, Vectors
+from avatarsim.model.conversion import write_shown
+from avatarsim.model.dynamics import Dynamics
+from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses
+from avatarsim.model.world import World
+from avatarsim.rigid.contacts import ROOM, ROOM_PER_BODY, Contacts, LastForces, Masses, make_contacts, make_last_forces, pace_of
+from avatarsim.rigid.islands import Islands, Soonest, make_islands, make_soonest
+from avatarsim.rigid.near_pairs import margin_for
+from avatarsim.scene.body import Role
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import put_row, row
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+APPROACH, IMPACT = 0, 1
+"""Kind of an event: right before, and right after, at the same time."""
+
+
+class Events(NamedTuple):
+    """Events k < min(kept[0], cap) in order: time (cap) since the frame began at which the surfaces meet [s], kind, the pair
+    whose impact it is (cap, 2); position (cap, nb, 3), rotation (cap, nb, 3, 3), linear, angular velocity (cap, nb, 3) of all.
+
+    Poses are those at which the impact is resolved, with the stand-off still open. It takes the time gap / speed to close, so the
+    last impact of a frame may be a few nanoseconds past its end, and slow impacts may overtake fast ones of other pairs."""
+
+    kept: IndexLine
+    time: Line
+    kind: IndexLine
+    pair: IndexGrid
+    position: Cube
+    rotation: Stack
+    linear: Cube
+    angular: Cube
+
+
+def make_events(bodies: int, cap: int = 64) -> Events:
+    """Allocate room for ``cap`` events (two per impact) of so many bodies; cap 0 if nothing is recorded."""
+    return Events(
+        np.zeros(1, np.int64), np.zeros(cap), np.zeros(cap, np.int64), np.zeros((cap, 2), np.int64), np.zeros((cap, bodies, 3)),
+        np.zeros((cap, bodies, 3, 3)), np.zeros((cap, bodies, 3)), np.zeros((cap, bodies, 3)),
+    )
+
+
+@kernel
+def record(
+    events: Events, kind: int, time: float, a: int, b: int, position: Array, rotation: Array, linear: Array, angular: Array
+) -> None:
+    """Append one event; the count goes on when there is no room, so that the loss shows."""
+    k = events.kept[0]
+    events.kept[0] = k + 1
+    if k >= events.time.shape[0]:
+        return
+    events.time[k], events.kind[k] = time, kind
+    events.pair[k, 0], events.pair[k, 1] = a, b
+    for body in range(position.shape[0]):
+        put_row(events.position[k], body, row(position, body))
+        put_columns(events.rotation[k], body, columns(rotation, body))
+        put_row(events.linear[k], body, row(linear, body))
+        put_row(events.angular[k], body, row(angular, body))
+
+
+def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...]:
+    """One snapshot per recorded event; `begun` [s] is when the frame began."""
+    kept = []
+    for k in range(min(int(events.kept[0]), len(events.time))):
+        positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
+        write_shown(events.position[k], events.rotation[k], world.centres, 0, positions, orientations)
+        name = "approach" if events.kind[k] == APPROACH else "impact"
+        linear, angular = events.linear[k].copy(), events.angular[k].copy()
+        kept.append(Snapshot(begun + float(events.time[k]), positions, orientations, linear, angular, name))
+    return tuple(kept)
+
+
+def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, ...]:
+    """One snapshot, at `time` [s], per row of the trail (k, nl, 12) of a lower loop: positions [m] and rotations of links; all
+    other bodies, and all velocities, as they are now."""
+    first, kept = world.skeleton.first, []
+    for links in trail:
+        position, rotation = world.poses.position.copy(), world.poses.rotation.copy()
+        position[first:], rotation[first:] = links[:, :3], links[:, 3:].reshape(-1, 3, 3)
+        positions, orientations = np.empty_like(position), np.empty((len(world.centres), 4))
+        write_shown(position, rotation, world.centres, 0, positions, orientations)
+        linear, angular = world.velocities.linear.copy(), world.velocities.angular.copy()
+        kept.append(Snapshot(time, positions, orientations, linear, angular))
+    return tuple(kept)
+
+
+DRIVEN_TOUCH = 4e-4
+"""Gap [m] below which a driven body has contacts, or twice its stand-off if that is more: at a gap below the stand-off it would
+never push anything."""
+
+ROOM_TO_TOUCH = 1.25
+"""Broad-phase margin of driven bodies, as a multiple of that gap. At 1 rounding would decide whether a pair is near."""
+
+BLOCKED_ROOM = 64
+"""Most blocked pairs recorded at once."""
+
+PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
+"""Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
+each. A pair without room is not checked, so its bodies pass through each other: the status says so."""
+
+CANDIDATES_MORE = 4
+"""Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
+
+DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
+"""Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
+proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
+removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
+
+STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
+
+(
+    SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, PLASTIC, STOPPED,
+    BLOCKED, WORK,
+) = range(15)
+"""Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
+was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
+most contacts of an island, most islands, fallback steps, bodies that these stopped, pairs found blocked, and work in units of
+about a tenth of a microsecond."""
+
+COUNT_NAMES = (
+    "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
+    "positions_corrected", "sweep_and_prune", "contacts", "islands", "plastic_steps", "bodies_stopped", "pairs_blocked", "work",
+)
+
+
+class Switches(NamedTuple):
+    """Effects that can be off. paper: eq. 10 unlimited and point by point, as printed; record: write impacts into the events."""
+
+    gyroscopic: bool = True
+    continuous: bool = True
+    sleeping: bool = True
+    paper: bool = False
+    record: bool = False
+
+
+class Memory(NamedTuple):
+    """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
+
+    strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
+    the centre of mass. trial: poses used while searching for impacts; between frames those of the last frame. owed_linear,
+    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`. began: poses at
+    the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected (nb) time of
+    the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies (nb);
+    blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which a pair counts as blocked; frames (1) so far;
+    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
+    margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body has contacts; soonest: event queue, see
+    `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven bodies.
+    """
+
+    received: Vectors
+    moving: IndexLine
+    asleep: IndexLine
+    ball: IndexLine
+    round: IndexLine
+    held: IndexLine
+    strike: Masses
+    hold: Masses
+    inertia: Matrices
+    reach: Line
+    span: Line
+    trial: Poses
+    paths: Paths
+    series: Series
+    contacts: Contacts
+    manifold: Manifold
+    scratch: Scratch
+    linear_end: Vectors
+    angular_end: Vectors
+    before: Vectors
+    direction: Vectors
+    boxes: Grid
+    wanted: PairFilter
+    sweep: SweepMemory
+    pairs: IndexGrid
+    a_rows: Grid
+    b_rows: Grid
+    last: LastForces
+    counts: IndexLine
+    owed_linear: Vectors
+    owed_angular: Vectors
+    owing: IndexLine
+    began: Poses
+    islands: Islands
+    joins: IndexLine
+    corrected: Line
+    when: Line
+    all_bodies: IndexLine
+    blocked: IndexGrid
+    clogged: IndexLine
+    frames: IndexLine
+    edges: Grid
+    tail_end: Line
+    tail_speed: Vectors
+    newest: IndexLine
+    older: IndexGrid
+    margin: Line
+    touch: Line
+    soonest: Soonest
+    shown_linear: Vectors
+    shown_angular: Vectors
+
+WORKING = (
+    *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
+    "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
+    "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.all_bodies",
+    "memory.margin", "memory.touch",
+    "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.soonest", "memory.newest", "memory.older",
+    "memory.a_rows", "memory.b_rows", "memory.edges", "memory.when", "memory.before", "memory.direction", "memory.boxes",
+    "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
+    "memory.islands.pair_first", "memory.islands.label", "memory.islands.mark",
+)
+"""Fields that a snapshot leaves out: contact points, which each segment finds anew (but for the work not yet counted), constants,
+and working memory that each frame fills before it reads it. The pairs of a broad phase do not depend on its memory."""
+
+
+def make_memory(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True, stand_off: float = 0.0
+) -> Memory:
+    """Allocate for a world whose bodies stand at ``poses``; driven ones keep ``stand_off`` [m] from everything."""
+    n = len(dynamics.role)
+    simulated = dynamics.role == Role.SIMULATED.value
+    moments = np.linalg.eigvalsh(dynamics.inertia)
+    round_ = np.array([not gyroscopic or np.ptp(m) <= ROUND * m.max() for m in moments], np.int64)
+    reach, span, ball = np.zeros(n), np.zeros(n), np.zeros(n, np.int64)
+    shapes = geometry.shapes
+    for b in range(n):
+        pieces = range(geometry.first_shape[b], geometry.first_shape[b + 1])
+        for s in pieces:
+            points = geometry.local[shapes.start[s] : shapes.start[s + 1]]
+            if shapes.kind[s] == 1:
+                far = float(np.linalg.norm(points[0]) + np.linalg.norm(points[1:], axis=1).max())
+            else:
+                far = float(np.linalg.norm(points, axis=1).max())
+            reach[b], span[b] = max(reach[b], far), max(span[b], far + shapes.radius[s])
+        only = pieces[0] if len(pieces) == 1 else -1
+        if only >= 0 and shapes.kind[only] == 0 and shapes.start[only + 1] - shapes.start[only] == 1:
+            ball[b] = int(reach[b] <= 1e-12 * span[b])
+    inverse_inertia = np.zeros((n, 3, 3))
+    inverse_mass = dynamics.inverse_mass
+    # without the gyroscopic effect a tumbling body just keeps its angular velocity
+    most = int(np.diff(shapes.start).max()) if len(geometry.body) else 1
+    room = min(max(PAIRS_ROOM, PAIRS_PER_BODY * n), max(1, n * (n - 1) // 2))
+    touch, driven = max(DRIVEN_TOUCH, 2.0 * stand_off), bool((dynamics.role == Role.DRIVEN.value).any())
+    touching = max(ROOM, ROOM_PER_BODY * int(simulated.sum()))
+    return Memory(
+        received=np.zeros((n, 3)), moving=np.zeros(n, np.int64), asleep=np.zeros(n, np.int64), ball=ball, round=round_,
+        held=np.zeros(n, np.int64), strike=Masses(inverse_mass.copy(), inverse_inertia),
+        hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
+        trial=Poses(*(field.copy() for field in poses)),
+        paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
+        contacts=make_contacts(touching, pace_of(dynamics.gravity), n), manifold=make_manifold(), scratch=make_scratch(),
+        linear_end=np.zeros((n, 3)),
+        angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
+        wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
+        sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
+        pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
+        last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),
+        owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
+        began=Poses(*(field.copy() for field in poses)), islands=make_islands(n, room), joins=np.zeros(n, np.int64),
+        corrected=np.zeros(n), when=np.zeros(room), all_bodies=np.arange(n, dtype=np.int64),
+        blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
+        edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
+        newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
+        margin=np.full(1, max(margin_for(span, simulated, driven), ROOM_TO_TOUCH * touch if driven else 0.0)),
+        touch=np.full(1, touch),
+        soonest=make_soonest(n, room), shown_linear=np.zeros((n, 3)), shown_angular=np.zeros((n, 3)),
+    )

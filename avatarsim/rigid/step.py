@@ -1,0 +1,164 @@
+"""Event-driven rigid-body simulation: the upper loop of Schmidl and Lin 2004 (Figure 3), from collision to collision.
+
+Contacts -> impacts of this instant (eqs 7 to 10) -> contact forces constant until the next event -> advance to the next time of
+impact; island by island, the one whose clock is farthest behind first.
+
+Upper loop (Schmidl and Lin 2004, Figure 3) as the frame sees it: simulated bodies move, driven ones receive impulses.
+"""
+
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple
+
+from avatarsim.collision.path import HELD, STILL
+from avatarsim.counters import Tally
+from avatarsim.engine import Snapshot
+from avatarsim.jit.arena import opened, packed
+from avatarsim.jit.kernel import entry_kernel, kernel
+from avatarsim.jit.layout import Index
+from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses, place
+from avatarsim.model.world import World, WorldParts
+from avatarsim.rigid.deferred_impacts import go_on
+from avatarsim.rigid.impacts import show_tails, take_up_tails
+from avatarsim.rigid.island_step import step
+from avatarsim.rigid.islands import behind
+from avatarsim.rigid.sleeping import begin, regroup
+from avatarsim.rigid.state import (
+    COUNT_NAMES,
+    DONE,
+    NOT_FINITE,
+    OUT_OF_SEGMENTS,
+    STATUS_NAMES,
+    WORKING,
+    Events,
+    Memory,
+    Switches,
+    make_events,
+    make_memory,
+    snapshots,
+)
+from avatarsim.spatial.tangent import columns, put_columns
+from avatarsim.spatial.vec3 import put_row, row
+
+__all__ = ["DONE", "STATUS_NAMES", "advance"]
+
+STEPS_CAP = 200
+"""Segments of all islands of a frame, per body, whatever happens."""
+
+
+@kernel
+def advance(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, events: Events,
+    switches: Switches,
+) -> int:
+    """One frame of ``dt`` seconds for all simulated bodies; fixed and driven ones do not move.
+
+    Args:
+        poses, velocities: changed in place. Driven bodies keep their poses, but have velocities: set by the caller, changed by
+            impacts as those of a body of the coupled mass.
+        memory: from `make_memory`; afterwards ``received`` holds the impulses on driven bodies, ``counts`` the work done.
+        events: emptied, then filled if ``switches.record``; more than fit are counted but not kept.
+
+    Returns:
+        A status (see DONE); DONE is 0.
+    """
+    events.kept[0] = 0
+    take_up_tails(velocities, memory)
+    if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
+        return DONE
+    memory.frames[0] += 1
+    bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
+    status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt), 0.0, 0
+    if status == NOT_FINITE:
+        return status
+    for _ in range(STEPS_CAP * bodies):
+        i = behind(islands, dt, now, i if i < islands.found[0] else 0)
+        if i < 0:
+            break
+        now = islands.due[islands.order[islands.first[i]]]
+        outcome = step(geometry, dynamics, poses, velocities, dt, i, memory, events, switches)
+        if outcome == NOT_FINITE:
+            return NOT_FINITE
+        # AGAIN is below all statuses; the worst is returned
+        status = max(status, outcome)
+    go_on(velocities, memory, memory.all_bodies)
+    show_tails(velocities, memory, dt)
+    for b in range(bodies):
+        if memory.moving[b] == 1:
+            if switches.sleeping and memory.held[b] == 1 and paths.kind[b] == STILL and memory.tail_end[b] < 0.0:
+                memory.asleep[b] = 1
+            put_row(memory.trial.position, b, row(poses.position, b))
+            put_columns(memory.trial.rotation, b, columns(poses.rotation, b))
+            if switches.record:
+                place(geometry, memory.trial, b)
+    return OUT_OF_SEGMENTS if i >= 0 else status
+
+
+EVENTS_KEPT = 256
+"""Most events of one frame that a recording keeps (two per impact); more are counted."""
+
+MOST = 2**60
+"""Largest number of a frame, a segment or a contact in a snapshot: counting on from there takes longer than the Earth is old."""
+
+
+class UpperParts(NamedTuple):
+    """What lies in the arena of the upper loop."""
+
+    memory: Memory
+    events: Events
+    switches: Switches
+
+
+@entry_kernel
+def advance_opened(world: Index, kept: Index, dt: float) -> int:
+    """`advance` on the arenas of a world and of its upper loop."""
+    w, own = opened(world, WorldParts), opened(kept, UpperParts)
+    return advance(w.geometry, w.dynamics, w.poses, w.velocities, dt, own.memory, own.events, own.switches)
+
+
+class SimulatedLoop:
+    """The simulated bodies of a world, and driven ones that keep `stand_off` [m] from them."""
+
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("status",)
+    WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
+    KEPT: ClassVar[tuple[str, ...]] = ("memory",)
+    WORKING: ClassVar[tuple[str, ...]] = WORKING
+
+    def __init__(self, world: World, *, paper: bool, record: bool, stand_off: float = 0.0) -> None:
+        self.world, self.record, self.status = world, record, DONE
+        on = world.scene.effects
+        switches = Switches(on.gyroscopic, on.continuous, on.sleeping, paper, record)
+        memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
+        events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
+        self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
+
+    def ranges(self) -> Mapping[str, tuple[int, int]]:
+        """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
+        bodies, flag, number = len(self.memory.moving), (0, 1), (-1, MOST)
+        return {
+            "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "late": flag, "kind": (STILL, HELD),
+            "last.body": (0, bodies - 1), "key": number, "turn": number, "latest": number, "turns": number, "visits": (0, MOST),
+            "earliest": number, "charged": number, "spent": (0, MOST), "blocked": number, "clogged": number, "frames": (0, MOST),
+        }
+
+    def go_on(self) -> None:
+        """The memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
+
+    def advance(self, dt: float) -> None:
+        """Pass `dt` seconds."""
+        self.status = advance_opened(self.world.words, self.words, dt)
+
+    def counts(self) -> Tally:
+        """Work done in the last frame."""
+        return Tally(COUNT_NAMES, self.memory.counts.tobytes())
+
+    def statuses(self) -> dict[str, int]:
+        """What did not end well in the last frame."""
+        found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+        if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
+            found["events not recorded"] = lost
+        return found
+
+    def inside(self, begun: float) -> tuple[Snapshot, ...]:
+        """Events of the last frame, which began at `begun` [s], if they are recorded."""
+        return snapshots(self.world, self.events, begun) if self.record else ()

@@ -1,0 +1,90 @@
+"""Kept answers: the same bits back, damage found, folders that cannot be written to, writers at once."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.assets import cache
+from avatarsim.assets.cache import Answer, key_of, load, store
+from avatarsim.assets.decompose import Wishes
+from avatarsim.assets.hausdorff import Deviation
+from tests.assets.solids import cube, ell, mesh
+
+RNG = np.random.default_rng(0)
+ANSWER = Answer((RNG.normal(size=(8, 3)), RNG.normal(size=(5, 3))), "decomposed", Deviation(0.1, 0.2, 0.15), ("one thing",))
+
+
+def same(one: Answer | None, other: Answer) -> bool:
+    if one is None or (one.source, one.deviation, one.repairs) != (other.source, other.deviation, other.repairs):
+        return False
+    return all(np.array_equal(a, b) for a, b in zip(one.hulls, other.hulls, strict=True))
+
+
+def test_what_is_stored_comes_back_bit_by_bit(cache_folder: Path) -> None:
+    assert load("k") == (None, "")
+    assert store("k", ANSWER) == f"kept in {cache_folder / 'k.npz'}"
+    answer, note = load("k")
+    assert same(answer, ANSWER) and note.startswith("read from")
+    assert [path.name for path in cache_folder.iterdir()] == ["k.npz"]
+
+
+@pytest.mark.parametrize("wish", [
+    {"threshold": 0.06}, {"seed": 1}, {"most_vertices": 32}, {"most_pieces": 3}, {"hull": True}, {"repair": "remesh"},
+])
+def test_every_wish_and_every_number_of_the_mesh_is_in_the_key(wish: dict[str, object]) -> None:
+    thing = mesh(cube())
+    assert key_of(thing, Wishes()) == key_of(mesh(cube(), "other name"), Wishes())
+    assert key_of(thing, Wishes()) != key_of(thing, Wishes(**wish))  # type: ignore[arg-type]
+    assert len({key_of(thing, Wishes()), key_of(mesh(ell()), Wishes()), key_of(mesh(cube(0.0, 1.0 + 1e-15)), Wishes()),
+                key_of(replace(thing, groups=thing.groups + 1), Wishes())}) == 4
+
+
+@pytest.mark.parametrize("damage", ["cut", "bit", "empty", "other"])
+def test_a_damaged_entry_is_found_and_replaced(damage: str, cache_folder: Path) -> None:
+    store("k", ANSWER)
+    path = cache_folder / "k.npz"
+    data = path.read_bytes()
+    flipped = bytes([data[90] ^ 4])
+    path.write_bytes({"cut": data[:-7], "bit": data[:90] + flipped + data[91:], "empty": b"", "other": b"x" * 500}[damage])
+    answer, note = load("k")
+    assert answer is None and "was damaged and was computed anew" in note
+    store("k", ANSWER)
+    assert same(load("k")[0], ANSWER)
+
+
+def test_where_nothing_can_be_written_the_answer_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # a file where the folder should be stops everybody, the administrator too
+    blocked = tmp_path / "blocked"
+    blocked.write_text("", encoding="utf-8")
+    monkeypatch.setattr(cache, "_folders", lambda: iter([blocked / "pieces"]))
+    assert store("k", ANSWER) == "not kept: no cache folder can be written to"
+    assert load("k") == (None, "")
+    monkeypatch.setattr(cache, "_folders", lambda: iter([blocked / "pieces", tmp_path / "second"]))
+    assert store("k", ANSWER) == f"kept in {tmp_path / 'second' / 'k.npz'}"
+    assert same(load("k")[0], ANSWER)
+
+
+def test_a_write_that_is_stopped_leaves_nothing(cache_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*paths: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("os.replace", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        store("k", ANSWER)
+    assert list(cache_folder.iterdir()) == []
+
+
+def test_writers_and_readers_at_once_see_whole_entries_only() -> None:
+    script = (
+        "from tests.assets.test_cache import ANSWER, same\nfrom avatarsim.assets.cache import load, store\n"
+        "for _ in range(60):\n    store('k', ANSWER)\n    assert same(load('k')[0], ANSWER)\n"
+    )
+    house = Path(__file__).resolve().parents[2]
+    children = [subprocess.Popen([sys.executable, "-c", script], cwd=house, stderr=subprocess.PIPE) for _ in range(2)]
+    for child in children:
+        complaint = child.communicate(timeout=120)[1]
+        assert child.returncode == 0, complaint.decode()

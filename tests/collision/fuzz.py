@@ -1,0 +1,124 @@
+"""A million stratified pairs against exact answers: python -m tests.collision.fuzz [--pairs N] [--large N] [--seed S] [--jobs J].
+
+Prints one row per stratum and every failure's label; `--pair LABEL` judges that pair alone and prints it as code. Exits with
+1 when any pair fails.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from avatarsim.collision.status import NAMES
+from avatarsim.model.geometry import ELLIPSOID
+from tests.collision.judged import RELATIVE, SCRATCH, judge, signed_distance
+from tests.collision.many_pairs import Tally, tally
+from tests.collision.strata import BATCH, STRATA, draw
+from tests.progress_bar import bar
+
+BATCHES_AT_ONCE = 5
+"""Batches handed to a process at a time: larger makes the progress bar coarse, smaller spends more on handing over."""
+QHULL_EVERY = 19
+"""Of the overlapping polytope pairs every 19th also goes through qhull's Minkowski difference, and all large ones do. Prime to
+the 15 pairs of kinds, which are drawn in turn."""
+SHOWN = 40
+"""Failures printed; the count is printed anyway."""
+
+
+def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range, int, int]]:
+    """Arguments of `tally` that together are `pairs` pairs, shared out evenly over the strata, and `large` large ones."""
+    strata = [s for s in STRATA if s != "large"]
+    wanted = {s: pairs // len(strata) + (k < pairs % len(strata)) for k, s in enumerate(strata)} | {"large": large}
+    for stratum, count in wanted.items():
+        step = BATCHES_AT_ONCE * BATCH
+        for first in range(0, count, step):
+            here = min(step, count - first)
+            numbers = range(first // BATCH, (first + here + BATCH - 1) // BATCH)
+            yield stratum, seed, numbers, here, 1 if stratum == "large" else QHULL_EVERY
+
+
+def named(chunk: tuple[str, int, range, int, int]) -> tuple[str, Tally]:
+    """The tally of a chunk, with its stratum."""
+    return chunk[0], tally(*chunk)
+
+
+def table(found: dict[str, Tally]) -> str:
+    """One row per stratum: pairs, worst figures relative to size, statuses, and how many pairs which oracle decided."""
+    oracles = ("enumerated", "qhull", "bounded", "proved", "undecided")
+    head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}  "
+    rows = [head + " ".join(f"{name:>10}" for name in oracles)]
+    for name, t in found.items():
+        figures = f"{t.error:8.1e} {t.witness:8.1e} {t.swapped:8.1e} {t.wrong_signs:5} {t.statuses.total():5} {len(t.failures):6}"
+        rows.append(f"{name:12} {t.pairs:8} {figures}  " + " ".join(f"{t.oracles[oracle]:10}" for oracle in oracles))
+    return "\n".join(rows)
+
+
+MEANING = f"""
+gap, points, swapped: worst error of the signed distance, of the witness points, and after exchanging the shapes or asking
+  with a margin, relative to the larger shape's size, beyond 8 ulp of the largest coordinate. Limit {RELATIVE:.0e}.
+signs: pairs with the wrong sign. lost: answers with another status than converged. failed: pairs beyond any limit.
+enumerated: all facets of the Minkowski difference, or all pairs of features, tried. qhull: its facets as well.
+bounded: apart, with an ellipsoid: what the normal proves and how far the points are apart meet within the limit.
+proved: no direction of the whole sphere separates an overlapping ellipsoid by less (to within a fifth of the limit, which
+  the error includes). undecided: so many directions are as good that the proof gave up.
+"""
+
+
+def show(label: str) -> bool:
+    """Judge one pair, print the verdict and code that asks for it; returns whether it is right."""
+    stratum, seed, number, k = label.split("/")
+    batch, pair = draw(stratum, int(seed), int(number)), int(k.split()[0])
+    verdict = judge(batch, pair, by_qhull=True)
+    print(verdict)
+    print("Failures:", ", ".join(verdict.failures) or "none")
+    start, shapes = batch.shapes.start, batch.shapes
+    print("import numpy as np\nfrom tests.collision.solids import Solid, ask")
+    for name, s in (("a", 2 * pair), ("b", 2 * pair + 1)):
+        rows = batch.vertices[start[s] : start[s + 1]].tolist()
+        print(f"{name} = Solid(np.array({rows}), {shapes.radius[s]}, {shapes.kind[s]})")
+        print(f"# {'ellipsoid' if shapes.kind[s] == ELLIPSOID else 'points'}, size {shapes.extent[s]:.6g}")
+    first = tuple(batch.seed[pair].tolist())
+    print(f"print(ask(a, b, {first}))")
+    status, gap, n, on_a, on_b = signed_distance(batch.vertices, shapes, 2 * pair, 2 * pair + 1, first, SCRATCH)
+    print(f"# {NAMES[status]}, gap {gap:.17g}, n {n}, points {on_a} {on_b}")
+    return not verdict.failures
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--pairs", type=int, default=1_000_000, help="pairs of shapes of up to 64 corners")
+    parser.add_argument("--large", type=int, default=2_000, help="pairs of hulls of up to 300 corners on top")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=-1, help="processes; -1: one per core")
+    parser.add_argument("--pair", help="judge the pair with this label alone")
+    chosen = parser.parse_args()
+    if chosen.pair:
+        return 0 if show(chosen.pair) else 1
+    found: dict[str, Tally] = {}
+    work = list(chunks(chosen.pairs, chosen.large, chosen.seed))
+    # Kernels are compiled here once, so that the processes find them in the cache.
+    tally("smooth-deep", chosen.seed, range(1), BATCH)
+    tally("shallow", chosen.seed, range(1), BATCH)
+    done = Parallel(n_jobs=chosen.jobs, return_as="generator_unordered")(delayed(named)(chunk) for chunk in work)
+    with bar(chosen.pairs + chosen.large, "pair") as shown:
+        for name, part in done:
+            found.setdefault(name, Tally()).join(part)
+            shown.update(part.pairs)
+    found = {name: found[name] for name in STRATA if name in found}
+    print(table(found) + MEANING)
+    failures = sorted(failure for t in found.values() for failure in t.failures)
+    for failure in failures[:SHOWN]:
+        print(failure)
+    if failures:
+        print(f"{len(failures)} of {sum(t.pairs for t in found.values())} pairs failed. One again:")
+        print(f"    python -m tests.collision.fuzz --pair {failures[0].split()[0]}")
+    elif not np.isfinite([t.error for t in found.values()]).all():
+        return 1
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,18 @@
+"""Half of 10,080 stratified pairs: plump shapes in every awkward place, each answer against an exact one (see judged.py)."""
+
+import pytest
+
+from tests.collision.many_pairs import tally
+from tests.collision.strata import BATCH
+
+BATCHES = 14
+
+
+@pytest.mark.parametrize("stratum", ["apart", "shallow", "deep", "concentric", "flush", "grazing"])
+def test_every_pair_in_this_place_is_right_to_a_billionth_of_its_size(stratum, record_property):
+    found = tally(stratum, 0, range(BATCHES), BATCHES * BATCH)
+    record_property("worst_error", found.error)
+    print(f"{stratum}: {found.pairs} pairs, by {dict(found.oracles)}, worst error {found.error:.2g} of size")
+    assert found.failures == []
+    assert found.statuses == {} and found.wrong_signs == 0
+    assert found.pairs == 840

@@ -1,0 +1,253 @@
+"""The query against closed forms, qhull, least squares and a random search; its symmetries; its awkward cases."""
+
+from math import inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
+from avatarsim.collision.status import CONVERGED, NOT_FINITE
+from avatarsim.collision.support import gap_along
+from tests.collision.solids import (
+    NO_SEED,
+    SCRATCH,
+    as_arrays,
+    ask,
+    ball,
+    box,
+    capsule,
+    dumb_core_distance,
+    dumb_ellipsoid_gap,
+    ellipsoid,
+    exact_core_depth,
+    hull_of_ellipsoid,
+    random_hull,
+)
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+
+RELATIVE = 1e-9
+"""The bar: depth and distance to this fraction of the shape's size."""
+
+
+def turn_of(rng):
+    return Rotation.from_quat(rng.normal(size=4))
+
+
+def check_against_exact(a, b):
+    """Gap, proof along n, witness points; returns the gap."""
+    status, gap, n, on_a, on_b = ask(a, b)
+    size, core = max(a.size, b.size), gap + a.radius + b.radius
+    depth = exact_core_depth(a, b)
+    expected = -depth if depth > -1e-9 * size else dumb_core_distance(a, b)
+    vertices, shapes = as_arrays(a, b)
+    assert status == CONVERGED
+    assert core == pytest.approx(expected, abs=RELATIVE * size)
+    assert gap_along(vertices, shapes, 0, 1, tuple(n)) == pytest.approx(gap, abs=RELATIVE * size)
+    assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
+    np.testing.assert_allclose(on_a - on_b, gap * n, atol=RELATIVE * size)
+    return gap
+
+
+# Closed forms
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(0.01, 1.0), st.floats(0.01, 1.0))
+@settings(deadline=None, max_examples=50)
+def test_ball_and_ball(x, y, r, s):
+    status, gap, n, on_a, on_b = ask(ball(r).moved(shift=(x, y, 0.3)), ball(s))
+    distance = np.sqrt(x * x + y * y + 0.09)
+    assert status == CONVERGED
+    assert gap == pytest.approx(distance - r - s, abs=1e-12)
+    np.testing.assert_allclose(n, np.array([x, y, 0.3]) / distance, atol=1e-12)
+    np.testing.assert_allclose(on_b, s * n, atol=1e-12)
+    np.testing.assert_allclose(on_a, np.array([x, y, 0.3]) - r * n, atol=1e-12)
+
+
+def test_ball_and_box_outside_at_a_face_an_edge_a_corner_and_inside():
+    b, r = box(1.0, 2.0, 3.0), 0.25
+    for centre, core, n in (
+        ((1.5, 0.1, 0.2), 0.5, (1, 0, 0)),
+        ((1.3, 2.4, 0.2), 0.5, (0.6, 0.8, 0)),
+        ((2.0, 4.0, 5.0), 3.0, (1 / 3, 2 / 3, 2 / 3)),
+        ((0.9, 0.1, 0.2), -0.1, (1, 0, 0)),
+        ((0.0, 0.1, -2.5), -0.5, (0, 0, -1)),
+    ):
+        status, gap, normal, _, on_b = ask(ball(r).moved(shift=centre), b)
+        assert status == CONVERGED
+        assert gap == pytest.approx(core - r, abs=1e-13)
+        np.testing.assert_allclose(normal, n, atol=1e-12)
+        np.testing.assert_allclose(on_b, np.array(centre) - core * normal, atol=1e-12)
+
+
+def test_capsule_and_capsule_crossed_parallel_and_in_line():
+    a = capsule(0.2, 1.0)
+    quarter = Rotation.from_rotvec([0.0, 0.0, np.pi / 2])
+    for b, expected in (
+        (capsule(0.1, 1.0).moved(quarter, (0.3, 0.2, 0.7)), 0.7 - 0.3),
+        (capsule(0.1, 1.0).moved(None, (0.3, 0.0, 0.7)), 0.7 - 0.3),
+        (capsule(0.1, 1.0).moved(None, (2.5, 0.0, 0.0)), 0.5 - 0.3),
+        (capsule(0.1, 1.0).moved(None, (1.5, 0.0, 0.0)), -0.3),
+        (capsule(0.1, 1.0).moved(quarter, (0.3, 0.2, 0.0)), -0.3),
+        (a, -0.4),
+    ):
+        status, gap, n, on_a, on_b = ask(a, b)
+        assert status == CONVERGED
+        assert gap == pytest.approx(expected, abs=1e-13)
+        np.testing.assert_allclose(on_a - on_b, gap * n, atol=1e-13)
+
+
+@pytest.mark.parametrize("height", [1.0, 0.45, 0.4, 0.35, 0.1])
+def test_ellipsoid_and_floor(height):
+    turn, axes = Rotation.from_rotvec([0.4, -0.7, 0.2]), np.array([0.5, 0.3, 0.2])
+    half = np.linalg.norm(axes * turn.as_matrix()[2])
+    status, gap, n, on_a, _ = ask(
+        ellipsoid(*axes).moved(turn, (0.1, 0.2, height)), box(3.0, 3.0, 2.0).moved(shift=(0, 0, -2))
+    )
+    assert status == CONVERGED
+    assert gap == pytest.approx(height - half, abs=3e-9)
+    np.testing.assert_allclose(n, (0, 0, 1), atol=1e-4)
+    assert on_a[2] == pytest.approx(height - half, abs=3e-9)
+
+
+@pytest.mark.parametrize("seed", [NO_SEED, (1.0, 2.0, -2.0)])
+def test_coincident_centres_give_the_same_finite_unit_normal_every_time(seed):
+    for a in (ball(0.4), capsule(0.4, 1.0), ellipsoid(0.4, 0.4, 0.4), box(0.4, 0.4, 0.4)):
+        first = ask(a, a, seed)
+        assert np.linalg.norm(first[2]) == pytest.approx(1.0, abs=1e-12)
+        assert first[1] == pytest.approx(-0.8, abs=1e-12)
+        np.testing.assert_array_equal(ask(a, a, seed)[2], first[2])
+    if any(seed):
+        np.testing.assert_allclose(ask(ball(0.4), ball(0.4), seed)[2], np.array(seed) / 3.0, atol=1e-15)
+
+
+# Against exact answers
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_random_polytopes_with_radius_at_every_scale(scale):
+    rng = np.random.default_rng(21)
+    signs = set()
+    for _ in range(12):
+        a = rng.choice(
+            [
+                box(0.5, 0.3, 0.2),
+                capsule(0.1, 0.4),
+                random_hull(rng, 12),
+                hull_of_ellipsoid((0.5, 0.2, 0.3), 6, 3),
+            ]
+        )
+        a = a.moved(turn_of(rng), scale=scale)
+        b = random_hull(rng, 12).moved(turn_of(rng), rng.normal(size=3) * 0.4 * scale, scale)
+        signs.add(check_against_exact(a, b) > 0.0)
+    assert signs == {True, False}
+
+
+def test_awkward_polytopes():
+    rng = np.random.default_rng(22)
+    needle, plate = hull_of_ellipsoid((0.005, 0.005, 0.5), 6, 3), box(2.0, 2.0, 1e-3)
+    for k in range(8):
+        tiny = Rotation.from_rotvec(rng.normal(size=3) * 10.0 ** rng.uniform(-12, -3))
+        check_against_exact(box(0.5, 0.4, 0.3), box(0.3, 0.5, 0.2).moved(tiny, (0.0, 0.1, 0.49)))
+        check_against_exact(
+            box(0.5, 0.5, 0.5), box(0.5, 0.25, 0.5).moved(shift=rng.integers(-4, 5, 3) * 0.25)
+        )
+        check_against_exact(needle.moved(turn_of(rng)), needle.moved(turn_of(rng), rng.normal(size=3) * 0.01))
+        check_against_exact(plate, needle.moved(turn_of(rng), (0.0, 0.0, 0.02 * k)))
+
+
+def test_touching_hulls_have_a_gap_near_zero_of_the_right_sign_and_a_true_normal():
+    rng = np.random.default_rng(23)
+    for exponent in range(-15, -3):
+        a = random_hull(rng, 12).moved(turn_of(rng))
+        b = random_hull(rng, 12).moved(turn_of(rng), rng.normal(size=3))
+        _, gap, n, _, _ = ask(a, b)
+        for sign in (1.0, -1.0):
+            wanted = sign * 10.0**exponent
+            moved = a.moved(shift=n * (wanted - gap))
+            status, found, normal, _, _ = ask(moved, b)
+            vertices, shapes = as_arrays(moved, b)
+            assert status == CONVERGED
+            # Pushed in along n, another way out may be shorter: qhull says how much.
+            assert found == pytest.approx(wanted if sign > 0.0 else -exact_core_depth(moved, b), abs=1e-11)
+            assert gap_along(vertices, shapes, 0, 1, tuple(normal)) == pytest.approx(found, abs=1e-12)
+            if exponent > -12:
+                assert found * sign > 0.0
+
+
+def test_smooth_ellipsoids_no_direction_of_a_random_search_does_better():
+    rng = np.random.default_rng(24)
+    for _ in range(6):
+        a = ellipsoid(0.5, 0.3, 0.2).moved(turn_of(rng))
+        b = ellipsoid(0.4, 0.3, 0.3).moved(turn_of(rng), rng.normal(size=3) * 0.5)
+        status, gap, n, on_a, on_b = ask(a, b)
+        assert status == CONVERGED
+        assert gap == pytest.approx(dumb_ellipsoid_gap(a, b, 8), abs=2e-9)
+        np.testing.assert_allclose(on_a - on_b, gap * n, atol=2e-9)
+
+
+# Symmetries
+
+
+@given(st.integers(0, 10**6))
+@settings(deadline=None, max_examples=25)
+def test_swapping_the_shapes_turns_the_normal_round(seed):
+    rng = np.random.default_rng(seed)
+    a = random_hull(rng, 12)
+    b = random_hull(rng, 12).moved(turn_of(rng), rng.normal(size=3) * 0.5)
+    one, two = ask(a, b), ask(b, a)
+    assert one[0] == two[0] == CONVERGED
+    assert one[1] == pytest.approx(two[1], abs=1e-11)
+    np.testing.assert_allclose(one[2], -two[2], atol=1e-6)
+
+
+@given(st.integers(0, 10**6))
+@settings(deadline=None, max_examples=25)
+def test_a_rigid_motion_of_both_changes_nothing_but_the_frame(seed):
+    rng = np.random.default_rng(seed)
+    a = random_hull(rng, 12)
+    b = ellipsoid(0.3, 0.2, 0.25).moved(turn_of(rng), rng.normal(size=3) * 0.5)
+    turn, shift = turn_of(rng), rng.normal(size=3) * 3.0
+    here, there = ask(a, b), ask(a.moved(turn, shift), b.moved(turn, shift))
+    assert here[0] == there[0] == CONVERGED
+    assert here[1] == pytest.approx(there[1], abs=2e-9)
+    if here[1] > 1e-3:
+        np.testing.assert_allclose(turn.apply(here[2]), there[2], atol=1e-5)
+
+
+# The other two doors
+
+
+def test_up_to_a_margin_agrees_with_the_full_query_or_proves_more():
+    rng = np.random.default_rng(25)
+    for _ in range(20):
+        a, b = random_hull(rng, 12), capsule(0.1, 0.3).moved(turn_of(rng), rng.normal(size=3))
+        vertices, shapes = as_arrays(a, b)
+        exact = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
+        for margin in (0.0, 0.3, inf):
+            bounded = signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, margin, SCRATCH)
+            if exact[1] > margin:
+                assert margin < bounded[1] <= exact[1] + 1e-12
+                assert gap_along(vertices, shapes, 0, 1, bounded[2]) > margin
+            else:
+                assert bounded == exact
+
+
+def test_a_nan_pose_is_a_status_and_never_apart():
+    vertices, shapes = as_arrays(box(0.1, 0.1, 0.1).moved(shift=(nan, 0.0, 0.0)), ball(0.2))
+    status, gap, _, _, _ = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
+    assert status == NOT_FINITE
+    assert np.isnan(gap)
+    assert signed_distance_up_to(vertices, shapes, 0, 1, NO_SEED, 0.0, SCRATCH)[0] == NOT_FINITE
+
+
+def test_the_same_question_gives_the_same_bits_whatever_was_asked_before():
+    rng = np.random.default_rng(26)
+    a, b = random_hull(rng), random_hull(rng).moved(shift=(0.2, 0.1, 0.3))
+    vertices, shapes = as_arrays(a, b)
+    first = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
+    ask(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
+    assert signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH) == first

@@ -1,0 +1,64 @@
+"""Supports against numpy's argmax and the ellipsoid's closed form."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from avatarsim.collision.support import gap_along, reach, support
+from tests.collision.solids import as_arrays, ball, box, capsule, ellipsoid, random_hull
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+
+
+def test_points_support_is_the_farthest_vertex():
+    rng = np.random.default_rng(1)
+    solids = [random_hull(rng).moved(shift=rng.normal(size=3)) for _ in range(3)]
+    vertices, shapes = as_arrays(*solids)
+    for s, solid in enumerate(solids):
+        for d in rng.normal(size=(20, 3)):
+            point, index = support(vertices, shapes, s, tuple(d))
+            best = int((solid.rows @ d).argmax())
+            assert index == shapes.start[s] + best
+            assert point == tuple(solid.rows[best])
+            assert reach(vertices, shapes, s, tuple(d)) == pytest.approx((solid.rows @ d).max(), abs=1e-15)
+
+
+def test_ellipsoid_support_is_on_the_surface_and_beats_every_sampled_point():
+    rng = np.random.default_rng(2)
+    turn = Rotation.from_quat(rng.normal(size=4))
+    solid = ellipsoid(0.5, 0.2, 0.1).moved(turn, (1.0, -2.0, 3.0))
+    vertices, shapes = as_arrays(solid)
+    on_ball = rng.normal(size=(500, 3))
+    on_ball /= np.linalg.norm(on_ball, axis=1, keepdims=True)
+    samples = solid.rows[0] + on_ball @ solid.rows[1:]
+    for d in rng.normal(size=(20, 3)):
+        point, index = support(vertices, shapes, 0, tuple(d))
+        local = np.linalg.solve(solid.rows[1:].T, np.array(point) - solid.rows[0])
+        assert index == 0
+        assert np.linalg.norm(local) == pytest.approx(1.0, abs=1e-14)
+        assert (samples @ d).max() <= np.array(point) @ d + 1e-14
+        assert reach(vertices, shapes, 0, tuple(d)) == pytest.approx(np.array(point) @ d, abs=1e-14)
+
+
+def test_ellipsoid_support_along_zero_is_its_centre():
+    vertices, shapes = as_arrays(ellipsoid(0.5, 0.2, 0.1).moved(shift=(1.0, 2.0, 3.0)))
+    assert support(vertices, shapes, 0, (0.0, 0.0, 0.0)) == ((1.0, 2.0, 3.0), 0)
+
+
+def test_gap_along_is_the_signed_gap_of_the_two_shadows_radii_included():
+    vertices, shapes = as_arrays(ball(0.2).moved(shift=(0.0, 0.0, 1.0)), box(0.5, 0.5, 0.3))
+    assert gap_along(vertices, shapes, 0, 1, (0.0, 0.0, 1.0)) == pytest.approx(0.5, abs=1e-15)
+    assert gap_along(vertices, shapes, 1, 0, (0.0, 0.0, -1.0)) == pytest.approx(0.5, abs=1e-15)
+    assert gap_along(vertices, shapes, 0, 1, (0.0, 0.0, -1.0)) == pytest.approx(-1.5, abs=1e-15)
+    assert gap_along(vertices, shapes, 0, 1, (1.0, 0.0, 0.0)) == pytest.approx(-0.7, abs=1e-15)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_nan_in_a_pose_never_proves_separation(axis):
+    for solid in (capsule(0.1, 0.3), box(0.1, 0.2, 0.3), ellipsoid(0.3, 0.2, 0.1)):
+        shift = np.zeros(3)
+        shift[axis] = np.nan
+        vertices, shapes = as_arrays(solid.moved(shift=shift), ball(0.1).moved(shift=(9.0, 9.0, 9.0)))
+        for n in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-0.6, 0.0, -0.8)):
+            assert not (gap_along(vertices, shapes, 0, 1, n) > 0.0)
+            assert not (gap_along(vertices, shapes, 1, 0, n) > 0.0)

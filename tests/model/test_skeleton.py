@@ -1,0 +1,82 @@
+"""Links as arrays: degrees of freedom, limits, cones, who moves whom."""
+
+import numpy as np
+import pytest
+
+from avatarsim.model.skeleton import BALL, FREE, HINGES, RIGID, UNLIMITED, hinge_dofs, skeleton, twist_told
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece, Sphere
+from tests.stability.hostile import hinged_avatar, walls
+
+PIECES = (Piece(Sphere(0.1)),)
+MASS = solid(PIECES, 1.0)
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+LIMITS = SwingTwist(Z, (0.6, 0.0, 0.8), 0.5, (-0.25, 0.75))
+
+
+def mixed() -> Avatar:
+    """root (free) - a (ball) - b (two hinges) - c (rigid); root - d (one hinge)."""
+    return Avatar(
+        "m",
+        (
+            Link("root", None, Free(), PIECES, MASS),
+            Link("a", "root", Ball(LIMITS), PIECES, MASS, anchor=(0.0, 0.0, 1.0)),
+            Link("b", "a", Hinges((Hinge(X, -1.0, 0.5), Hinge(Y, -2.0, 2.0))), PIECES, MASS),
+            Link("c", "b", Rigid(), PIECES, MASS),
+            Link("d", "root", Hinges((Hinge(Z, 0.0, 1.0),)), PIECES, MASS),
+        ),
+    )
+
+
+def test_degrees_follow_the_joints() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),)))
+    assert skel.kind.tolist() == [FREE, BALL, HINGES, RIGID, HINGES]
+    assert skel.first_dof.tolist() == [0, 6, 9, 11, 11, 12]
+    assert skel.parent.tolist() == [-1, 0, 1, 2, 0]
+    assert skel.axis[9:].tolist() == [list(X), list(Y), list(Z)]
+    assert skel.limits[9:].tolist() == [[-1.0, 0.5], [-2.0, 2.0], [0.0, 1.0]]
+    assert (skel.limits[:9] == [-UNLIMITED, UNLIMITED]).all()
+    assert hinge_dofs(skel).tolist() == [9, 10, 11]
+    assert skel.anchor[1].tolist() == [0.0, 0.0, 1.0]
+
+
+def test_ancestors_move_a_link_and_nobody_else_does() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),)))
+    assert [np.flatnonzero(row).tolist() for row in skel.related] == [[0], [0, 1], [0, 1, 2], [0, 1, 2, 3], [0, 4]]
+
+
+def test_cones_are_cosine_and_sine_and_undo_the_shortest_turn() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),)))
+    assert skel.cone[1, :10] == pytest.approx([*Z, 0.6, 0.0, 0.8, np.cos(0.5), np.sin(0.5), -0.25, 0.75])
+    assert skel.untwist[1] @ LIMITS.centre == pytest.approx(LIMITS.axis)
+    assert (skel.cone[[0, 2, 3, 4], 6] == -2.0).all() and (skel.untwist[0] == np.eye(3)).all()
+
+
+def test_what_follows_from_a_cone_is_at_right_angles_to_its_centre_and_of_the_ends_of_the_twist() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),)))
+    aside, untwisted = skel.cone[1, 10:13], skel.cone[1, 13:16]
+    assert aside @ skel.cone[1, 3:6] == pytest.approx(0.0, abs=1e-15) and aside @ aside == pytest.approx(1.0)
+    assert untwisted == pytest.approx(skel.untwist[1] @ aside)
+    assert skel.cone[1, 16:] == pytest.approx([np.cos(-0.25), np.sin(-0.25), np.cos(0.75), np.sin(0.75)])
+    assert twist_told(np.array(Z), np.eye(3), -4.0, 1.0)[6:] == [0.0] * 4, "an end beyond half a turn has no sine of its own"
+
+
+def test_without_the_effect_nothing_is_limited() -> None:
+    skel = skeleton(Scene("s", avatars=(mixed(),), narrow=("limits",)))
+    assert (np.abs(skel.limits) == UNLIMITED).all() and (skel.cone[:, 6] == -2.0).all()
+
+
+def test_two_avatars_come_one_after_the_other() -> None:
+    skel = skeleton(Scene("s", walls(), (mixed(), hinged_avatar())))
+    assert skel.first == 6
+    assert skel.parent[5] == -1 and skel.parent[6] == 5 and skel.first_dof[-1] == 12 + 43
+    assert not skel.related[5:, :5].any() and not skel.related[:5, 5:].any()
+    assert len(hinge_dofs(skel)) == 3 + 37
+
+
+def test_a_scene_without_avatars_has_no_links() -> None:
+    skel = skeleton(Scene("s", walls()))
+    assert len(skel.kind) == 0 and skel.first_dof.tolist() == [0] and skel.axis.shape == (0, 3) and hinge_dofs(skel).shape == (0,)
