@@ -163,4 +163,4 @@ prune:  ## remove the runs in reports/out that are older than the last one: a co
 
 clean:  ## remove caches and build leftovers; .venv and reports/out stay
 	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	find avatarsim reference scenarios reports tests .setup -name __pycache__ -type d -prune -exec rm -rf {} +
+	find avatarsim runfiles reference scenarios reports tests .setup -name __pycache__ -type d -prune -exec rm -rf {} +

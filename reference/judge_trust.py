@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 from avatarsim.console import ended, path_option
 from avatarsim.errors import InvalidInput
 from avatarsim.spatial import rotation
-from reference.in_fcl import Question, fcl_distances
-from reference.judge import Judge
-from reference.judge_proof import PROVEN
-from reference.known_pairs import KINDS, REACH, REGIMES, Gallery, Placed
-from reference.second_opinion import SAME
+from reference.judging.in_fcl import Question, fcl_distances
+from reference.judging.judge import Judge
+from reference.judging.known_pairs import KINDS, REACH, REGIMES, Gallery, Placed
+from reference.judging.proof import PROVEN
+from reference.judging.second_opinion import SAME
 
 Array = NDArray[np.float64]
 
@@ -171,9 +171,9 @@ def counted(kind: str, exact: Array, judged: Array, other: Array) -> Examined:
 
 
 def sources() -> str:
-    """Sixteen hexadecimal digits of all source files beside this one: the judge, and what it is judged by."""
+    """Sixteen hexadecimal digits of this file and of all in `judging`: the judge, and what it is judged by."""
     digest = hashlib.blake2b(digest_size=8)
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in (Path(__file__), *sorted(Path(__file__).with_name("judging").glob("*.py"))):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 

@@ -10,17 +10,14 @@ from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
+from runfiles.naming import TUNED
 
 Value = bool | int | float | str | tuple[float, ...] | None
 """What a setting may be."""
 
 
-COMPILED = "compiled: "
-"""How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
 ONE_SCENE = "for this scene only: "
 """How the reason of a setting begins that was chosen for one scene."""
-TUNED = "tuned"
-"""The preset beside which settings stand that are better in something else."""
 
 
 class Kind(Enum):

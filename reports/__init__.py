@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, TypeVar
 from avatarsim.errors import InvalidFile
 
 if TYPE_CHECKING:
-    from reports.load import Results
-    from reports.page import Extras
-    from reports.verdict import Verdict
+    from reports.deciding.verdict import Verdict
+    from reports.page.index import Extras
+    from reports.reading.load import Results
 
 Found = TypeVar("Found")
 PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
@@ -23,7 +23,10 @@ def write_report(run_dir: Path) -> tuple[str, ...]:
     that is returned. All pages are made before one of them is replaced. Raises InvalidFile when results.json is missing,
     truncated or of another schema; what stands in the folder then stays as it is.
     """
-    from reports import (
+    from reports.deciding.verdict import verdict
+    from reports.page.index import Extras
+    from reports.reading.load import load
+    from reports.sections import (
         broad_phase,
         closeness,
         convergence,
@@ -34,12 +37,9 @@ def write_report(run_dir: Path) -> tuple[str, ...]:
         law_map,
         narrow_phase,
         stability,
-        sweep,
         table_2,
     )
-    from reports.load import load
-    from reports.page import Extras
-    from reports.verdict import verdict
+    from reports.sections.sweep import points as sweep
 
     results = load(run_dir)
     damage = list[str]()
@@ -67,11 +67,11 @@ def _texts(
     run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras", damage: list[str],
 ) -> Iterator[tuple[str, str]]:
     """(path, text) of everything that is written; to `damage` comes what is left out of scenes."""
-    from reports.junit import junit
-    from reports.page import layout, page
-    from reports.page_paths import path_of
-    from reports.scene_pages import scene_pages
-    from reports.summary import summary
+    from reports.page.index import layout, page
+    from reports.page.scene_pages import scene_pages
+    from reports.sections.page_paths import path_of
+    from reports.summaries.junit import junit
+    from reports.summaries.summary import summary
 
     laid_out = layout(results, judged)
     yield SUMMARY, summary(results, judged, extras.two, extras.close, damage)

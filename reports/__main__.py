@@ -12,9 +12,10 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError
-from reports import PAGE, baseline, headline, write_report
-from reports.diff import diff
-from reports.load import Results, load
+from reports import PAGE, write_report
+from reports.reading.load import Results, load
+from reports.summaries import baseline, headline
+from reports.summaries.diff import diff
 
 LATEST = Path("reports/out/latest")
 COMMITTED, HEADLINE = Path(__file__).with_name("baseline.csv"), Path(__file__).with_name("headline.csv")

@@ -8,16 +8,16 @@ from contextlib import suppress
 
 from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
-from scenarios import ablation, commands, comparison, listing, own_settings
-from scenarios.files import OUT
-from scenarios.gate import INCOMPLETE, STOPPED, USAGE
-from scenarios.resume import stoppable
+from runfiles.files import OUT
+from scenarios.cli import ablate, commands, comparison, listing, sweep
+from scenarios.results.gate import INCOMPLETE, STOPPED, USAGE
+from scenarios.results.resume import stoppable
+from scenarios.running import own_settings
 from scenarios.stability import __main__ as stability
-from scenarios.sweep import command
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
-    "check": commands.check, "bench": commands.bench, "ablate": ablation.ablate, "sweep": command.sweep,
+    "check": commands.check, "bench": commands.bench, "ablate": ablate.ablate, "sweep": sweep.sweep,
 }
 """What each word of the command line does."""
 STABILITY = "stability"

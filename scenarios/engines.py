@@ -10,6 +10,7 @@ from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
+from runfiles.naming import BASELINE
 
 GROUP = "avatarsim.engines"
 """Entry-point group through which other engines join: a class that is constructed without arguments."""
@@ -19,10 +20,6 @@ BUILT_IN = {
     "pybullet": "reference.in_pybullet.engine:PybulletEngine",
     "tracker": "reference.raw_tracker:RawTracker",
 }
-GATED = ("avatarsim", "default")
-"""The engine and preset that carry bounds unless `check --engine` names another."""
-BASELINE = "tracker"
-"""The engine without contact handling: its overlap is how large the problem is."""
 TIDY = ("avatarsim", "mujoco", "pybullet", BASELINE)
 """Engines that leave nothing behind in their process: one serves for many runs. The timing pass compares the state hashes of runs
 that others went before with those of runs that had other ones before them. PyBullet's contactBreakingThreshold, which belongs to

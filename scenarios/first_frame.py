@@ -25,11 +25,12 @@ from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.scene.scene import Scene
+from runfiles.naming import GATED
 from scenarios import catalog
-from scenarios.asked import asked
-from scenarios.engines import GATED, opened
-from scenarios.filtered import filtered
+from scenarios.engines import opened
 from scenarios.job import Job
+from scenarios.running.asked import asked
+from scenarios.running.offered import filtered
 
 MOST_TIMES = 10.0
 """Longest first frame, in multiples of the median frame."""

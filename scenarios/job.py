@@ -9,6 +9,7 @@ from typing import Literal
 from avatarsim.engine import Engine, Settings
 from avatarsim.errors import UnknownName
 from avatarsim.scene.scene import Scene
+from runfiles.naming import stem
 from scenarios.measure.value import Value
 from scenarios.scenario import Motion, Scenario
 from scenarios.variants import VARIANTS
@@ -43,7 +44,7 @@ class Job:
     @property
     def stem(self) -> str:
         """Name of its recording, without the ending."""
-        return f"{self.scenario}.{self.engine}.{self.preset}.{self.seed}"
+        return stem(self.scenario, self.engine, self.preset, self.seed)
 
     @property
     def run(self) -> str:

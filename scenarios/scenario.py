@@ -89,7 +89,7 @@ class Scenario:
     standard list, `expects` holds closed forms by name. The `everyday` scenes are those of the short tables and of what is timed
     without filter and full lengths. `family` names the scene that this one is a variant of, so that counts of scenes are
     not counts of variants; in the catalogue it is the file that the scene stands in unless that says otherwise. `scale` is the
-    size of its world where it is another world made larger or smaller (`scenarios.elsewhere`).
+    size of its world where it is another world made larger or smaller (`scenarios.stability.elsewhere`).
     """
 
     name: str
@@ -121,3 +121,7 @@ class Scenario:
             return replace(self, short=None, short_motion=None)
         motion = self.short_motion or self.motion
         return replace(self, frames=self.short, motion=motion, short=None, short_motion=None)
+
+
+REFUSAL = "refusal"
+"""Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.posture_table.plan import drawn_seed
-from scenarios.progress import Progress
+from scenarios.running.progress import Progress
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -36,7 +36,7 @@ SHARES = (0.8, 1.2)
 CHANCE = 1.0 + 1e-6
 """Factor of the change that tells what chance does."""
 
-COPIED = ("avatarsim", "scenarios", "reference", "reports", "pyproject.toml")
+COPIED = ("avatarsim", "runfiles", "scenarios", "reference", "reports", "pyproject.toml")
 """What a run needs of the project."""
 
 FIGURES = ("chatter", "jerk_ratio", "turn_max", "root_max", "offset_p50", "offset_p95", "angle_p50", "angle_p95", "time_p50",

@@ -36,19 +36,6 @@ VARIANTS: Mapping[str, Mapping[str, Callable[[Scenario], bool]]] = {
 }
 """Engine -> variant -> whether it takes part in a scenario. The settings are the engine's own, under that name."""
 
-BASE: Mapping[tuple[str, str], str] = {
-    ("mujoco", "sleeping"): "tuned", ("mujoco", "servos"): "tuned", ("mujoco", "hinges"): "tuned",
-    ("pybullet", "follows"): "default",
-}
-"""(engine, variant) -> the preset that it changes."""
-
-
-def base_of(run: str) -> str:
-    """"engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
-    engine, _, variant = run.partition("/")
-    preset = BASE.get((engine, variant))
-    return "" if preset is None else f"{engine}/{preset}"
-
 
 def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
     """Whether a row is of this scenario: a preset always is, a variant where its question is."""

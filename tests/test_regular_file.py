@@ -11,7 +11,7 @@ from avatarsim.assets import cache
 from avatarsim.errors import InvalidFile
 from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report
-from scenarios import record
+from runfiles import record
 from scenarios.stability.finished import Finished
 from scenarios.stability.outcome import Outcome
 from tests.hostile import valid_files

@@ -11,7 +11,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 from docs.extensions import public_names
-from reports.glossary import TERMS
+from reports.page.glossary import TERMS
 
 ROOT = Path(__file__).resolve().parents[2]
 

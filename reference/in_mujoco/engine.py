@@ -22,8 +22,9 @@ from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES,
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import COMPILED, Chosen, in_force, kind_of, purpose
+from reference.presets import Chosen, in_force, kind_of, purpose
 from reference.targets import Targets
+from runfiles.naming import COMPILED
 
 Array = NDArray[np.float64]
 

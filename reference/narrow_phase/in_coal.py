@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.shape import Box, Shape
-from reference.judge_distances import EPA_ITERATIONS, TOLERANCE
-from reference.judge_geometry import coal_geometry
+from reference.judging.distances import EPA_ITERATIONS, TOLERANCE
+from reference.judging.geometry import coal_geometry
 from reference.narrow_phase.cells import Mode, Sequence
 from reference.narrow_phase.contender import Identity
 

@@ -6,7 +6,7 @@ import fcl
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.in_fcl import fcl_geometry
+from reference.judging.in_fcl import fcl_geometry
 from reference.narrow_phase.cells import Mode, Sequence
 from reference.narrow_phase.contender import Identity
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.judge_geometry import rounded_points
-from reference.minkowski import signed_distance
+from reference.judging.geometry import rounded_points
+from reference.judging.minkowski import signed_distance
 from reference.narrow_phase.cells import Sequence
 
 Array = NDArray[np.float64]

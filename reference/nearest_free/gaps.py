@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
-from reference.judge_distances import EPA_ITERATIONS, TOLERANCE
-from reference.judge_geometry import Pieces
+from reference.judging.distances import EPA_ITERATIONS, TOLERANCE
+from reference.judging.geometry import Pieces
 from reference.nearest_free.tree import Placed, Tree
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-// Figures as the words of these pages have them (reports/wording.py): three digits, and a unit of the right size.
+// Figures as the words of these pages have them (reports/words/wording.py): three digits, and a unit of the right size.
 "use strict";
 const quantity = (() => {
   const PREFIXES = { m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"], [1e-9, "nm"]], us: [[1e6, "s"], [1e3, "ms"], [1, "µs"], [1e-3, "ns"]] };

@@ -12,14 +12,14 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
-from reference.judge import Judge
+from reference.judging.judge import Judge
+from runfiles.csv_rows import csv_lines
+from runfiles.files import OUT, write_text
+from runfiles.naming import GATED
+from runfiles.record import load
 from scenarios.beside.pair import Among, Beside, compared
 from scenarios.beside.table import FIGURES, known, table
-from scenarios.csv_rows import csv_lines
-from scenarios.engines import GATED
-from scenarios.files import OUT, write_text
-from scenarios.kept import as_recorded, fitting, scenes_of
-from scenarios.record import load
+from scenarios.results.kept import as_recorded, fitting, scenes_of
 
 DIGITS = 8
 """Significant digits of a figure: the closest of these are told apart by them."""

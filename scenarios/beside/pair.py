@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from reference.judge import Judge
-from scenarios.measure.body_offset import body_offsets
-from scenarios.measure.least_angle import least_angles
-from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
+from reference.judging.judge import Judge
+from runfiles.record import Recording
+from scenarios.measure.posture.limits import joint_limit_excess, least_angles, reach_cone_excess
+from scenarios.measure.posture.tracker_offset import angle_offsets, body_offsets, offsets, rms
 from scenarios.measure.side import outside
-from scenarios.measure.tracker_offset import angle_offsets, offsets, rms
-from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]

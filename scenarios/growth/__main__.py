@@ -12,14 +12,15 @@ import numpy as np
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
-from scenarios.csv_rows import csv_text
-from scenarios.engines import BASELINE, known
-from scenarios.files import OUT, write_text
+from runfiles.csv_rows import csv_text
+from runfiles.files import OUT, write_text
+from runfiles.naming import BASELINE
+from scenarios.engines import known
 from scenarios.growth import worlds
 from scenarios.growth.rows import Row, table
-from scenarios.harness import offers
 from scenarios.job import Job
-from scenarios.timing import Clocked, timed_pass
+from scenarios.running.harness import offers
+from scenarios.running.timing import Clocked, timed_pass
 
 NAME = "growth.csv"
 """The file of rows."""

@@ -15,18 +15,18 @@ from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
-from scenarios.avatars.humanoid import humanoid
-from scenarios.avatars.standing import standing
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from scenarios.building.stage import floor, wall_ahead
 from scenarios.growth.gallery import FRAMES as GALLERY_FRAMES
 from scenarios.growth.gallery import MODES as GALLERY_MODES
 from scenarios.growth.gallery import gallery, walk
 from scenarios.growth.piles import FRAMES as PILE_FRAMES
 from scenarios.growth.piles import MODES as PILE_MODES
 from scenarios.growth.piles import pile
-from scenarios.keyframes import posed
+from scenarios.motion.keyframes import posed
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Motion, Scenario
-from scenarios.stage import floor, wall_ahead
-from scenarios.untracked import untracked
 
 LINKS = (16, 31, 61, 100, 199)
 """Links of the comb: a back, and limbs of three links."""

@@ -13,21 +13,21 @@ from typing import Any
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
-from scenarios.csv_rows import csv_text
-from scenarios.engines import BASELINE, known
-from scenarios.estimate import Estimate
-from scenarios.files import OUT, write_text
-from scenarios.found.fingerprint import find, key_of, sources
-from scenarios.found.store import Store
-from scenarios.gate import STOPPED
-from scenarios.harness import offers
+from runfiles.csv_rows import csv_text
+from runfiles.files import OUT, write_text
+from runfiles.naming import BASELINE
+from scenarios.engines import known
 from scenarios.job import Job
 from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained, without_figures
 from scenarios.law_map.rows import Row, table
-from scenarios.processes import Died
-from scenarios.resume import stoppable
-from scenarios.side_by_side import side_by_side
+from scenarios.results.fingerprint import find, key_of, sources
+from scenarios.results.gate import STOPPED
+from scenarios.results.resume import stoppable
+from scenarios.results.store import Store
+from scenarios.running.harness import offers
+from scenarios.running.processes import Died, side_by_side
+from scenarios.running.progress import Estimate
 
 DIGITS = 9
 """Significant digits of a figure: the closest of these are told apart by them."""

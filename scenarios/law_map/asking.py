@@ -10,7 +10,7 @@ from scenarios.job import Job
 from scenarios.law_map import worlds
 from scenarios.law_map.obtained import friction, restitution
 from scenarios.law_map.rows import Row, summed_up
-from scenarios.run import described, gathered
+from scenarios.running.run import described, gathered
 
 
 def job_of(law: str, shape: str, rate: int, engine: str, preset: str) -> Job:

@@ -16,9 +16,9 @@ from avatarsim.scene.checks import Quaternion
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.spatial import rotation
-from scenarios.cases import NOWHERE, pair_table, turned_by
+from scenarios.building.cases import NOWHERE, pair_table, turned_by
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import Scenario
-from scenarios.untracked import untracked
 
 LAWS = ("restitution", "friction")
 SHAPES = ("sphere", "box_flat", "box_corner", "capsule")

@@ -6,33 +6,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
-from scenarios.measure.at_rest import at_rest
-from scenarios.measure.bounce import bounces
-from scenarios.measure.bounce_times import bounce_times, zeno_ends
-from scenarios.measure.conserved import conserved
-from scenarios.measure.counts import work
-from scenarios.measure.course import course_errors
-from scenarios.measure.energy import energy
-from scenarios.measure.escapes import escapes
-from scenarios.measure.finite import not_finite
-from scenarios.measure.grasp import grasp
-from scenarios.measure.halts import halts
-from scenarios.measure.hover import contact_gap
-from scenarios.measure.jumps import jumps
+from runfiles.overlapping import Overlapping, gathered
+from runfiles.record import Recording
+from scenarios.measure.bodies.bounce import bounce_times, bounces, zeno_ends
+from scenarios.measure.bodies.closed_form import course_errors, flips, pivots, stops
+from scenarios.measure.bodies.conserved import conserved
+from scenarios.measure.bodies.energy import energy
+from scenarios.measure.bodies.standing import at_rest, towers
+from scenarios.measure.bodies.whereabouts import escapes, grasp, travel
+from scenarios.measure.frames import halts, not_finite, work
 from scenarios.measure.known import Known
-from scenarios.measure.limits import limit_excess
 from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
+from scenarios.measure.posture.jumps import jumps
+from scenarios.measure.posture.limits import limit_excess
+from scenarios.measure.posture.smoothness import NEAR, contact_gap, smoothness
+from scenarios.measure.posture.stillness import still_frames
+from scenarios.measure.posture.tracker_offset import tracker_offset
 from scenarios.measure.side import wrong_side
-from scenarios.measure.sliding import stops
-from scenarios.measure.smoothness import NEAR, smoothness
-from scenarios.measure.spinning import flips, pivots
-from scenarios.measure.stillness import still_frames
-from scenarios.measure.towers import towers
-from scenarios.measure.tracker_offset import tracker_offset
-from scenarios.measure.travel import travel
 from scenarios.measure.value import Missing, Value
-from scenarios.overlapping import Overlapping, gathered
-from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]

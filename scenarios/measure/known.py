@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
-from scenarios.measure.free import free_frames, raw_states
-from scenarios.measure.smoothness import NEAR
-from scenarios.record import Recording
+from runfiles.record import Recording
+from scenarios.measure.posture.free import free_frames, raw_states
+from scenarios.measure.posture.smoothness import NEAR
 from scenarios.scenario import Scenario
 
 if TYPE_CHECKING:
-    from reference.judge import Judge
+    from reference.judging.judge import Judge
 
 Flags = NDArray[np.bool_]
 
@@ -31,7 +31,7 @@ class Known:
     @cached_property
     def judge(self) -> "Judge":
         """Raises ImportError where the judge's package is missing: a compiled one that not every machine has."""
-        from reference.judge import Judge
+        from reference.judging.judge import Judge
 
         return Judge(self.scene)
 

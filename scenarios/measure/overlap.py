@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from runfiles.record import Recording
 from scenarios.measure.value import Missing, Value, Values
-from scenarios.record import Recording
 
 Array = NDArray[np.float64]
 Deepest = Callable[[Array, Array], float]

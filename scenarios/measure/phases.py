@@ -5,12 +5,9 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from scenarios.measure.stillness import movement
-from scenarios.record import Recording
-
-STILL = 6e-3
-"""Speed [m/s] up to which a body or link counts as resting over a frame: 0.1 mm in a sixtieth of a second. Ten times less, and
-contacts that give way by design would never rest; ten times more, and a slow hand would."""
+from runfiles.record import Recording
+from runfiles.visible_motion import STILL
+from scenarios.measure.posture.stillness import movement
 
 
 def resting(recording: Recording, scene: Scene) -> NDArray[np.bool_]:

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
+from runfiles.record import Recording
 from scenarios.measure.value import Values
-from scenarios.record import Recording
 from scenarios.scenario import Region, Scenario
 
 Array = NDArray[np.float64]

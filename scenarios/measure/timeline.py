@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.record import EVENTS, Integers, Recording
+from runfiles.record import EVENTS, Integers, Recording
 
 Array = NDArray[np.float64]
 

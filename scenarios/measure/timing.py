@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, Protocol
+from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, Protocol
 from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]

@@ -13,17 +13,16 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
-from scenarios.csv_rows import csv_text
-from scenarios.files import OUT, write_text
-from scenarios.gate import STOPPED
-from scenarios.kept import scenes_of
+from runfiles.csv_rows import csv_text
+from runfiles.files import OUT, write_text
 from scenarios.nearest.frames import Sample
 from scenarios.nearest.searched import searched
 from scenarios.nearest.summary import Summary, summarised, table
-from scenarios.processes import Died
-from scenarios.progress import Progress
-from scenarios.resume import stoppable
-from scenarios.side_by_side import side_by_side
+from scenarios.results.gate import STOPPED
+from scenarios.results.kept import scenes_of
+from scenarios.results.resume import stoppable
+from scenarios.running.processes import Died, side_by_side
+from scenarios.running.progress import Progress
 
 DIGITS = 8
 """Significant digits of a figure: the closest of these are told apart by them."""

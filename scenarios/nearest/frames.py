@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from reference.nearest_free.search import ENOUGH, Found, Problem, descend, scattered
 from reference.nearest_free.tree import Posture, Tree
-from scenarios.measure.free import free_frames
-from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
+from runfiles.record import Recording
 from scenarios.measure.overlap import SEEN
+from scenarios.measure.posture.free import free_frames
+from scenarios.measure.posture.limits import joint_limit_excess, reach_cone_excess
 from scenarios.measure.side import outside
-from scenarios.record import Recording
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]

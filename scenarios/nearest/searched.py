@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from scenarios.kept import as_recorded, recordings
 from scenarios.nearest.frames import Frames, Sample
+from scenarios.results.kept import as_recorded, recordings
 
 
 def searched(name: str, run: Path, first: str, count: int) -> list[Sample] | None:

@@ -19,8 +19,8 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
-from scenarios.engines import GATED
-from scenarios.files import OUT, write_text
+from runfiles.files import OUT, write_text
+from runfiles.naming import GATED
 from scenarios.posture_table import moments, probes, ratios
 from scenarios.posture_table.plan import GROUPS, Wanted, drawn_seed, group_of, jobs, rooms, runs_of
 from scenarios.posture_table.rows import rows

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from scenarios.measure.smoothness import CALM
+from scenarios.measure.posture.smoothness import CALM
 from scenarios.posture_table.runs import Seen
 from scenarios.posture_table.series import Array, Series
 from scenarios.scenario import RENDERED

@@ -8,12 +8,13 @@ from importlib import import_module
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from runfiles.naming import GATED
 from scenarios import catalog, unseen
-from scenarios.engines import GATED, opened
-from scenarios.filtered import patterns_of, unmatched
-from scenarios.harness import offers
+from scenarios.engines import opened
 from scenarios.job import CATALOGUE, Job
 from scenarios.posture_table import probes
+from scenarios.running.harness import offers
+from scenarios.running.offered import patterns_of, unmatched
 from scenarios.scenario import Scenario
 from scenarios.variants import VARIANTS, takes_part
 

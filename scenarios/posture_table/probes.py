@@ -18,13 +18,13 @@ from avatarsim.pose_queries import require_free
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
-from scenarios import gallery, stage
-from scenarios.avatars.humanoid import humanoid
-from scenarios.avatars.standing import standing
-from scenarios.mocap import Clip, placed, read_clip, retimed
-from scenarios.reach import reach
+from scenarios.building import gallery, stage
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from scenarios.building.reach import reach
+from scenarios.motion.mocap import Clip, placed, read_clip, retimed
+from scenarios.motion.track import LEAD_IN, Track, track_of
 from scenarios.scenario import Region, Scenario
-from scenarios.track import LEAD_IN, Track, track_of
 from scenarios.unseen import rooms
 from scenarios.unseen.drawn_motion import EVERY, SINKS
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.smoothness import FAR
+from runfiles.visible_motion import FAR
 from scenarios.posture_table.runs import Seen
 from scenarios.posture_table.series import Array, Series
 

@@ -9,20 +9,20 @@ from typing import TextIO
 
 import numpy as np
 
-from scenarios.asked import asked
-from scenarios.engines import GATED
-from scenarios.found.fingerprint import find, key_of, sources
-from scenarios.found.store import Store
-from scenarios.harness import tidy
+from runfiles.naming import GATED
+from runfiles.record import load
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
 from scenarios.posture_table import probes
 from scenarios.posture_table.series import Array, Series, series_from, series_of
-from scenarios.processes import Died, Pool
-from scenarios.progress import Progress
-from scenarios.record import load
-from scenarios.run import accuracy
-from scenarios.seat import repeat
+from scenarios.results.fingerprint import find, key_of, sources
+from scenarios.results.store import Store
+from scenarios.running.asked import asked
+from scenarios.running.harness import tidy
+from scenarios.running.processes import Died, Pool
+from scenarios.running.progress import Progress
+from scenarios.running.run import accuracy
+from scenarios.running.seat import repeat
 
 FIGURES = (
     "residual_overlap_max", "joint_limit_excess_max", "reach_cone_excess_max", "not_finite_frames", "wrong_side_frames",

@@ -6,13 +6,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios.measure.jumps import beyond_user
+from runfiles.record import Recording
+from runfiles.visible_motion import reversals, shaking
 from scenarios.measure.known import Known
-from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
+from scenarios.measure.posture.jumps import beyond_user
+from scenarios.measure.posture.limits import joint_limit_excess, reach_cone_excess
+from scenarios.measure.posture.smoothness import free_awhile, silent_frames, third_differences
+from scenarios.measure.posture.tracker_offset import angle_offsets, offsets
 from scenarios.measure.side import outside
-from scenarios.measure.smoothness import free_awhile, reversals, shaking, silent_frames, third_differences
-from scenarios.measure.tracker_offset import angle_offsets, offsets
-from scenarios.record import Recording
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

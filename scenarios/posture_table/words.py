@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 
-from scenarios.csv_rows import csv_text
+from runfiles.csv_rows import csv_text
 from scenarios.posture_table.rows import MOVES, TURNS, Row
 
 COLUMNS: tuple[tuple[str, str, float, str], ...] = (

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
+from runfiles.csv_rows import csv_text
+from runfiles.files import OUT, write_text
+from runfiles.naming import GATED
 from scenarios import catalog
-from scenarios.csv_rows import csv_text
-from scenarios.engines import GATED
-from scenarios.files import OUT, write_text
-from scenarios.harness import offer
+from scenarios.running.harness import offer
 from scenarios.spread.orders import Spread, measured
 
 SCENE, NAME, ORDERS = "chain_order", "chain_order.csv", 100

@@ -10,7 +10,7 @@ from avatarsim.engine import Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios.engines import opened
 
 Array = NDArray[np.float64]

@@ -12,14 +12,15 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
-from scenarios.csv_rows import csv_text
-from scenarios.engines import BASELINE, known
-from scenarios.files import OUT, write_text
-from scenarios.filtered import filtered, unmatched
-from scenarios.gate import NOTHING
-from scenarios.harness import offers
-from scenarios.progress import Progress
-from scenarios.resume import stoppable
+from runfiles.csv_rows import csv_text
+from runfiles.files import OUT, write_text
+from runfiles.naming import BASELINE
+from scenarios.engines import known
+from scenarios.results.gate import NOTHING
+from scenarios.results.resume import stoppable
+from scenarios.running.harness import offers
+from scenarios.running.offered import filtered, unmatched
+from scenarios.running.progress import Progress
 from scenarios.stability.finished import NAME as FINISHED
 from scenarios.stability.finished import Finished, stamp
 from scenarios.stability.outcome import UNASKED, Outcome, Task

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile
 from avatarsim.files import parsed_json, read_text
-from scenarios.files import plain, write_text
-from scenarios.provenance import PACKAGES, code_hash, version
+from runfiles.files import plain, write_text
+from scenarios.results.provenance import PACKAGES, code_hash, version
 from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task
 
 NAME = "stability.jsonl"

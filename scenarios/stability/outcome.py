@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from avatarsim.engine import Engine, FrameRecord, Settings
 from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps
 from avatarsim.scene.tracker import checked
-from reference.judge import Judge
+from reference.judging.judge import Judge
+from runfiles.record import Recording
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.measure.energy import energy
-from scenarios.measure.finite import not_finite
+from scenarios.measure.bodies.energy import energy
+from scenarios.measure.frames import not_finite
 from scenarios.measure.side import wrong_side
-from scenarios.record import Recording
-from scenarios.run import described, gathered
+from scenarios.running.run import described, gathered
 from scenarios.scenario import Scenario
 from scenarios.stability.plan import Trial
 from scenarios.stability.variation import Varied, varied

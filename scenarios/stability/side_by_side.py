@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from scenarios.engines import TIDY
-from scenarios.processes import Died, Pool
+from scenarios.running.processes import Died, Pool
 from scenarios.stability.outcome import CRASHED, LATE, TOO_LATE, Outcome, Task, outcome
 
 PATIENCE = 3.0 * LATE

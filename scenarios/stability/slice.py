@@ -6,15 +6,15 @@ What is in it was chosen by cost, so that all engines get through it in a quarte
 import sys
 from collections.abc import Sequence
 
-from scenarios.csv_rows import csv_text
-from scenarios.engines import BASELINE
-from scenarios.files import write_text
-from scenarios.progress import Progress
+from runfiles.csv_rows import csv_text
+from runfiles.files import write_text
+from runfiles.naming import BASELINE
+from scenarios.running.progress import Progress
 from scenarios.stability.outcome import UNASKED, Outcome, Task
 from scenarios.stability.plan import CASES, Trial, trials
 from scenarios.stability.rows import NAME, SLICE, Row, rows
 from scenarios.stability.side_by_side import answers
-from scenarios.studies import Request, Study
+from scenarios.studies.study import Request, Study
 from scenarios.variants import takes_part
 
 LEFT_OUT = {

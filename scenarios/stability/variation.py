@@ -11,9 +11,9 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.between import between
-from scenarios.elsewhere import Elsewhere
+from scenarios.motion.between import between
 from scenarios.scenario import RENDERED, Motion, Scenario
+from scenarios.stability.elsewhere import Elsewhere
 
 Array = NDArray[np.float64]
 

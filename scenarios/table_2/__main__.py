@@ -13,8 +13,8 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError
-from scenarios.csv_rows import csv_lines
-from scenarios.files import OUT, write_text
+from runfiles.csv_rows import csv_lines
+from runfiles.files import OUT, write_text
 from scenarios.table_2.figure_7 import traces
 from scenarios.table_2.printed import SCENES
 from scenarios.table_2.rows import Row, rows, trace

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.scene.tracker import link_poses
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.seat import repeat
+from scenarios.running.seat import repeat
 
 SCENE, PRESETS = "hand_over_table", ("default", "paper")
 REPEATS = 3
@@ -50,7 +50,7 @@ def traces(frames: int | None = None, repeats: int = REPEATS) -> tuple[Trace, ..
 
 def contact(job: Job) -> NDArray[np.bool_]:
     """(F,) whether the tracker's own hand overlaps a fixed body at the end of each frame, by the judge."""
-    from reference.judge import Judge
+    from reference.judging.judge import Judge
 
     scenario, scene, motion = job.asked()
     judge = Judge(scene)

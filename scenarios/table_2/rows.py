@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from reference.frame_shares.measure import Shares, measured
-from scenarios.kept import as_recorded, fitting, scenes_of
-from scenarios.measure.tracker_offset import angle_offsets
-from scenarios.record import Recording, load
-from scenarios.results import MOST_BYTES
+from runfiles.published import MOST_BYTES
+from runfiles.record import Recording, load
+from scenarios.measure.posture.tracker_offset import angle_offsets
+from scenarios.results.kept import as_recorded, fitting, scenes_of
 from scenarios.table_2.printed import SCENES
 
 Array = NDArray[np.float64]

@@ -8,9 +8,10 @@ from functools import cache
 from types import MappingProxyType
 
 from avatarsim.errors import UnknownName
-from scenarios.resampled import at_rate
+from runfiles.naming import UNSEEN_PREFIX as PREFIX
+from scenarios.motion.resampled import at_rate
 from scenarios.scenario import Scenario
-from scenarios.unseen.rooms import PREFIX, ROOMS
+from scenarios.unseen.rooms import ROOMS
 
 __all__ = ["NAME", "PREFIX", "get", "scenarios"]
 

@@ -17,11 +17,11 @@ from pathlib import Path
 
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
-from scenarios.gate import FAILED, HELD, INCOMPLETE, USAGE
-from scenarios.processes import Died, Pool
-from scenarios.progress import Progress
+from scenarios.results.gate import FAILED, HELD, INCOMPLETE, USAGE
+from scenarios.running.processes import Died, Pool
+from scenarios.running.progress import Progress
+from scenarios.studies.unseen_motions import Seen, broken, jobs, seen, table
 from scenarios.unseen import seeds
-from scenarios.unseen.many import Seen, broken, jobs, seen, table
 
 
 def parser() -> argparse.ArgumentParser:

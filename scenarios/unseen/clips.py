@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.spatial import rotation
-from scenarios.keyframes import minimum_jerk
-from scenarios.layers import upper_body_of
-from scenarios.mocap import Clip, placed, retimed
+from scenarios.motion.keyframes import minimum_jerk
+from scenarios.motion.layers import upper_body_of
+from scenarios.motion.mocap import Clip, placed, retimed
 from scenarios.scenario import RENDERED
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.tracker import TrackerSample, poses_of_links
-from scenarios.mocap import Clip, clip_names, load_clip, placed, repeated, retimed
-from scenarios.reach import reach
+from scenarios.building.reach import reach
+from scenarios.motion.mocap import Clip, clip_names, load_clip, placed, repeated, retimed
+from scenarios.motion.track import LEAD_IN, Track, track_of
 from scenarios.scenario import RENDERED
-from scenarios.track import LEAD_IN, Track, track_of
 from scenarios.unseen.clips import cut, faded, heading, layered, mirrored, warped
 
 Array = NDArray[np.float64]

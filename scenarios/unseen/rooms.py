@@ -9,15 +9,14 @@ from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from scenarios import gallery, stage
-from scenarios.avatars.humanoid import humanoid
-from scenarios.avatars.standing import standing
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
+from runfiles.naming import UNSEEN_PREFIX
+from scenarios.building import gallery, stage
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
 from scenarios.scenario import Bound, Motion, Region, Scenario
 from scenarios.unseen.drawn_motion import Corner, drawn_motion
 
-PREFIX = "unseen_"
-"""How the names of these scenes begin."""
 FRAMES = 600
 """Ten seconds: four to eight pieces of clips."""
 FACE = 0.55
@@ -89,7 +88,7 @@ class Room:
     def build(self) -> Scene:
         """The room with the humanoid in it, standing free."""
         human = humanoid()
-        return Scene(f"{PREFIX}{self.name}", self.bodies(), (human,), start=standing(human, *self.start))
+        return Scene(f"{UNSEEN_PREFIX}{self.name}", self.bodies(), (human,), start=standing(human, *self.start))
 
     def motion(self, scene: Scene, seed: int) -> Motion:
         """The motion of one seed, placed in this room."""
@@ -100,7 +99,7 @@ class Room:
     def scenario(self) -> Scenario:
         """The scene with the bounds of the promises."""
         return Scenario(
-            name=f"{PREFIX}{self.name}",
+            name=f"{UNSEEN_PREFIX}{self.name}",
             title=f"Motions that nothing was tuned for, {self.what}: clips recombined, mirrored, time-warped, layered.",
             judged="Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, jerk.",
             build=self.build, motion=self.motion, frames=FRAMES, bounds=PROMISES, regions=(self.allowed,),

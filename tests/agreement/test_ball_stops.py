@@ -7,8 +7,8 @@ from avatarsim.engine import Settings
 from avatarsim.scene.joint import Ball, SwingTwist
 from avatarsim.spatial import rotation
 from scenarios import catalog
-from scenarios.measure.joints import places
-from scenarios.measure.limits import joint_limit_excess, swing_twist
+from scenarios.measure.posture.joints import places
+from scenarios.measure.posture.limits import joint_limit_excess, swing_twist
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
 from tests.agreement.scenes import turned
 

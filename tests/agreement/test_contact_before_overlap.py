@@ -12,7 +12,7 @@ from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import FRAME, turned
 

@@ -10,7 +10,7 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
-from scenarios.catalog.oblique_bounce import RESTITUTION, SPEED, after
+from scenarios.catalog.impacts.oblique_bounce import RESTITUTION, SPEED, after
 
 SLIDES = [(45.0, 0.1), (70.0, 0.1), (70.0, 0.3)]
 """Angles [deg] and frictions of oblique_bounce at which the sphere still slides when it leaves."""

@@ -8,7 +8,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
 from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.factors import coefficients, fit, weights
-from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import hand, pressed
 
 BALL = (Piece(Sphere(0.05)),)

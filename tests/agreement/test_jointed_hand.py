@@ -4,7 +4,7 @@ import numpy as np
 
 from avatarsim.engine import Settings
 from scenarios import catalog
-from scenarios.measure.limits import joint_limit_excess
+from scenarios.measure.posture.limits import joint_limit_excess
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
 
 FRAMES = 40

@@ -14,7 +14,7 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.laws import contact_laws, law_between
 from scenarios import catalog
-from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import FRAME, every_joint, hand, posture, pressed
 
 MATERIALS = ("human", "metal", "wood")

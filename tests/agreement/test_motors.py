@@ -8,7 +8,7 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from reference.in_mujoco.engine import MujocoEngine
-from scenarios.measure.limits import joint_limit_excess
+from scenarios.measure.posture.limits import joint_limit_excess
 from tests.agreement.reached.mannequin import before_wall, posed
 from tests.agreement.scenes import FRAME, LIMITS, chain, swung
 

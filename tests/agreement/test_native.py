@@ -13,10 +13,12 @@ import pytest
 
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
-from reference.presets import COMPILED
-from scenarios import catalog, native
+from runfiles import native_files
+from runfiles.naming import COMPILED
+from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
+from scenarios.results import native
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 
 WRITTEN = 1e-13
@@ -59,15 +61,15 @@ def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(
     for k in range(frames):
         engine.advance(motion(k), scenario.dt)
     native.write_steps(engine, tmp_path, job)
-    steps, program = native.steps_written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
-    model = native.written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
+    steps, program = native_files.steps_written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
+    model = native_files.written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
     ran = subprocess.run([sys.executable, *(str(tmp_path / name) for name in (program, model, steps))], capture_output=True,
                          text=True, check=True, timeout=60.0)
     assert ran.stdout.startswith("deepest ") and "median frame" in ran.stdout
     told = np.array(ran.stdout.partition("qpos ends at [")[2].replace("]", "").split(), dtype=np.float64)
     assert np.allclose(told, engine._data.qpos, rtol=0.0, atol=1e-7)
     assert "error of the frame time: none" in gzip.decompress((tmp_path / model).read_bytes()).decode()
-    assert native.steps_written(tmp_path, "mocap_punch_wall", "mujoco/default", 0) == ()
+    assert native_files.steps_written(tmp_path, "mocap_punch_wall", "mujoco/default", 0) == ()
 
 
 def test_numbers_of_a_scene_stand_among_its_settings() -> None:
@@ -122,13 +124,13 @@ def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path:
     scenario, engine = catalog.get("driven_10cm_wall"), MujocoEngine()
     engine.load(scenario.build(), Settings("tuned"), scenario.dt)
     native.write(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"))
-    path = native.written(tmp_path, "driven_10cm_wall", "mujoco/tuned", 0)
+    path = native_files.written(tmp_path, "driven_10cm_wall", "mujoco/tuned", 0)
     assert gzip.decompress((tmp_path / path).read_bytes()).decode() == engine.native()[1]
     before = (tmp_path / path).read_bytes()
     native.write(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"))
     assert (tmp_path / path).read_bytes() == before
     native.write(opened("tracker"), tmp_path, Job("driven_10cm_wall", "tracker", "default"))
-    assert native.written(tmp_path, "driven_10cm_wall", "tracker/default", 0) == ""
+    assert native_files.written(tmp_path, "driven_10cm_wall", "tracker/default", 0) == ""
 
 
 @pytest.mark.parametrize("preset", ["default", "tuned"])

@@ -16,10 +16,10 @@ from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
 from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from reference.presets import Chosen, Kind, kind_of, of_one_scene
 from scenarios import catalog
-from scenarios.catalog.ball_drop import SCENARIO as BALL_DROP
+from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, arm, ball_on_slab, bent, chain, hand_over_table, nobody, pressed, swung
 

@@ -8,11 +8,11 @@ import pytest
 from avatarsim.engine import Engine, FrameRecord, Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from scenarios import run as room
+from runfiles.record import load
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.record import load
-from scenarios.run import accuracy
+from scenarios.running import run as room
+from scenarios.running.run import accuracy
 from tests.agreement.rivals import HAS_PYBULLET
 
 FRAMES = 12

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
-from scenarios.small_world import STACK
+from scenarios.building.small_world import STACK
 from tests.agreement.scenes import nobody
 
 

@@ -11,7 +11,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import (
     FRAME,

@@ -13,7 +13,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.agreement.scenes import FRAME, arm, hand_over_table
 
 HALF = np.array([0.2, 0.15, 0.1])

@@ -9,7 +9,7 @@ from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.simulator import AvatarsimEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.assets.solids import Soup, channel, ell
 
 

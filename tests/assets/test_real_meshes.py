@@ -11,9 +11,9 @@ from avatarsim.assets.mesh import read_mesh
 from avatarsim.assets.repairs import mended
 from avatarsim.errors import InvalidShape
 from avatarsim.scene.shape import ConvexHull
+from scenarios.building.gallery import MESHES
+from scenarios.building.obj_pieces import groups
 from scenarios.data_folder import data_file
-from scenarios.gallery import MESHES
-from scenarios.obj_pieces import groups
 
 
 def hand(name: str) -> Path:

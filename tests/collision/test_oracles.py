@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.collision import status
-from reference.minkowski import separated_distance, signed_distance
+from reference.judging.minkowski import separated_distance, signed_distance
 from tests.collision import judged
 from tests.collision.forms import KINDS, draw_form, draw_spot
 from tests.collision.greatest_gap import greatest_gap

@@ -9,7 +9,7 @@ import numpy as np
 from avatarsim.engine import Settings
 from avatarsim.scene.tracker import checked
 from avatarsim.simulator import AvatarsimEngine
-from scenarios.metrics import METRICS
+from runfiles.metrics import METRICS
 from scenarios.scenario import Scenario
 
 PAGE = (Path(__file__).parents[2] / "docs" / "adding.md").read_text(encoding="utf-8")

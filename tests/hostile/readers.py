@@ -13,16 +13,18 @@ from avatarsim.assets import cache, pieces_of_mesh
 from avatarsim.assets.mesh import read_mesh
 from avatarsim.assets.repairs import finite as finite_mesh
 from avatarsim.scene.avatar import Avatar
-from reports import baseline, headline, kept, write_report
-from reports.load import load as load_results
-from scenarios import record
-from scenarios.avatars.mjcf import Mjcf, parsed
-from scenarios.avatars.stl import hull_of
-from scenarios.found.store import Store
+from reports import write_report
+from reports.reading import kept
+from reports.reading.load import load as load_results
+from reports.summaries import baseline, headline
+from runfiles import record
+from scenarios.building.avatars.mjcf import Mjcf, parsed
+from scenarios.building.avatars.stl import hull_of
 from scenarios.job import Job
-from scenarios.mocap import read_clip, retimed
-from scenarios.own_settings import read as read_settings
-from scenarios.resume import check_plan, earlier_run, has_ended, write_plan
+from scenarios.motion.mocap import read_clip, retimed
+from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
+from scenarios.results.store import Store
+from scenarios.running.own_settings import read as read_settings
 from scenarios.stability.finished import Finished
 from scenarios.table_2 import rows as rows_of_table_2
 from tests.hostile import valid_files as valid
@@ -34,10 +36,11 @@ ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
 TABLES = {
     "narrow_phase": ("narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"), "broad_phase": ("broad_phase.csv",),
     "table_2": ("table_2.csv", "figure_8.csv"), "growth": ("growth.csv",), "closeness": ("nearest_free_scenes.csv", "beside.csv"),
-    "effects": ("ablation.json",), "figure_7": ("figure_7.csv", "figure_7_shares.csv"), "sweep": ("sweep.csv", "sweep.json"),
+    "effects": ("ablation.json",), "figure_7": ("figure_7.csv", "figure_7_shares.csv"),
+    "sweep.points": ("sweep.csv", "sweep.json"),
     "convergence": ("convergence.csv",), "law_map": ("law_map.csv",), "stability": ("stability.csv",), "judge": ("judge.json",),
 }
-"""Modules of `reports` that read files of a run besides results.json, and which."""
+"""Modules of `reports.sections` that read files of a run besides results.json, and which."""
 
 
 def hull(folder: Path, path: Path) -> object:
@@ -112,7 +115,7 @@ def kept_figures(folder: Path, path: Path) -> object:
 
 def table(module: str, folder: Path, path: Path) -> object:
     """What a page says of one table."""
-    return import_module(f"reports.{module}").load(folder)
+    return import_module(f"reports.sections.{module}").load(folder)
 
 
 def page(folder: Path, path: Path) -> object:

@@ -12,10 +12,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from scenarios import array_file, catalog, overlapping, record
+from runfiles import array_file, overlapping, record
+from scenarios import catalog
 from tests.assets.solids import cube, ell, torus
-from tests.reports import recorded, test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability, test_sweep
+from tests.reports import recorded
 from tests.reports.conftest import whole_run
+from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
+from tests.reports.sections.sweep import test_sweep
 from tests.scenarios import examples
 
 Files = Mapping[str, bytes]
@@ -122,8 +125,8 @@ def run() -> Files:
 
 def figures() -> dict[str, str]:
     """Tables that other commands add to a run: the paper's figures, what is nearest to the user."""
-    from reports.closeness import Near, Pair
-    from reports.table_2 import Line
+    from reports.sections.closeness import Near, Pair
+    from reports.sections.table_2 import Line
 
     times = "".join(f"avatarsim/default,{k},{20 if k > 4 else 10},{int(k > 4)}\n" for k in range(1, 9))
     near = [name for name in Near.__dataclass_fields__ if name not in ("scenario", "frames", "lost")]

@@ -10,8 +10,8 @@ from avatarsim.engine import Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses_each
 from avatarsim.simulator import AvatarsimEngine
+from runfiles.visible_motion import reversals, shaking
 from scenarios import unseen
-from scenarios.measure.smoothness import reversals, shaking
 
 Array = NDArray[np.float64]
 DT = 1.0 / 60.0

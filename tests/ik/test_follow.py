@@ -18,7 +18,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sp
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios import catalog
 from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
 from tests.worlds.little_worlds import X, Y, at, hand_scene, mixed_avatar, panel, piece, random_sample

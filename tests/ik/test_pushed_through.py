@@ -19,7 +19,7 @@ from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape, Sphere,
 from avatarsim.scene.tracker import rest
 from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at, hand
 from tests.worlds.ride import ride

@@ -15,9 +15,9 @@ import pytest
 from PIL import Image, ImageSequence
 
 from reports import write_report
-from reports.wording import quantity as words_of
-from scenarios import array_file
-from scenarios.metrics import METRICS
+from reports.words.wording import quantity as words_of
+from runfiles import array_file
+from runfiles.metrics import METRICS
 from tests.look.browser import Browser, browser
 from tests.reports.conftest import whole_run
 from tests.reports.recorded import recording, scene

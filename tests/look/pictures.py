@@ -17,8 +17,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
-from reports import headline, write_report
-from reports.load import load
+from reports import write_report
+from reports.reading.load import load
+from reports.summaries import headline
 from tests.look.browser import Browser, browser
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -21,8 +21,7 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, ReachCone, SwingTwist
 from avatarsim.scene.scene import Scene
-from scenarios.measure.cone import beyond_cone
-from scenarios.measure.limits import swing_twist
+from scenarios.measure.posture.limits import beyond_cone, swing_twist
 from tests.worlds.little_worlds import piece
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]

@@ -5,8 +5,8 @@ import pytest
 
 from avatarsim.engine import FrameRecord
 from avatarsim.scene.scene import Scene
-from reference.judge import Judge
-from scenarios.catalog.hand_over_table import BALL_RADIUS, TABLE_HEIGHT
+from reference.judging.judge import Judge
+from scenarios.catalog.paper.hand_over_table import BALL_RADIUS, TABLE_HEIGHT
 from tests.paper.hand_run import hand_run
 
 

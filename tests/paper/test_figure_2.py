@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.judge import Judge
-from scenarios.catalog.avatar_into_wall import FACE
+from reference.judging.judge import Judge
+from scenarios.catalog.paper.avatar_into_wall import FACE
 from tests.paper.scene_run import of_shown, of_user, scene_run
 
 FRAMES = 90

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.paper.scene_run import of_shown, of_user, scene_run
 
 FRAMES = 120

@@ -8,7 +8,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
 from tests.worlds.little_worlds import hand
 

@@ -9,7 +9,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.planner.scenes import DT, Run, held_arm, moved
 from tests.worlds.little_worlds import at, hand
 from tests.worlds.traps import BEHIND, POST, boomed, closed_pocket, limbed, pocket, tube

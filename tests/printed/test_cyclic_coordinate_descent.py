@@ -10,7 +10,7 @@ from avatarsim.model.joint_limits import cone_excess
 from avatarsim.paper.ccd_ik import NO_GOAL, OUT_OF_SWEEPS, REACHED, SINGULAR, STUCK
 from avatarsim.settings import PaperSettings
 from avatarsim.spatial.tangent import columns
-from reference.closed_form_reach import reach_angles, reach_shortfall
+from reference.closed_form.reach import reach_angles, reach_shortfall
 from tests.worlds.arms import BENDING, arm, limited_ball, planar, reach, three_axes, world_of
 
 WIDE = (-10.0, 10.0)

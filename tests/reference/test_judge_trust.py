@@ -12,9 +12,9 @@ from avatarsim.errors import InvalidInput
 from avatarsim.scene.shape import Box, Ellipsoid, Sphere
 from avatarsim.spatial import rotation
 from reference import judge_trust as module
-from reference.in_fcl import fcl_distances
 from reference.judge_trust import BOUND, FILE, Trust, counted, main, trust
-from reference.known_pairs import FLOOR, KINDS, REGIMES, Gallery, exact, offset, point_to_ellipsoid
+from reference.judging.in_fcl import fcl_distances
+from reference.judging.known_pairs import FLOOR, KINDS, REGIMES, Gallery, exact, offset, point_to_ellipsoid
 
 PROMISE = 1e-8
 PAIRS = 8 * len(KINDS) * len(REGIMES)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scenarios import array_file
+from runfiles import array_file
 
 STATES = 20
 BODIES = [

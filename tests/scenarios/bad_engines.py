@@ -18,7 +18,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, poses_of_links
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 
 Array = NDArray[np.float64]
 DEPTH = 2e-3

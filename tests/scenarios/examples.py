@@ -11,7 +11,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
-from scenarios.record import EVENTS, Recording
+from runfiles.record import EVENTS, Recording
 from scenarios.scenario import INFINITE, Bound, Drop, Motion, Region, Scenario
 
 DT = 1.0 / 60.0

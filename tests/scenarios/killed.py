@@ -29,9 +29,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scenarios import array_file
-from scenarios.results import is_time
-from scenarios.run import FRAME_SECONDS
+from runfiles import array_file
+from scenarios.results.results import is_time
+from scenarios.running.run import FRAME_SECONDS
 
 ROOT = Path(__file__).resolve().parents[2]
 ENGINES = ("avatarsim", "mujoco", "tracker")

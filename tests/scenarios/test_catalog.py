@@ -11,11 +11,12 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios import catalog
-from scenarios.catalog import ball_drop, hand_over_table, mocap_punch_wall, mocap_walk_wall
-from scenarios.mocap import clip_names
-from scenarios.reach import reach
+from scenarios.building.reach import reach
+from scenarios.catalog.paper import ball_drop, hand_over_table
+from scenarios.catalog.recorded import mocap_punch_wall, mocap_walk_wall
+from scenarios.motion.mocap import clip_names
 from scenarios.scenario import Bound, Drop, Motion, Region, Scenario
 from tests.scenarios.raw_overlap import RAW
 

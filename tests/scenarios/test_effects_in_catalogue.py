@@ -10,7 +10,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.effects import Effects
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
-from scenarios.run import REFUSAL
+from scenarios.scenario import REFUSAL
 
 FRAMES = 12
 """Frames of each scene: enough for things to meet in most of them, few enough for all seventy."""

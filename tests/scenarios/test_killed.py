@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scenarios import array_file
+from runfiles import array_file
 from scenarios.__main__ import main
 from tests.scenarios.killed import commands, differing, of_run, run_of, tried
 

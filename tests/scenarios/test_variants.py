@@ -3,13 +3,14 @@
 import pytest
 
 from avatarsim.errors import UnknownName
+from runfiles.naming import BASE, base_of
 from scenarios import catalog
 from scenarios.__main__ import main, parser
-from scenarios.commands import plan
+from scenarios.cli.commands import plan
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.offered import scenarios
-from scenarios.variants import BASE, VARIANTS, base_of, variants_of
+from scenarios.running.offered import scenarios
+from scenarios.variants import VARIANTS, variants_of
 
 
 def test_mujoco_sleeps_where_bodies_are_to_rest_and_in_everyday_scenes_with_loose_bodies_only() -> None:

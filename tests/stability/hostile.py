@@ -154,8 +154,8 @@ def hinged_trial() -> Trial:
 
 def humanoid_trial() -> Trial:
     """The recorded humanoid (ball joints, spheres, capsules, boxes) in the room."""
-    from scenarios.avatars.humanoid import humanoid
-    from scenarios.avatars.standing import standing
+    from scenarios.building.avatars.humanoid import humanoid
+    from scenarios.building.avatars.standing import standing
 
     avatar = humanoid()
     return trial(avatar, standing(avatar, -0.7, 0.2))

@@ -11,7 +11,7 @@ import numpy as np
 from avatarsim.engine import Settings
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.progress_bar import told
 from tests.stability.hostile import (
     DT,

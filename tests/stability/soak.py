@@ -26,7 +26,7 @@ from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.progress_bar import told
 from tests.stability.hostile import DT, furniture, hinged_avatar, walls
 

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from reference.judge import Judge
+from reference.judging.judge import Judge
+from runfiles.naming import GATED
 from scenarios import catalog
-from scenarios.engines import GATED, opened
-from scenarios.run import REFUSAL
+from scenarios.engines import opened
+from scenarios.scenario import REFUSAL
 from scenarios.stability.variation import Variation, varied
 
 SHORTEST, LONGEST = 1e-6, 0.2

@@ -5,7 +5,7 @@ Overlap is promised in metres of the world as it is: in one a thousandth as larg
 
 import pytest
 
-from scenarios.engines import GATED
+from runfiles.naming import GATED
 from scenarios.stability.outcome import SILENT, SURVIVED, Task, outcome
 from scenarios.stability.plan import CASES, Trial, alone, together
 

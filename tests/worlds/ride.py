@@ -8,7 +8,7 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.stability.hostile import DT, ball_excess, hinge_excess, link_error
 
 

@@ -16,12 +16,11 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.cases import NOWHERE
-from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, NO_OVERLAP
-from scenarios.run import REFUSAL
-from scenarios.scenario import Bound, Motion, Scenario
-from scenarios.untracked import untracked
+from scenarios.building.cases import NOWHERE
+from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, NO_OVERLAP
+from scenarios.motion.keyframes import through
+from scenarios.motion.untracked import untracked
+from scenarios.scenario import REFUSAL, Bound, Motion, Scenario
 
 RADIUS, MASS = 0.1, 0.5
 """Radius of the user's ball and half the size of everything else [m]; mass [kg]."""

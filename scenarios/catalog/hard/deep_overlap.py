@@ -7,10 +7,10 @@ velocity. Engines that push with springs or with position errors turned into spe
 from avatarsim.scene.body import Body, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from scenarios.cases import NOWHERE
-from scenarios.promises import FINITE, NO_OVERLAP
+from scenarios.building.cases import NOWHERE
+from scenarios.building.promises import FINITE, NO_OVERLAP
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import Bound, Scenario
-from scenarios.untracked import untracked
 
 DEPTHS = (0.01, 0.05, 0.1, 0.2)
 """[m]; the last two boxes are in the same place."""

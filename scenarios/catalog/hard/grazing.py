@@ -11,11 +11,11 @@ from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from scenarios.cases import NOWHERE, pair_table
-from scenarios.expected import Course, OfTime, uniform
-from scenarios.promises import FINITE, NO_OVERLAP
+from scenarios.building.cases import NOWHERE, pair_table
+from scenarios.building.expected import Course, OfTime, uniform
+from scenarios.building.promises import FINITE, NO_OVERLAP
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Bound, Scenario
-from scenarios.untracked import untracked
 
 FRAMES = 45
 SPEED, MASS = 2.0, 1.0

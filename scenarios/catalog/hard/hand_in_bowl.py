@@ -15,9 +15,9 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.avatars.hand import rigid_hand
-from scenarios.keyframes import through
-from scenarios.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.avatars.hand import rigid_hand
+from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.keyframes import through
 from scenarios.scenario import INFINITE, Motion, Region, Scenario
 
 FRAMES = 240

@@ -16,11 +16,11 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, ConvexHull, Piece, Sphere
 from reference.closed_form import bounce_state
-from scenarios.cases import pair_table, turned_by
-from scenarios.expected import Course, OfTime
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import pair_table, turned_by
+from scenarios.building.expected import Course, OfTime
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 GRAVITY, MASS, BALL = 9.81, 1.0, 0.1
 """[m/s^2], mass of all [kg], radius of the balls [m]."""

@@ -6,10 +6,10 @@ it; a world in millimetres has lengths and a gravity a thousand times as large i
 
 from collections.abc import Mapping
 
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.small_world import Place, expects, regions, small_world
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Bound, Scenario
-from scenarios.small_world import Place, expects, regions, small_world
-from scenarios.untracked import untracked
 
 FRAMES = 120
 FAR = (6e4, -8e4, 1e3)

@@ -15,11 +15,11 @@ from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Shape, Sphere
 from reference.closed_form import roll_distance, roll_speed, roll_time, stop_distance, stop_time
-from scenarios.cases import LAID, NOWHERE, pair_table, turned_by
-from scenarios.expected import Course, Stop
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import LAID, NOWHERE, pair_table, turned_by
+from scenarios.building.expected import Course, Stop
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 SPEED, FRICTION, GRAVITY, MASS = 2.0, 0.5, 9.81, 1.0
 """First speed [m/s], friction of everybody on the stones, gravity [m/s^2], mass of each that moves [kg]."""

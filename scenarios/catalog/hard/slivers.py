@@ -12,11 +12,11 @@ from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.spatial import rotation
-from scenarios.cases import NOWHERE, pair_table, turned_by
-from scenarios.expected import Course, OfTime
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import NOWHERE, pair_table, turned_by
+from scenarios.building.expected import Course, OfTime
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, RENDERED, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 RATIOS = (20, 30, 1000)
 """Longest edge over the shortest."""

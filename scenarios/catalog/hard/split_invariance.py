@@ -13,11 +13,11 @@ from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import bounce_state, roll_distance, roll_speed, roll_time, stop_distance, stop_time
-from scenarios.cases import LAID, pair_table
-from scenarios.expected import Course, OfTime
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import LAID, pair_table
+from scenarios.building.expected import Course, OfTime
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 LONG, WIDE, THICK = 4.0, 1.0, 0.2
 """Edges of every floor [m], seams across x, one of them at x = 0."""

@@ -8,11 +8,11 @@ from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from reference.closed_form import wall_contact_time
-from scenarios.cases import NOWHERE, pair_table
-from scenarios.expected import Course, OfTime
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import NOWHERE, pair_table
+from scenarios.building.expected import Course, OfTime
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, RENDERED, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 RADIUS, THICK = 0.01, 0.01
 """Radius of the balls and thickness of the wall [m]."""

@@ -9,11 +9,11 @@ from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from reference.closed_form import stop_distance, stop_time
-from scenarios.cases import LAID, pair_table, turned_by
-from scenarios.expected import Stop
-from scenarios.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.cases import LAID, pair_table, turned_by
+from scenarios.building.expected import Stop
+from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
+from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
-from scenarios.untracked import untracked
 
 LONG, WIDE, THICK, LANE = 5.0, 0.8, 0.2, 1.0
 """Edges of every floor [m], and the distance of neighbouring floors [m]."""

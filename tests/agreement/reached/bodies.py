@@ -12,7 +12,7 @@ from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
 from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
-from scenarios.cases import pair_table
+from scenarios.building.cases import pair_table
 
 Array = NDArray[np.float64]
 

@@ -109,8 +109,8 @@ DRIVEN = (
 )
 DEPTHS = (
     Claim("coal is exact, and settings make it so for curved shapes", (
-        "reference/test_judge_accuracy.py::test_judge_agrees_with_exact_answers_on_two_thousand_pairs",
-        "reference/test_judge_accuracy.py::test_concentric_hulls_are_judged_right",
+        "reference/judging/test_judge_accuracy.py::test_judge_agrees_with_exact_answers_on_two_thousand_pairs",
+        "reference/judging/test_judge_accuracy.py::test_concentric_hulls_are_judged_right",
     ), contenders=("coal exact", "coal default")),
     Claim("fcl, MuJoCo's and PyBullet's own queries are off by what is known of each", (
         "reference/narrow_phase/test_contenders.py::test_answers_belong_to_their_pairs",

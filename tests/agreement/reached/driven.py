@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from avatarsim.engine import Engine, Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
-from reference.judge import Judge
-from scenarios.measure.limits import joint_limit_excess
+from reference.judging.judge import Judge
+from scenarios.measure.posture.limits import joint_limit_excess
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 from reference.narrow_phase.field import ROOMS, contenders
+from runfiles.metrics import unit
 from scenarios import catalog
-from scenarios.metrics import unit
-from scenarios.results import is_time
-from scenarios.sweep.grid import BY_ENGINE
+from scenarios.results.results import is_time
+from scenarios.studies.sweep.grid import BY_ENGINE
 from tests.agreement.reached.claims import HERE, KNOWN, Claim
 from tests.agreement.reached.unmatched import UNMATCHED
 from tests.named_tests import exists, names_in

@@ -9,7 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.avatars.hand import rigid_hand
+from scenarios.building.avatars.hand import rigid_hand
 from tests.agreement.reached.driven import FRAME, MM, led
 from tests.agreement.rivals import ENGINES
 

@@ -12,7 +12,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import rest
 from reference.in_mujoco.engine import MujocoEngine
-from scenarios.cases import NOWHERE, pair_table, turned_by
+from scenarios.building.cases import NOWHERE, pair_table, turned_by
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Seen, Thrown, over_floor, seen
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
 

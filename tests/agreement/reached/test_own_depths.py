@@ -11,7 +11,7 @@ import numpy as np
 
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import FRAME, hand_over_table, pressed
 

@@ -14,7 +14,7 @@ from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.in_mujoco.engine import MujocoEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from tests.agreement.reached.driven import FRAME, MM, Array
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import hand_over_table, pressed

@@ -7,7 +7,7 @@ from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.nearest_free.ball_limits import BallLimits
 from reference.nearest_free.tree import Tree, posture_of, turn_by
-from scenarios.measure.limits import joint_limit_excess, reach_cone_excess
+from scenarios.measure.posture.limits import joint_limit_excess, reach_cone_excess
 from tests.reference.nearest_free.arm import mixed, posed, wall_scene
 
 SCENE = wall_scene(mixed())

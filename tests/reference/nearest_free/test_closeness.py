@@ -5,7 +5,7 @@ import pytest
 
 from reference.nearest_free.closeness import Closeness
 from reference.nearest_free.tree import Tree, posture_of
-from scenarios.measure.tracker_offset import angle_offsets, offsets
+from scenarios.measure.posture.tracker_offset import angle_offsets, offsets
 from tests.reference.nearest_free.arm import mixed, planar_arm, posed, wall_scene
 from tests.scenarios.examples import recorded
 

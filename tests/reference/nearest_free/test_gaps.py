@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from reference.nearest_free.closeness import rates_of_log
 from reference.nearest_free.gaps import Gaps
 from reference.nearest_free.tree import Tree, posture_of, turn_by

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from reference.nearest_free.search import Problem, descend, nearest, scattered
 from reference.nearest_free.tree import Tree, posture_of
 from tests.reference.nearest_free.arm import RADIUS, WALL, fist, mixed, planar_arm, posed, wall_scene

@@ -11,9 +11,9 @@ from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
-from reference.judge import Judge
+from reference.judging.judge import Judge
+from runfiles.record import Recording
 from scenarios.beside.pair import ALIKE, compared
-from scenarios.record import Recording
 from tests.scenarios.examples import WALL_FACE, fist, fist_motion, fist_scene, recorded
 
 SCENE = fist_scene()

@@ -8,14 +8,14 @@ import pytest
 
 from avatarsim.errors import UnknownName
 from avatarsim.scene.tracker import checked, link_poses
-from reference.judge import Judge
-from scenarios.csv_rows import csv_text
+from reference.judging.judge import Judge
+from runfiles.csv_rows import csv_text
 from scenarios.growth import __main__ as command
 from scenarios.growth import worlds
 from scenarios.growth.rows import Row, exponent, table
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.timing import Clocked
+from scenarios.running.timing import Clocked
 
 SIZES = {"links": worlds.LINKS[:3], "avatars": worlds.AVATARS[:2]}
 SMALL = [f"{what}_{size}_{mode}" for what, sizes in SIZES.items() for size in sizes for mode in worlds.MODES[what]]

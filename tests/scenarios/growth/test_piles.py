@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.simulator import AvatarsimEngine
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios.growth import worlds
 from scenarios.growth.piles import DROP, MODES, SPEED, rows_for
 

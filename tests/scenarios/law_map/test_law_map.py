@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.csv_rows import csv_text
-from scenarios.gate import STOPPED
+from runfiles.csv_rows import csv_text
 from scenarios.job import Job
 from scenarios.law_map import __main__ as command
 from scenarios.law_map import worlds
 from scenarios.law_map.rows import Row, summed_up, table
+from scenarios.results.gate import STOPPED
 
 
 def test_figures_are_summed_up_and_missing_ones_counted() -> None:
@@ -63,7 +63,7 @@ def test_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_an_engine_that_dies_is_rows_without_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from scenarios.processes import Died
+    from scenarios.running.processes import Died
 
     monkeypatch.setattr(command, "side_by_side", lambda function, todo, workers: [(job, Died("it fell over")) for job in todo])
     assert command.main(["--run", str(tmp_path / "latest"), *ASKED]) == 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import UnknownName
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios.law_map import worlds
 from scenarios.law_map.asking import job_of, obtained
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.measure.finite import not_finite
+from scenarios.measure.frames import not_finite
 from tests.scenarios.examples import fist_scene, resting
 
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.scene import Scene
-from scenarios.gate import rows_of
+from runfiles.record import Recording, load, save
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
-from scenarios.record import Recording, load, save
-from scenarios.results import Row
+from scenarios.results.gate import rows_of
+from scenarios.results.results import Row
 from scenarios.scenario import Bound, Scenario
 from tests.scenarios.examples import RADIUS, WALL_FACE, arm_scene, drop, drop_scene, fist, fist_scene, nobody, resting
-from tests.scenarios.measure.test_bounce import by_events
-from tests.scenarios.measure.test_limits import posed
+from tests.scenarios.measure.bodies.test_bounce import by_events
+from tests.scenarios.measure.posture.test_limits import posed
 
 
 def rows(recording: Recording, scenario: Scenario, scene: Scene, folder: Path) -> dict[str, Row]:

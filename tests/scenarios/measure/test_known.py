@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.measure.free import free_frames
+from runfiles.record import Recording
 from scenarios.measure.known import Known
-from scenarios.record import Recording
+from scenarios.measure.posture.free import free_frames
 from tests.scenarios.examples import fist, fist_motion, fist_scene, recorded
 
 

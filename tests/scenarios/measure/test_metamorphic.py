@@ -13,17 +13,17 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
+from runfiles.record import Recording
 from scenarios import catalog
-from scenarios.elsewhere import Elsewhere
+from scenarios.building.expected import Course, OfTime, Stop
 from scenarios.engines import opened
-from scenarios.expected import Course, OfTime, Stop
 from scenarios.job import Job
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
 from scenarios.measure.value import Missing
-from scenarios.record import Recording
-from scenarios.run import gathered
+from scenarios.running.run import gathered
 from scenarios.scenario import Region, Scenario
+from scenarios.stability.elsewhere import Elsewhere
 
 RUNS = [
     ("avatarsim", "squeeze", 60), ("tracker", "squeeze", 60), ("tracker", "arms_through_chest", 30),

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
 from scenarios.measure.overlap import residual_overlap, substep_overlap
@@ -69,7 +69,7 @@ def test_no_substeps_is_missing_and_not_zero() -> None:
 def test_without_the_judge_its_figures_are_missing_by_fault_of_a_package(monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
-    monkeypatch.setitem(sys.modules, "reference.judge", None)
+    monkeypatch.setitem(sys.modules, "reference.judging.judge", None)
     values = measured(resting(fist_scene(), 2), Known(fist(2), fist_scene())).values
     overlap = values["residual_overlap_max"]
     assert isinstance(overlap, Missing) and overlap.fault == "package"

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.measure.phases import STILL, resting
+from runfiles.visible_motion import STILL
+from scenarios.measure.phases import resting
 from tests.scenarios.examples import drop_scene, fist_scene
 from tests.scenarios.examples import resting as at_rest
 

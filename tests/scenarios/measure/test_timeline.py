@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from runfiles.record import EVENTS, Recording
 from scenarios.measure.timeline import timeline
-from scenarios.record import EVENTS, Recording
 from tests.scenarios.examples import drop_scene, resting
 
 

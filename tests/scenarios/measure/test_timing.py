@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scenarios.measure.counts import work
-from scenarios.measure.protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES
+from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES
+from scenarios.measure.frames import work
 from scenarios.measure.timing import TAIL, Shared, Timed, frame_times, time_notes
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist_scene, resting

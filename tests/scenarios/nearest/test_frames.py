@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from runfiles.record import Recording
 from scenarios.nearest.frames import Frames
 from scenarios.nearest.summary import summarised
-from scenarios.record import Recording
 from tests.scenarios.examples import RADIUS, WALL_FACE, arm_scene, fist, fist_motion, fist_scene, recorded, resting
 
 

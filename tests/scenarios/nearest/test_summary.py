@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from scenarios.csv_rows import csv_text
+from runfiles.csv_rows import csv_text
 from scenarios.nearest.frames import Sample
 from scenarios.nearest.summary import summarised, table
 

@@ -10,10 +10,10 @@ import pytest
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.model.world import build
 from avatarsim.pose_queries import require_free
+from scenarios.building.reach import reach
+from scenarios.motion.track import LEAD_IN
 from scenarios.posture_table import probes
-from scenarios.reach import reach
 from scenarios.scenario import RENDERED
-from scenarios.track import LEAD_IN
 
 
 @pytest.fixture(autouse=True)

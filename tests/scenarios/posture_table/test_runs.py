@@ -9,7 +9,7 @@ import pytest
 from scenarios.job import Job
 from scenarios.posture_table.runs import Kept, Seen, seen
 from scenarios.posture_table.series import Series
-from scenarios.run import accuracy
+from scenarios.running.run import accuracy
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from scenarios.stability import slice as room
 from scenarios.stability.plan import CASES, trials
 from scenarios.stability.rows import NAME, SLICE
 from scenarios.stability.slice import CHANGES, LEFT_OUT, ask, slice_tasks, slice_trials
-from scenarios.studies import Request
+from scenarios.studies.study import Request
 
 
 def request(folder: Path, names: tuple[str, ...], **presets: tuple[str, ...]) -> Request:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from avatarsim.scene.tracker import link_poses
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios import catalog
-from scenarios.provenance import scene_hash
+from scenarios.results.provenance import scene_hash
 from scenarios.scenario import RENDERED
 from scenarios.stability.plan import CASES, KINDS, STARTS, alone, together, trials
 from scenarios.stability.variation import Variation, at_time, varied

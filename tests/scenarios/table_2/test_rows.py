@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from reference.frame_shares.measure import Shares
-from scenarios import catalog, record
+from runfiles import record
+from scenarios import catalog
 from scenarios.table_2 import rows as module
 from scenarios.table_2.__main__ import main, table, written
 from scenarios.table_2.printed import SCENES

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from scenarios.avatars.humanoid import humanoid
-from scenarios.layers import UPPER
-from scenarios.mocap import Clip, load_clip, retimed
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.motion.layers import UPPER
+from scenarios.motion.mocap import Clip, load_clip, retimed
+from scenarios.motion.track import track_of
 from scenarios.scenario import RENDERED
-from scenarios.track import track_of
 from scenarios.unseen.clips import FASTEST, SLOWEST, cut, faded, heading, layered, mirrored, warped
 
 HUMAN = humanoid()

@@ -7,7 +7,7 @@ from avatarsim.model.world import build
 from avatarsim.pose_queries import require_free
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
-from reference.judge import Judge
+from reference.judging.judge import Judge
 from scenarios import unseen
 from scenarios.unseen.drawn_motion import FASTEST, LED_IN
 

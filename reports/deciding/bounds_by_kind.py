@@ -1,0 +1,111 @@
+"""Constraint margins: of each kind of bound how many scenes have it, the largest figure, and what is nearest to failing.
+
+Below that the bounds that are loose: a bound that a figure stays a thousand times below promises little of what was measured.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from reports.deciding.verdict import LOOKS, PROMISED, Verdict
+from reports.reading.load import Row
+from reports.words.metric_words import words
+from reports.words.wording import count, limit, quantity
+
+LOOSE = 1e-3
+"""Share of a bound below which the figure of a scene makes it loose. Larger names bounds that hold by a safe margin; smaller
+leaves out some that say next to nothing."""
+FINE = 1e-4
+"""Bounds up to this, in units of their own, are of the size of rounding, and are called loose by no figure."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """All bounds of the gate on one metric: `rows` are our figures that have one."""
+
+    metric: str
+    rows: tuple[Row, ...]
+
+    @property
+    def scenes(self) -> int:
+        """How many scenes have the bound."""
+        return len({row.scenario for row in self.rows})
+
+    @property
+    def above(self) -> int:
+        """In how many of them the figure is above the bound, within a ceiling or not."""
+        return len({row.scenario for row in self.rows if _share(row) > 1.0})
+
+    @property
+    def held_said(self) -> str:
+        """"all", or in how many scenes the bound holds."""
+        return "all" if not self.above else f"{self.scenes - self.above:,}"
+
+    @property
+    def bound(self) -> str:
+        """"1 µm", or from the tightest to the widest."""
+        found, unit = [row.bound for row in self.rows if row.bound is not None], self.rows[0].unit
+        return " to ".join(dict.fromkeys((limit(min(found), unit), limit(max(found), unit))))
+
+    @property
+    def largest(self) -> Row:
+        """The largest figure; what is no number is larger than any."""
+        return max(self.rows, key=_value)
+
+    @property
+    def nearest(self) -> Row:
+        """The figure that is nearest to its bound, or farthest above it."""
+        return max(self.rows, key=_share)
+
+    @property
+    def nearest_said(self) -> str:
+        """"98 % (hand_grasp)", "0 in all"."""
+        share = _share(self.nearest)
+        if share == 0.0:
+            return "0 in all"
+        size = f"less than {100.0 * LOOSE:g} %" if share < LOOSE else f"{100.0 * share:.2g} %" if share <= 1.0 else "above it"
+        return f"{size} ({self.nearest.scenario})"
+
+
+def _value(row: Row) -> float:
+    return row.value if row.value is not None and math.isfinite(row.value) else math.inf
+
+
+def _share(row: Row) -> float:
+    """A figure over its bound; 0 where both are 0."""
+    value, bound = _value(row), row.bound or 0.0
+    return value / bound if bound > 0.0 else math.inf if value > 0.0 else 0.0
+
+
+def kinds(verdict: Verdict) -> tuple[Kind, ...]:
+    """Every metric with a bound of the gate: first what is promised everywhere, then those that most scenes have."""
+    found: dict[str, list[Row]] = {}
+    for row in (*verdict.failed, *verdict.ceiling, *verdict.held):
+        if row.bound is not None:
+            found.setdefault(row.metric, []).append(row)
+    made = [Kind(metric, tuple(rows)) for metric, rows in found.items()]
+    first = list(PROMISED)
+    return tuple(sorted(made, key=lambda one: (first.index(one.metric) if one.metric in first else len(first), -one.scenes)))
+
+
+def promised(found: Sequence[Kind]) -> str:
+    """What is promised everywhere, in numbers; "" where nothing of it was measured."""
+    said = []
+    for one in (kind for kind in found if kind.metric in PROMISED):
+        kept = count(one.scenes, "scene") if not one.above else f"{one.held_said} of {count(one.scenes, 'scene')}"
+        text = f"{words(one.metric)} {one.bound} at most, in {kept}"
+        if one.largest.value:
+            text += f", largest {quantity(one.largest.value, one.largest.unit)}, nearest to its bound {one.nearest_said}"
+        said.append(text if one.largest.value else f"{text}, 0 in all")
+    return f"Promised everywhere: {'; '.join(said)}." if said else ""
+
+
+def loose(found: Sequence[Kind]) -> str:
+    """Bounds on physics that our figure stays far below, named with both; "" where there is none. How motion looks has a list of
+    its own."""
+    said = [
+        f"{words(row.metric)} in {row.scenario}: {limit(row.bound, row.unit)}, measured {quantity(row.value, row.unit)}"
+        for one in found if one.metric not in LOOKS for row in one.rows
+        if row.bound is not None and row.bound > FINE and _share(row) < LOOSE
+    ]
+    return f"Loose, a bound of physics of which less than a thousandth was measured: {'; '.join(said)}." if said else ""

@@ -1,0 +1,1 @@
+"""What did a run leave, and is it whole? Typed rows, recordings, scenes."""

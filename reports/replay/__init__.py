@@ -1,0 +1,1 @@
+"""Scenes played again in a browser, and what happened over their time."""

@@ -1,0 +1,1 @@
+"""The sections of index.html, one question each."""

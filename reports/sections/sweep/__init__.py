@@ -1,0 +1,1 @@
+"""Accuracy against time: points, fronts, the cheapest setting, ladders of steps, performance profiles."""

@@ -1,0 +1,153 @@
+"""Support matrix: what a project that would use the engine asks first, each answered yes, no or not measured, with the facts.
+
+Figures are those of the run."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from avatarsim.settings import PostureSettings, meanings
+from reports.deciding import piles
+from reports.deciding.tables import RAW_TRACKER
+from reports.reading.load import Results, Row
+from reports.sections.growth import Growth
+from reports.words.metric_words import words
+from reports.words.wording import count, listed, quantity
+
+YES, NO, PARTLY, UNMEASURED = "yes", "no", "partly", "not measured"
+ABSENT = "not measured in this run"
+"""Stands for the figure of a longer run."""
+HEADSET = 90.0
+"""Frames per second of a headset."""
+PER_FRAME = ("steps", "work")
+"""Settings that say how much happens in a frame: more a second at a higher rate."""
+NOT_FOR = (
+    "a binding for C, Unity, Unreal or OpenXR (there is Python alone)", "scenery that moves, such as lifts and doors",
+    "triangle meshes as they are (shapes are convex pieces)",
+    "a grip that attaches a thing to a hand (nothing is held by more than contact)",
+)
+"""What a project may need and does not get; each has its row among the answers."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One question and its answer: word is one of those above, facts a sentence or two."""
+
+    question: str
+    word: str
+    facts: str
+
+
+def not_for() -> str:
+    """What stands in open text: for which projects this is nothing."""
+    return f"Not for you if you need {'; '.join(NOT_FOR)}."
+
+
+def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[Answer, ...]:
+    """All questions, in the order in which they are asked."""
+    return (
+        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.assets MESH makes them and "
+               "bounds how far pieces and mesh are apart."),
+        Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
+               "link that is moved by a tracker stops at what it meets instead of pushing through it."),
+        Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
+        Answer("A target that leaps (teleports)", YES, leaps()),
+        Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {budget()}"),
+        Answer("Other frame rates than 60 Hz", PARTLY, rates(results)),
+        Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
+        Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
+               "reach cones, described in Python; there is no importer for formats of avatars or motion."),
+        Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
+               "at its surface and press with the spring of equation 6 alone, one contact a link. "
+               f"{grasped(results.rows) or f'How far such a thing falls is {ABSENT}.'}"),
+        Answer("Bodies that come and go", PARTLY, "Between two frames: change(scene) goes on in another scene with what both "
+               "have by name. It takes as long as to load that scene."),
+        Answer("C, Unity, Unreal, OpenXR", NO, "The engine is called from Python; there is no other binding."),
+        Answer("Several threads", PARTLY, "A frame of one world is computed on the thread that asks for it; advance_many passes "
+               "frames of many worlds on as many threads as there are processors."),
+        Answer("Stacks of boxes: which engine", PARTLY, stacks(results, ours)),
+        Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
+               f"{grown(growth, ours, 'contacts')}"),
+        Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),
+        Answer("Licence", YES, "Apache-2.0."),
+    )
+
+
+def stacks(results: Results, ours: str) -> str:
+    """Which engine for stacks, at rest and in motion, and where settings to copy stand."""
+    said = piles.which(results, ours)
+    return f"{said} More settings, to copy: Cheapest setting, stack_ten." if said else f"Stacks are {ABSENT}."
+
+
+def _figures(results: Results, run: str, metric: str) -> list[tuple[float, str]]:
+    """(figure, scene) of a run, where it has one that is a number."""
+    return [(row.value, row.scenario) for row in results.rows
+            if row.run == run and row.metric == metric and row.value is not None and math.isfinite(row.value)]
+
+
+def walls(results: Results, ours: str) -> str:
+    """What becomes of an avatar whose user goes through a wall, and how often that was in this run."""
+    found = sorted(((number, scene) for number, scene in _figures(results, ours, "waiting") if number > 0.0), reverse=True)
+    seen = listed(tuple(f"{quantity(number, 'frames')} frames in {scene}" for number, scene in found), 4)
+    return (
+        "The avatar stays on its side and slides along the wall; with joints it is led around where a path is found, a hand "
+        "without joints is not (around: 2 leads it too). Where there is none it waits, which the status says. In this run: "
+        f"{seen or 'no frame'}. Nothing shows it at the user's place through the wall: reset begins the whole scene again there."
+    )
+
+
+def leaps() -> str:
+    """How leaps are followed."""
+    return ("In the frame of the leap, as far as the straight way is free; avatars with joints are then led around what is in "
+            f"between, at {quantity(PostureSettings().catch_up_move, 'm/s')} at most. To cross walls there is reset, which "
+            "begins the whole scene again, loose bodies too.")
+
+
+def slowest(results: Results, ours: str) -> str:
+    """The slowest frame of the run, over how many of its scenes, and how many of these are over the frame of a headset."""
+    found, scenes = _figures(results, ours, "frame_time_max"), {row.scenario for row in results.rows if row.run == ours}
+    if not found:
+        return f"The slowest frame is {ABSENT}."
+    time, scene = max(found)
+    over = sum(not time <= 1e6 / HEADSET for time, _ in found)
+    longer = f"in {count(over, 'of them') if over > 1 else 'one of them'} a frame takes longer than 11.1 ms" if over else (
+        "in each of these every frame that was timed fits into 11.1 ms")
+    return (f"Slowest frame measured: {quantity(time, 'us')}, in {scene}, over {len(found)} of {count(len(scenes), 'scene')}; "
+            f"{longer}.")
+
+
+def budget() -> str:
+    """What bounds the work of a frame, in the words of the setting."""
+    return f"work: {meanings(PostureSettings)['work']}"
+
+
+def rates(results: Results) -> str:
+    """At which rates scenes with an avatar were measured, and which settings are per frame."""
+    avatars = {row.scenario for row in results.rows if row.metric == "tracker_offset_rms" and row.engine != RAW_TRACKER}
+    hertz = sorted(round(1.0 / dt) for scene, dt in results.frame_times.items() if scene in avatars and dt > 0.0)
+    seen = listed(tuple(f"{hertz.count(rate)} at {rate} Hz" for rate in dict.fromkeys(hertz)))
+    values = PostureSettings()._asdict()
+    return (
+        f"Scenes with an avatar were measured at: {seen or ABSENT}. Times and speeds of the settings are in seconds, metres and "
+        f"radians, whatever the rate. These are per frame, and mean more work a second at a higher rate: "
+        f"{', '.join(f'{name} {values[name]}' for name in PER_FRAME)}."
+    )
+
+
+def grasped(rows: Iterable[Row]) -> str:
+    """Where what hands close on ends, engine by engine; "" without such figures."""
+    found = [row for row in rows if row.metric == "grasped_fall_end" and row.engine != RAW_TRACKER]
+    if not found:
+        return ""
+    told = "; ".join(f"{row.run} {quantity(row.value, row.unit)}" for row in found)
+    return (f"In {found[0].scenario}, the {words('grasped_fall_end')}: {told}; 0 is where it stood, as it does where nothing "
+            "touches it.")
+
+
+def grown(growth: Growth | None, ours: str, grows: str) -> str:
+    """The largest size of a kind that this run timed, with its 95th percentile; or that it timed none, and what would."""
+    points = [one for one in growth.points if (one.grows, one.run) == (grows, ours) and one.p95 > 0.0] if growth else []
+    if not points:
+        return f"Frames with many {grows} are {ABSENT}; make bench times them."
+    most = max(points, key=lambda one: (one.size, one.p95))
+    return f"{most.size:,} {grows} ({most.mode}): {quantity(most.p95, 'us')} at the 95th percentile."

@@ -1,0 +1,1 @@
+"""Numbers, metrics and text as a reader has them."""

@@ -1,0 +1,33 @@
+"""Names of engines, settings and scenes in the rows and files of a run, for its writer and its readers alike."""
+
+from collections.abc import Mapping
+
+GATED = ("avatarsim", "default")
+"""The engine and preset that carry bounds unless `check --engine` names another."""
+BASELINE = "tracker"
+"""The engine without contact handling: its overlap is how large the problem is."""
+STEPLESS = ("avatarsim",)
+"""Engines that put to sleep what rests unless the scene leaves that out."""
+COMPILED = "compiled: "
+"""How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
+TUNED = "tuned"
+"""The preset beside which settings stand that are better in something else."""
+UNSEEN_PREFIX = "unseen_"
+"""How the names of scenes begin whose motions nothing was tuned for."""
+BASE: Mapping[tuple[str, str], str] = {
+    ("mujoco", "sleeping"): "tuned", ("mujoco", "servos"): "tuned", ("mujoco", "hinges"): "tuned",
+    ("pybullet", "follows"): "default",
+}
+"""(engine, variant) -> the preset that it changes."""
+
+
+def base_of(run: str) -> str:
+    """"engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
+    engine, _, variant = run.partition("/")
+    preset = BASE.get((engine, variant))
+    return "" if preset is None else f"{engine}/{preset}"
+
+
+def stem(scenario: str, engine: str, preset: str, seed: int) -> str:
+    """Name, without ending, of the files that a run keeps of one engine and preset in one scene with one seed."""
+    return f"{scenario}.{engine}.{preset}.{seed}"

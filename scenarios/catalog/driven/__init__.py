@@ -1,0 +1,1 @@
+"""A driven hand or ball against walls and things."""

@@ -1,0 +1,1 @@
+"""Free flight, free rotation and a fall about one point."""

@@ -1,0 +1,1 @@
+"""Sliding, rolling and tipping under Coulomb friction."""

@@ -1,0 +1,1 @@
+"""Impacts with a closed form or a conserved quantity."""

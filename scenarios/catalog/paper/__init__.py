@@ -1,0 +1,1 @@
+"""Figures, tables and special cases of the paper, as scenes."""

@@ -1,0 +1,1 @@
+"""Scenes in which a humanoid follows recorded motion."""

@@ -1,0 +1,1 @@
+"""Piles and stacks."""

@@ -1,0 +1,40 @@
+"""`python -m scenarios compare`: both passes over every scene in every engine, the short studies, the report, the table."""
+
+import argparse
+from collections.abc import Sequence
+
+from runfiles.naming import GATED
+from scenarios.cli.commands import Plan, carried_out, plan
+from scenarios.engines import known
+from scenarios.running.harness import Run
+from scenarios.stability import slice as stability
+from scenarios.studies import ablation, judge_trust
+from scenarios.studies.study import Request, Study, asked_in_turn
+from scenarios.studies.sweep import short
+
+STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, stability.STUDY, judge_trust.STUDY)
+"""The studies of a comparison, in the order in which they run."""
+
+
+def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
+    """Both passes over everything, the studies, the report, the table, the exit code.
+
+    A run that is cut short by `--frames` proves nothing about a scene, and is not studied."""
+    made = plan(asked, asked.engine or list(known()), False)
+
+    def studied(ran: Run) -> list[str]:
+        return [] if asked.frames is not None else asked_in_turn(STUDIES, request_of(asked, ran))
+
+    gated = Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED}))
+    return carried_out(asked, words, gated, timed=True, report=True, also=studied)
+
+
+def request_of(asked: argparse.Namespace, ran: Run) -> Request:
+    """What the studies of this run may ask about: its scenes, and the engines and presets that brought a recording."""
+    presets: dict[str, tuple[str, ...]] = {}
+    for outcome in ran.outcomes.values():
+        job = outcome.job
+        if outcome.state == "measured" and not job.base and job.preset not in presets.get(job.engine, ()):
+            presets[job.engine] = (*presets.get(job.engine, ()), job.preset)
+    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full,
+                   ran.outcomes, ran.clocked)

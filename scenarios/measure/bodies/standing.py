@@ -1,0 +1,59 @@
+"""What should rest: how far it drifts, how much it still moves at the end, and which towers stand."""
+
+import numpy as np
+
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from runfiles.record import Recording
+from scenarios.building.expected import Rest, Tower
+from scenarios.measure.bodies.energy import kinetic
+from scenarios.measure.expecting import expected
+from scenarios.measure.value import Missing, Values
+from scenarios.scenario import Scenario
+
+
+def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """drift_max [m]: farthest that a body at rest is from where it was when it came to rest; rest_energy_end [J]: kinetic energy
+    of all of them in the last state. Empty if nothing is said to rest."""
+    rests = expected(scenario, "rests", Rest)
+    if not rests:
+        return {}
+    if recording.times[-1] < max(entry.since for entry in rests):
+        early = Missing("the recording ends before all is at rest", "scene")
+        return {"drift_max": early, "rest_energy_end": early}
+    drift, bodies = [0.0], []
+    for entry in rests:
+        own = [scene.names.index(name) for name in entry.bodies]
+        path = recording.positions[recording.times >= entry.since][:, own]
+        drift.append(float(np.max(np.linalg.norm(path - path[0], axis=-1))))
+        bodies += [k for k in own if scene.roles[k] is Role.SIMULATED]
+    masses = [mass for k in bodies if (mass := scene.bodies[k].mass) is not None]
+    moving = kinetic(
+        np.array([m.mass for m in masses]), np.array([m.inertia for m in masses]), recording.orientations[-1:, bodies],
+        recording.velocities[-1:, bodies], recording.angular_velocities[-1:, bodies],
+    )
+    return {"drift_max": float(np.max(drift)), "rest_energy_end": float(moving.sum())}
+
+
+STANDS = 1e-3
+"""Distance [m] from its place up to which a body stands: a landing may shift it by micrometres, a spring yield by a tenth of a
+millimetre; who sinks or slides farther does not carry what it should."""
+
+
+def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """towers_fallen [towers]: those whose body is ever farther than STANDS from its place, or no number, once it should rest.
+
+    ratio_standing_max: the largest ratio of masses of which, and of all below, the towers stand; 0 if none. Empty without towers.
+    """
+    asked = sorted(expected(scenario, "towers", Tower), key=lambda tower: tower.ratio)
+    if not asked:
+        return {}
+    standing = []
+    for tower in asked:
+        shown = recording.positions[recording.times >= tower.since, scene.names.index(tower.body)]
+        standing.append(len(shown) > 0 and bool((np.linalg.norm(shown - tower.place, axis=1) <= STANDS).all()))
+    before_the_first_that_fell = asked[: standing.index(False)] if False in standing else asked
+    return {
+        "towers_fallen": float(standing.count(False)),
+        "ratio_standing_max": max((tower.ratio for tower in before_the_first_that_fell), default=0.0),
+    }

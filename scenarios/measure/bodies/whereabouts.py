@@ -1,0 +1,52 @@
+"""Where bodies end up: outside their region, short of the way that they are pushed, or fallen out of a hand."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from avatarsim.scene.scene import Scene
+from runfiles.record import Recording
+from scenarios.measure.value import Values
+from scenarios.scenario import Scenario
+
+
+def escapes(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """escaped_bodies [%]: bodies with a region that were outside it in a state shown, or no number. Empty without regions."""
+    named = sorted({k for region in scenario.regions for k in region.indices(scene.names)})
+    if not named:
+        return {}
+    wrong = np.zeros(len(named), dtype=bool)
+    for region in scenario.regions:
+        for k in region.indices(scene.names):
+            centres = recording.positions[:, k]
+            wrong[named.index(k)] |= bool(~((centres >= region.low) & (centres <= region.high)).all())
+    return {"escaped_bodies": 100.0 * float(wrong.mean())}
+
+
+def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """travel_missing [m]: largest shortfall of the ways that `expects["travel"]` states, body -> least way from its first place.
+
+    The way is the straight distance of the last state shown, or of the farthest finite one. Empty if nothing is stated.
+    """
+    stated = scenario.expects.get("travel")
+    if not isinstance(stated, Mapping):
+        return {}
+    missing = 0.0
+    for name, least in stated.items():
+        path = recording.positions[:, scene.names.index(name)]
+        ways = np.linalg.norm(path - path[0], axis=1)
+        ways = ways[np.isfinite(ways)]
+        missing = max(missing, least - (float(ways.max()) if len(ways) else 0.0))
+    return {"travel_missing": missing}
+
+
+def grasp(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where it was
+    in the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""
+    names = scenario.expects.get("grasped")
+    if not isinstance(names, tuple):
+        return {}
+    down = np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+    own = [scene.names.index(name) for name in names]
+    fallen = (recording.positions[-1, own] - recording.positions[0, own]) @ down
+    return {"grasped_fall_end": float(np.max(np.maximum(fallen, 0.0)))}

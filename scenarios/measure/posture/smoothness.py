@@ -1,0 +1,105 @@
+"""Does the shown avatar shake, jerk, or wait far off without a word? Finite differences of link origins against the target's.
+
+A figure that is no number counts as the worst: comparisons are written so that nan shakes, is off, and is in contact.
+
+Visible gap in contact: median distance of an avatar's links from what they touch, over the states in which one is near.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from runfiles.record import Recording
+from runfiles.visible_motion import FAR, SHAKES, reversals, shaking
+from scenarios.measure.posture.tracker_offset import offsets
+from scenarios.measure.value import Missing, Value, Values
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+NEAR = 5e-3
+"""Gap [m] of a link below which it is in contact. It holds the largest distance at which a compared engine keeps links off (a
+contact margin of 4 mm); smaller, and an engine whose links hover would seem to be in contact less often than the others."""
+LEAST_JERK = 20.0
+"""Jerk [m/s^3] that stands in for a target that moves more evenly: a third difference of 0.1 mm at 60 Hz. Without it a resting
+target would make every motion infinitely jerky."""
+CALM = 0.5
+"""Time [s] for which the target must have been free before an avatar elsewhere owes a status: a way back takes a while."""
+
+
+def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> float:
+    """The largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which the
+    link's own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times
+    `dt`, the rest of it being shaking; no reversal as 0. 0 without such frames, nan where something shown is no number."""
+    most = SHAKES * dt
+    calm = contact[:, None] & (np.linalg.norm(np.diff(target, axis=0), axis=-1) <= most)
+    squares = np.where(calm, np.minimum(reversed_by, most) ** 2, 0.0).sum(axis=0)
+    return float(np.sqrt((squares / np.maximum(calm.sum(axis=0), 1)).max(initial=0.0)))
+
+
+def third_differences(positions: Array) -> Array:
+    """(F-2, L) [m] length of the third differences of link origins (F+1, L, 3)."""
+    return np.asarray(np.linalg.norm(np.diff(positions, n=3, axis=0), axis=-1))
+
+
+def free_for(free: Flags, frames: int) -> Flags:
+    """(F,) True where state k and the `frames` - 1 before it are all free, of the states after the first in `free` (F+1,)."""
+    counted = np.concatenate([[0], np.cumsum(free)])
+    k = np.arange(1, len(free))
+    return np.asarray((k + 1 >= frames) & (counted[k + 1] - counted[np.maximum(k + 1 - frames, 0)] == frames))
+
+
+def free_awhile(free: Flags, dt: float) -> Flags:
+    """(F,) True where the raw posture has been free, in states `free` (F+1,), for CALM by the end of the frame."""
+    return free_for(free, max(1, math.ceil(CALM / dt - 1e-9)))
+
+
+def silent_frames(recording: Recording, free: Flags) -> Flags:
+    """(F,) True where a link is farther than FAR from its target, which has been free for CALM, and no status says why."""
+    told = np.zeros(recording.frames + 1, dtype=bool)
+    for numbers in recording.statuses.values():
+        told |= numbers > 0
+    silent = free_awhile(free, recording.dt) & ~told[1:]
+    return np.asarray(silent & ~(offsets(recording).max(axis=1) <= FAR))
+
+
+def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) -> Values:
+    """chatter_frames [%], jitter_rms, reversal_p95 and reversal_max [m], jerk_ratio, silent_offset_frames: see
+    `runfiles.metrics`.
+
+    free (F+1,): the raw posture could be shown; contact (F+1,): something holds the avatar, see `Known.contact`. Empty without
+    avatars."""
+    if not scene.links or recording.frames == 0:
+        return {}
+    shown, target = recording.positions[:, recording.links], recording.raw_positions
+    reversed_by, held = reversals(shown, target), contact[1:]
+    none = Missing("in no frame that was run is the avatar in contact", "scene")
+    return {
+        "chatter_frames": 100.0 * float(np.mean(shaking(reversed_by, recording.dt)[held])) if held.any() else none,
+        "jitter_rms": jitter(reversed_by, target, held, recording.dt) if held.any() else none,
+        "reversal_max": float(reversed_by.max()),
+        "reversal_p95": float(np.percentile(reversed_by.max(axis=1)[held], 95.0)) if held.any() else none,
+        "jerk_ratio": jerk_ratio(shown, target, recording.dt),
+        "silent_offset_frames": float(silent_frames(recording, free).sum()),
+    }
+
+
+def jerk_ratio(shown: Array, target: Array, dt: float) -> Value:
+    """95th percentile, over frames and links, of the third differences of link origins (F+1, L, 3) shown, over the target's or
+    LEAST_JERK, whichever is larger."""
+    if len(shown) < 4:
+        return Missing("fewer frames than a third difference needs", "scene")
+    least = LEAST_JERK * dt**3
+    return float(np.percentile(third_differences(shown), 95.0) / max(np.percentile(third_differences(target), 95.0), least))
+
+
+def contact_gap(gaps: Array) -> Values:
+    """contact_gap_p50 [m] from `gaps` (F+1,) [m], the smallest distance of a link from what it may not overlap in each state
+    shown, negative where it overlaps: the median over states with at most NEAR, where an overlap is a gap of 0. An engine that
+    keeps links off by a margin has that margin here. A gap that is no number is in contact and the worst."""
+    near = gaps[~(gaps > NEAR)]
+    if not near.size:
+        return {"contact_gap_p50": Missing("in no state that was shown is a link near anything", "scene")}
+    return {"contact_gap_p50": float(np.median(np.maximum(near, 0.0)))}

@@ -1,0 +1,1 @@
+"""What the tracker shows: recorded clips, scripted postures, retimed, layered and resampled."""

@@ -1,0 +1,104 @@
+"""What a run leaves behind for reports and strangers: results.json, results.csv, bench.csv."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Literal
+
+from runfiles.files import plain, write_json, write_text
+from runfiles.published import SCHEMA_VERSION, check
+from scenarios.job import Outcome
+
+Status = Literal["pass", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
+COLUMNS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
+"""Columns of results.csv, fixed: other people's scripts read them."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure of one run. `value` is None where nothing was measured; `bound` is the promise, `ceiling` where the gate stands
+    meanwhile; `note` says why a status is what it is."""
+
+    scenario: str
+    engine: str
+    preset: str
+    seed: int
+    frames: int
+    metric: str
+    value: float | None
+    unit: str
+    bound: float | None
+    ceiling: float | None
+    status: Status
+    note: str = ""
+
+    @property
+    def run(self) -> str:
+        """Engine and preset as tables name them."""
+        return f"{self.engine}/{self.preset}"
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Everything a run has found so far. `series`: scenario -> engine/preset -> name -> numbers per frame."""
+
+    rows: Sequence[Row]
+    outcomes: Sequence[Outcome]
+    series: Mapping[str, Mapping[str, Mapping[str, Sequence[float | None]]]]
+    scenes: Mapping[str, Mapping[str, str | bool | float]]
+    provenance: Mapping[str, object]
+    exit_code: int | None
+    notes: Sequence[str] = ()
+
+
+def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
+    """Rows as CSV; a figure that was not measured is an empty field, one that is no number reads nan."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value is None else value for name, value in vars(row).items()})
+    return text.getvalue()
+
+
+def write(results: Results, folder: Path) -> None:
+    """Write results.csv, results.json and, once something was timed, bench.csv, in which each time says how it was taken; each
+    whole or not at all.
+
+    The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
+    InvalidFile if they break it.
+    """
+    write_text(folder / "results.csv", csv_text(results.rows))
+    times = [row for row in results.rows if is_time(row.metric)]
+    if times:
+        write_text(folder / "bench.csv", csv_text(times, (*COLUMNS, "note")))
+    whole = {
+        "schema_version": SCHEMA_VERSION,
+        "provenance": results.provenance,
+        "exit_code": results.exit_code,
+        "scenes": results.scenes,
+        "rows": [vars(row) for row in results.rows],
+        "engines": [
+            {
+                "name": outcome.job.engine, "preset": outcome.job.preset, "scenario": outcome.job.scenario,
+                "seed": outcome.job.seed, "recording": outcome.recording.name if outcome.recording else None,
+                "version": outcome.about.get("version", ""), "cannot_say": outcome.about.get("cannot_say", {}),
+                "settings": outcome.about.get("settings", {}),
+            }
+            for outcome in results.outcomes
+        ],
+        "series": results.series,
+        "notes": list(results.notes),
+    }
+    write_json(folder / "results.json", whole)
+    if results.exit_code is not None and results.rows and find_spec("jsonschema"):
+        # who installed no report has no checker either, and gets no report that could mislead
+        check(plain(whole), folder / "results.json")
+
+
+def is_time(metric: str) -> bool:
+    """Whether a metric comes from the timing pass."""
+    return metric.startswith(("frame_time", "stage_share")) or metric in ("warmup", "deterministic")

@@ -1,0 +1,58 @@
+"""How far a pass has come: a bar on a terminal, plain lines elsewhere, on the error stream; and how long the rest will take."""
+
+import time
+from types import TracebackType
+from typing import Any, Self, TextIO
+
+
+class Progress:
+    """Counts steps of one pass. Without tqdm, or without a terminal, each step is a line."""
+
+    def __init__(self, name: str, total: int, stream: TextIO) -> None:
+        self.name, self.total, self.stream = name, total, stream
+        self.done, self.begun = 0, time.monotonic()
+        self.bar: Any = None
+
+    def __enter__(self) -> Self:
+        if self.stream.isatty():
+            try:
+                from tqdm import tqdm
+            except ImportError:
+                return self
+            self.bar = tqdm(total=self.total, desc=self.name, file=self.stream, unit="run", dynamic_ncols=True)
+        return self
+
+    def step(self, what: str) -> None:
+        """One more done: `what`."""
+        self.done += 1
+        if self.bar is not None:
+            self.bar.set_postfix_str(what)
+            self.bar.update()
+            return
+        seconds = time.monotonic() - self.begun
+        print(f"{self.name} {self.done}/{self.total} {seconds:5.1f} s  {what}", file=self.stream, flush=True)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self.bar is not None:
+            self.bar.close()
+
+
+class Estimate:
+    """Counts steps of one pass and says, on a line each, what was done and when the end may be expected."""
+
+    def __init__(self, name: str, total: int, stream: TextIO) -> None:
+        self.name, self.total, self.stream = name, total, stream
+        self.done, self.begun = 0, time.monotonic()
+
+    def step(self, what: str) -> None:
+        """One more done: `what`."""
+        self.done += 1
+        spent = time.monotonic() - self.begun
+        rest = span(spent / self.done * (self.total - self.done))
+        print(f"{self.name} {self.done}/{self.total} {span(spent)}, {rest} left  {what}", file=self.stream, flush=True)
+
+
+def span(seconds: float) -> str:
+    """Seconds as minutes and seconds."""
+    whole = round(seconds)
+    return f"{whole // 60}:{whole % 60:02d}"

@@ -1,0 +1,1 @@
+"""Short studies that are part of every comparison, and the sweep."""

@@ -1,0 +1,32 @@
+"""How far may the judge be trusted, asked within a comparison: pairs of known distance, drawn anew for every version."""
+
+import sys
+
+from avatarsim.errors import MissingPackage
+from scenarios.results.provenance import code_hash
+from scenarios.running.progress import Progress
+from scenarios.studies.study import Request, Study
+
+SEEDS = 2**32
+"""Seeds are drawn from below this: what fits into a command line and into every generator."""
+
+
+def seed() -> int:
+    """From the hash of all sources: pairs that no earlier version was mended for."""
+    return int(code_hash(), 16) % SEEDS
+
+
+def ask(request: Request) -> list[str]:
+    """Examine the judge and write judge.json into the run's folder. Raises MissingPackage without the judge's packages."""
+    try:
+        from reference.judge_trust import PAIRS, command, trust, write
+        from reference.judging.known_pairs import KINDS
+    except ImportError as error:
+        raise MissingPackage(str(error.name), "compare", "the judge and its second opinion") from error
+    drawn = seed()
+    with Progress("judge", len(KINDS), sys.stderr) as progress:
+        write(trust(PAIRS, drawn, progress.step), request.folder, command(PAIRS, drawn))
+    return []
+
+
+STUDY = Study("judge", ask)

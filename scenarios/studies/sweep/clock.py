@@ -1,0 +1,85 @@
+"""Times of the cells of one scene: serially, engines taking turns, a dozen processes at a time, kept group by group."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from runfiles.timing_protocol import PHASE_FRAMES, Protocol
+from scenarios.results.store import Entry
+from scenarios.running.seat import Seats
+from scenarios.running.timing import Clocked, timed_pass
+from scenarios.studies.sweep.cell import Cell
+
+AT_ONE_TABLE = 9
+"""Processes that wait for their turn together. More: more memory, and more is lost when a run is killed; fewer: engines that are
+compared were timed further apart."""
+REPEATS = 2
+"""How often the frames of a cell are run. One could not tell a disturbance from a frame's own cost; a third would be a quarter of
+the time a sweep takes and tells less: two threes of six repeats differ as much as the three pairs do."""
+
+NOTHING: Mapping[Cell, Entry] = MappingProxyType({})
+
+
+def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
+    """Groups in which every engine is represented as evenly as possible."""
+    order = {engine: 0 for engine in dict.fromkeys(cell.setting.engine for cell in cells)}
+    count = {engine: sum(cell.setting.engine == engine for cell in cells) for engine in order}
+    placed = []
+    for cell in cells:
+        engine = cell.setting.engine
+        placed.append((order[engine] / count[engine], cell))
+        order[engine] += 1
+    dealt = [cell for _, cell in sorted(placed, key=lambda entry: entry[0])]
+    return [dealt[k : k + AT_ONE_TABLE] for k in range(0, len(dealt), AT_ONE_TABLE)]
+
+
+def times(
+    cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None], repeats: int = REPEATS,
+    errors: Mapping[Cell, Entry] = NOTHING,
+) -> None:
+    """Time all `cells` of one scene, `repeats` times each; `done` gets the entry of each as soon as its group has ended. `errors`
+    of a cell say in which frames it rests."""
+    for group in tables(cells):
+        # the first of an engine at a table has one process at all tables, the second another: starting takes longer than timing
+        engines = [cell.setting.engine for cell in group]
+        chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
+        clocked = timed_pass(
+            [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
+            seats=[seats.at(chair) for chair in chairs], repeats=repeats,
+        )
+        for cell, found in zip(group, clocked, strict=True):
+            done(cell, time_entry(found, cell.setting.cut, errors.get(cell, {}).get("resting", ())))
+
+
+def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
+    """Median, 95th and 99th percentile and slowest of the rendered frames [us], engine only, each frame the least of
+    its `repeats`; None and why. A 99th percentile that too few `frames` or repeats stand behind is None as well. `rests` is the
+    share of frames in which
+    nothing moves, `moving` and `at_rest` the median of either kind where both are many; None where that is not known."""
+    nothing = dict.fromkeys(("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest"))
+    if found.timed is None:
+        return {"run": found.job.run, **nothing, "repeats": 0, "frames": 0, "note": found.note}
+    whole, repeats = np.array(rendered(found.timed.best_us, cut)), len(found.timed.around_ns)
+    p50, p95, p99 = (float(time) for time in np.percentile(whole, (50, 95, 99)))
+    enough = Protocol(repeats, len(whole), found.timed.warm_frames).has_tail
+    rests = np.asarray(resting[: cut * len(whole)], dtype=np.bool_)
+    phases: dict[str, float] = {}
+    if len(rests) == cut * len(whole):
+        # a rendered frame rests if all of its parts do
+        still = rests.reshape(-1, cut).all(axis=1)
+        phases["rests"] = float(still.mean())
+        if min(still.sum(), (~still).sum()) >= PHASE_FRAMES:
+            phases |= {"moving": float(np.median(whole[~still])), "at_rest": float(np.median(whole[still]))}
+    return {
+        "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
+        "slowest": float(whole.max()), **phases, "repeats": repeats,
+        "frames": len(whole), "note": found.note,
+    }
+
+
+def rendered(parts_us: Iterable[float], cut: int) -> list[float]:
+    """Times of rendered frames from those of their `cut` parts."""
+    parts = np.asarray(list(parts_us), dtype=np.float64)
+    whole = len(parts) // cut * cut
+    return [float(time) for time in parts[:whole].reshape(-1, cut).sum(axis=1)]

@@ -1,0 +1,52 @@
+"""The errors of one cell: what is kept of them, and why a figure is none."""
+
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from scenarios.job import Job, Outcome
+from scenarios.measure.value import Missing
+from scenarios.results.store import Entry
+from scenarios.running.processes import Died
+from scenarios.running.run import accuracy
+
+JUDGED = 50
+"""Snapshots inside frames that are judged: what is shown counts as error, and hundreds of cells are measured."""
+
+
+def errors(job: Job) -> Entry:
+    """Run and measure one job; the recording, which can be large, is not kept."""
+    with tempfile.TemporaryDirectory(prefix="sweep-") as folder:
+        return entry_of(accuracy(job, Path(folder), JUDGED))
+
+
+def entry_of(outcome: Outcome) -> Entry:
+    """What is kept of an outcome: its state, why, and all figures; `missing` says why a figure is none. `step` is the engine's
+    own time step [s], None where it has none; `resting` of every frame whether nothing moves in it."""
+    values = {name: value for name, value in outcome.values.items() if not isinstance(value, Missing)}
+    missing = {name: value.reason for name, value in outcome.values.items() if isinstance(value, Missing)}
+    return {
+        "run": outcome.job.run, "scenario": outcome.job.scenario, "state": outcome.state, "note": outcome.note,
+        "frames": outcome.frames, "values": values, "missing": missing, "cannot_say": outcome.about.get("cannot_say", {}),
+        "step": step_of(outcome), "resting": [int(rests) for rests in outcome.resting],
+    }
+
+
+def step_of(outcome: Outcome) -> float | None:
+    """The time step [s] that the engine says it ran with; None where it says none."""
+    said = number_of(outcome, "dt")
+    return said if said is not None and said > 0.0 else None
+
+
+def number_of(outcome: Outcome, name: str) -> float | None:
+    """A setting that the engine says it ran with, if it is a number."""
+    settings = outcome.about.get("settings")
+    found = settings.get(name) if isinstance(settings, Mapping) else None
+    said = found[0] if isinstance(found, list | tuple) else found
+    return float(said) if isinstance(said, int | float) else None
+
+
+def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:
+    """The same with an entry for whoever died."""
+    for job, found in pairs:
+        yield job, entry_of(Outcome(job, "crashed", str(found))) if isinstance(found, Died) else found

@@ -1,0 +1,104 @@
+"""The exact answers against each other and against closed forms: they decide, so nothing else may."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from avatarsim.scene.shape import ellipsoid_hull
+from reference.judging.exact_depth import Polytope, box_signed_distance, polytope_signed_distance
+from reference.judging.minkowski import separated_distance, signed_distance
+from reference.judging.segments import point_segment_distance, segment_distance, triangle_distance
+
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+
+
+@pytest.mark.parametrize(("shift", "signed"), [
+    ((3.0, 0, 0), 1.0), ((2.0, 0, 0), 0.0), ((1.5, 0, 0), -0.5), ((0, 0, 0), -2.0), ((3.0, 3.0, 0), np.sqrt(2.0)),
+    ((3.0, 3.0, 3.0), np.sqrt(3.0)), ((1.0, 1.5, 1.25), -0.5),
+])
+def test_two_cubes(shift, signed):
+    assert signed_distance(CORNERS + np.array(shift), 0.0, CORNERS, 0.0) == pytest.approx(signed, abs=1e-14)
+    assert signed_distance(CORNERS + np.array(shift), 0.1, CORNERS, 0.2) == pytest.approx(signed - 0.3, abs=1e-14)
+
+
+@pytest.mark.parametrize(("height", "signed"), [(2.0, 0.8), (1.1, -0.1), (0.5, -0.7), (0.0, -0.9)])
+def test_a_ball_and_a_cube(height, signed):
+    assert signed_distance(np.array([[0.3, 0.1, height]]), 0.2, CORNERS, 0.0) == pytest.approx(signed, abs=1e-14)
+
+
+def test_balls_and_capsules_of_one_centre_are_as_deep_as_their_radii():
+    origin, stick = np.zeros((1, 3)), np.array([[0, 0, -1.0], [0, 0, 1.0]])
+    assert signed_distance(origin, 0.2, origin, 0.3) == pytest.approx(-0.5)
+    assert signed_distance(stick, 0.2, origin, 0.3) == pytest.approx(-0.5)
+    assert signed_distance(stick, 0.2, stick, 0.3) == pytest.approx(-0.5)
+    assert signed_distance(stick, 0.2, stick + np.array([0.7, 0, 0.5]), 0.3) == pytest.approx(0.2)
+
+
+def test_three_exact_answers_agree_on_hulls():
+    rng = np.random.default_rng(2)
+    overlapping = 0
+    for _ in range(60):
+        counts = rng.integers(8, 52, 2).tolist()
+        first, second = (Polytope(ellipsoid_hull(tuple(rng.uniform(0.02, 0.2, 3)), n).vertices) for n in counts)
+        turns = Rotation.random(2, rng=rng).as_matrix()
+        a, b = first.moved(turns[0], rng.normal(size=3) * rng.choice([0.01, 0.1, 0.3])), second.moved(turns[1], np.zeros(3))
+        full, facets = signed_distance(a.vertices, 0.0, b.vertices, 0.0), polytope_signed_distance(a, b)
+        if full < 0.0:
+            overlapping += 1
+            assert facets == pytest.approx(full, abs=1e-13)
+        else:
+            lower, upper = separated_distance(a.vertices, b.vertices)
+            assert facets <= full + 1e-13
+            assert lower == pytest.approx(full, abs=1e-12)
+            assert upper == pytest.approx(full, abs=1e-12)
+    assert 15 < overlapping < 50
+
+
+@pytest.mark.parametrize("tilt", [3.0, 1e-6, 1e-9, 0.0])
+def test_fifteen_axes_agree_with_the_whole_difference_of_boxes(tilt):
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        half_a, half_b = rng.integers(1, 6, (2, 3)) * 0.1
+        turn_a = Rotation.from_rotvec(tilt * rng.normal(size=3)).as_matrix()
+        shift = rng.integers(-4, 5, 3) * 0.1
+        whole = signed_distance(CORNERS * half_a @ turn_a.T + shift, 0.0, CORNERS * half_b, 0.0)
+        axes = float(box_signed_distance(half_a, turn_a, shift, half_b, np.eye(3), np.zeros(3)))
+        if whole < 0.0:
+            assert axes == pytest.approx(whole, abs=1e-9)
+        else:
+            assert axes <= whole + 1e-9
+
+
+def test_bounds_of_overlapping_sets_are_about_zero():
+    lower, upper = separated_distance(CORNERS + 0.5, CORNERS)
+    assert lower <= upper <= 1e-9
+
+
+def test_segment_distance_is_the_least_over_a_fine_grid():
+    rng = np.random.default_rng(4)
+    share = np.linspace(0.0, 1.0, 401)[:, None]
+    for k in range(40):
+        a, b, c, d = rng.normal(size=(4, 3))
+        if k % 4 == 0:
+            d = c + (b - a) * rng.uniform(-2.0, 2.0)
+        if k % 5 == 0:
+            b = a
+        grid = np.linalg.norm((a + share * (b - a))[:, None] - (c + share * (d - c))[None], axis=-1).min()
+        exact = float(segment_distance(a, b, c, d))
+        assert grid - 0.02 <= exact <= grid + 1e-12
+    assert float(segment_distance(np.zeros(3), np.array([2.0, 0, 0]), np.array([1.0, -1, 0.5]), np.array([1.0, 1, 0.5]))) == 0.5
+
+
+def test_triangle_distance_is_the_least_over_a_fine_grid():
+    rng = np.random.default_rng(6)
+    u, v = np.meshgrid(np.linspace(0, 1, 201), np.linspace(0, 1, 201))
+    keep = u + v <= 1.0
+    u, v = u[keep][:, None], v[keep][:, None]
+    for _ in range(40):
+        p, a, b, c = rng.normal(size=(4, 3))
+        grid = np.linalg.norm(a + u * (b - a) + v * (c - a) - p, axis=1).min()
+        assert grid - 0.03 <= float(triangle_distance(p, a, b, c)) <= grid + 1e-12
+
+
+def test_distance_from_a_segment_that_is_a_point():
+    assert float(point_segment_distance(np.array([3.0, 4.0, 0]), np.zeros(3), np.zeros(3))) == 5.0

@@ -1,0 +1,90 @@
+"""Projections agree with what sampling the surface gives, and what is nearer to the eye is drawn later."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from reports.drawing import mesh
+from reports.drawing.convex_picture import MOST_FACES, Array, Piece, flat_hull, order, placed
+
+PIECES = {
+    "sphere": {"kind": "sphere", "radius": 0.3},
+    "capsule": {"kind": "capsule", "radius": 0.1, "length": 0.6},
+    "ellipsoid": {"kind": "ellipsoid", "radii": [0.1, 0.2, 0.4]},
+    "box": {"kind": "box", "size": [0.2, 0.4, 0.6]},
+    "hull": {"kind": "hull", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]},
+}
+OWN = {"position": [0.1, -0.2, 0.3], "orientation": [0.8, 0.0, 0.6, 0.0]}
+AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
+TOWARDS = np.cross(AXES[0], AXES[1])
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def area(outline: Array) -> float:
+    shifted = np.roll(outline, -1, axis=0)
+    return 0.5 * abs(float(np.sum(outline[:, 0] * shifted[:, 1] - outline[:, 1] * shifted[:, 0])))
+
+
+def made(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Piece:
+    return placed(PIECES[kind] | OWN, np.array(position), UPRIGHT)
+
+
+@pytest.mark.parametrize("kind", PIECES)
+def test_an_outline_is_that_of_the_sampled_surface(kind: str) -> None:
+    corners, _ = mesh.body([PIECES[kind] | OWN])
+    sampled = flat_hull(corners @ AXES.T)
+    own = made(kind).outline(AXES)
+    # round surfaces are sampled at 18 by 10 corners, outlines have 24: each lies a few percent inside
+    assert area(own) == pytest.approx(area(sampled), rel=0.05 if kind in ("sphere", "capsule", "ellipsoid") else 1e-9)
+    assert own.mean(axis=0) == pytest.approx(sampled.mean(axis=0), abs=0.05)
+
+
+@pytest.mark.parametrize("kind", PIECES)
+def test_the_least_coordinate_is_that_of_the_surface(kind: str) -> None:
+    corners, _ = mesh.body([PIECES[kind] | OWN])
+    for direction in (AXES[0], AXES[1], TOWARDS):
+        least = made(kind).least(direction)
+        assert least <= float((corners @ direction).min()) + 1e-9
+        assert least == pytest.approx(float((corners @ direction).min()), abs=0.02)
+
+
+def test_faces_of_one_plane_are_one() -> None:
+    faces = made("box").faces()
+    assert len(faces) == 6 and all(len(corners) == 4 for corners, _ in faces)
+    middle = made("box").centre
+    assert all(normal @ (corners.mean(axis=0) - middle) > 0.0 for corners, normal in faces)
+    assert sorted(len(corners) for corners, _ in made("hull").faces()) == [3, 3, 3, 3]
+    assert MOST_FACES >= 6
+
+
+def drawn(pieces: list[Piece]) -> list[int]:
+    return order(pieces, [piece.outline(AXES) for piece in pieces], TOWARDS, 1.0)
+
+
+def test_a_ball_before_a_large_wall_is_drawn_after_it() -> None:
+    """The wall's centre is nearer to the eye than the ball's, and still the ball covers it."""
+    wall = placed({"kind": "box", "size": [4.0, 4.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]},
+                  np.array([0.0, -1.5, 0.0]), UPRIGHT)
+    below, above = (placed(PIECES["sphere"] | OWN, np.array([0.0, 0.0, height]), UPRIGHT) for height in (-0.9, 0.2))
+    assert below.centre @ TOWARDS < above.centre @ TOWARDS
+    assert drawn([above, wall, below]) == [2, 1, 0]
+
+
+def test_a_stack_is_drawn_from_below_and_a_ring_still_is_drawn_whole() -> None:
+    boxes = [placed({"kind": "box", "size": [0.3, 0.3, 0.3], "position": [0.0, 0.0, 0.0], "orientation": UPRIGHT.tolist()},
+                    np.array([0.0, 0.0, 0.3 * k]), UPRIGHT) for k in (3, 0, 2, 1)]
+    assert drawn(boxes) == [1, 3, 2, 0]
+    spokes = []
+    for turn in (0.0, 2.0, 4.0):
+        place = np.array([0.25 * np.cos(turn), 0.25 * np.sin(turn), 0.0])
+        tilt = np.array([np.cos(0.2), 0.2 * np.cos(turn), 0.2 * np.sin(turn), 0.0])
+        spokes.append(placed({"kind": "box", "size": [1.0, 0.1, 0.1], "position": [0, 0, 0], "orientation": UPRIGHT.tolist()},
+                             place, tilt / np.linalg.norm(tilt)))
+    assert sorted(drawn(spokes)) == [0, 1, 2]
+
+
+def test_balls_are_drawn_from_far_to_near() -> None:
+    balls = [placed(PIECES["sphere"] | OWN, np.array(TOWARDS) * way, UPRIGHT) for way in (0.3, -0.2, 0.8, 0.0)]
+    heights = [float(balls[k].centre @ TOWARDS) for k in drawn(balls)]
+    assert all(first < second for first, second in pairwise(heights))

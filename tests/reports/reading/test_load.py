@@ -1,0 +1,94 @@
+"""A good file is read number for number; a bad one is refused with its name, before anything is written."""
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports.reading.load import load
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def test_numbers_survive(run_dir: Write, results: Json) -> None:
+    found = load(run_dir(results))
+    first = found.rows[0]
+    assert (first.scenario, first.run, first.value) == ("arm_wall", "avatarsim/default", 3e-7)
+    assert (first.bound, first.ceiling, first.limit) == (1e-6, None, 1e-6)
+    assert found.series["arm_wall"]["mujoco/tuned"].overlap.shape == (200,)
+    assert found.scenes() == ("arm_wall", "hand_over_table", "ball_drop")
+
+
+def test_a_ceiling_moves_the_gate(run_dir: Write, results: Json) -> None:
+    row = next(r for r in load(run_dir(results)).rows if r.scenario == "hand_over_table" and r.ceiling is not None)
+    assert row.limit == 1e-3 and row.bound == 1e-6
+
+
+def test_nan_is_read_as_nan_and_a_gap_as_nan(run_dir: Write, results: Json) -> None:
+    series = {"overlap_m": [0.0, "NaN", None], "frame_time_us": None}
+    found = load(run_dir(results | {"series": {"arm_wall": {"a/b": series}}})).series["arm_wall"]["a/b"]
+    assert found.overlap[0] == 0.0 and math.isnan(found.overlap[1]) and math.isnan(found.overlap[2])
+    assert found.frame_time.size == 0
+
+
+def test_a_pair_is_a_reason_only_if_it_reads_like_one(run_dir: Write, results: Json) -> None:
+    settings = load(run_dir(results)).engines[0].settings
+    assert settings["timestep"][1] == "quarter of a frame"
+    assert settings["solref"] == ("[0.02, 1.0]", "")
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"rows": 3, "schema_version": 1}'])
+def test_what_is_no_result_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / "results.json").write_text(text)
+    with pytest.raises(InvalidFile, match="results.json"):
+        load(tmp_path)
+
+
+def test_a_missing_or_truncated_file_is_refused(tmp_path: Path, results: Json) -> None:
+    with pytest.raises(InvalidFile, match="results.json"):
+        load(tmp_path)
+    (tmp_path / "results.json").write_text(json.dumps(results)[:-40])
+    with pytest.raises(InvalidFile, match="half a file"):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize("version", [0, 2, None, "1"])
+def test_another_schema_is_refused(run_dir: Write, results: Json, version: object) -> None:
+    with pytest.raises(InvalidFile, match="schema_version"):
+        load(run_dir(results | {"schema_version": version}))
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_a_bare_nan_is_no_json(run_dir: Write, results: Json, number: float) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    with pytest.raises(InvalidFile, match="outside of quotes.*strict JSON"):
+        load(run_dir(results | {"rows": [*rows, rows[0] | {"value": number}]}))
+
+
+@pytest.mark.parametrize(("change", "where"), [
+    ({"status": "passed"}, "status"), ({"value": "high"}, "value"), ({"value": True}, "value"), ({"scenario": None}, "scenario"),
+    ({"seed": 0.5}, "seed"),
+])
+def test_a_malformed_row_is_refused_and_its_place_named(run_dir: Write, results: Json, change: Json, where: str) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    with pytest.raises(InvalidFile, match=rf"rows\[{len(rows)}\]\.{where} of .*results-1.json"):
+        load(run_dir(results | {"rows": [*rows, rows[0] | change]}))
+
+
+def test_a_number_too_large_for_its_place_is_refused(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    path = folder / "results.json"
+    path.write_text(path.read_text().replace('"seed": 0', '"seed": 1e400', 1))
+    with pytest.raises(InvalidFile, match="seed of"):
+        load(folder)
+
+
+def test_a_file_in_place_of_a_folder_is_refused_in_one_sentence(run_dir: Write, results: Json) -> None:
+    with pytest.raises(InvalidFile, match="the folder of a run"):
+        load(run_dir(results) / "results.json")

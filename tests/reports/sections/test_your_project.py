@@ -1,0 +1,93 @@
+"""What the page answers to a project that would use the engine is true of this source, and its figures are those of the run."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+from avatarsim.scene.body import Role
+from avatarsim.settings import PostureSettings, meanings
+from avatarsim.simulator import AvatarsimEngine
+from reports.reading.load import Results, load
+from reports.sections.growth import Growth, Point
+from reports.sections.your_project import ABSENT, NO, PARTLY, PER_FRAME, UNMEASURED, YES, answers, not_for
+from tests.reports.conftest import row, whole_run
+
+ROOT = Path(__file__).resolve().parents[3]
+OURS = "avatarsim/default"
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def made(write: Write, *rows: Json) -> Results:
+    plain = whole_run()
+    assert isinstance(plain["rows"], list)
+    return load(write(plain | {"rows": [*plain["rows"], *rows], "scenes": {"maze": {"title": "", "dt": 1 / 90}}}))
+
+
+def fact(results: Results, question: str, growth: Growth | None = None) -> str:
+    (found,) = [one for one in answers(results, OURS, growth) if one.question.startswith(question)]
+    return found.facts
+
+
+def test_every_answer_is_one_of_the_words_and_has_its_facts(run_dir: Write) -> None:
+    found = answers(made(run_dir), OURS)
+    assert all(one.word in (YES, NO, PARTLY, UNMEASURED) and one.facts.endswith(".") for one in found)
+    assert len({one.question for one in found}) == len(found)
+
+
+def test_licence_and_kinds_of_bodies_are_those_of_the_source(run_dir: Write) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert project["license"] in fact(made(run_dir), "Licence")
+    assert {role.name for role in Role} == {"FIXED", "SIMULATED", "DRIVEN"}, "another kind would make the second answer false"
+
+
+def test_what_it_is_not_for_has_an_answer_that_says_no(run_dir: Write) -> None:
+    no = {one.question for one in answers(made(run_dir), OURS) if one.word == NO}
+    for said, question in (("OpenXR", "C, Unity"), ("scenery that moves", "Scenery"),
+                           ("meshes as they are", "Triangle meshes"), ("a grip that attaches", "Grabbing")):
+        assert said in not_for() and any(one.startswith(question) for one in no)
+    assert "change(scene)" in fact(made(run_dir), "Bodies that come") and hasattr(AvatarsimEngine, "change")
+
+
+def test_no_kernel_runs_on_several_threads(run_dir: Write) -> None:
+    sources = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "avatarsim").rglob("*.py")}
+    assert not any(word in text for word in ("parallel=True", "prange") for text in sources.values())
+    assert [name for name, text in sources.items() if "ThreadPool" in text] == ["many_worlds"]
+    said = fact(made(run_dir), "Several threads")
+    assert "the thread that asks" in said and "advance_many" in said
+
+
+def test_frames_behind_walls_leaps_and_the_fall_of_what_is_grasped_are_those_of_the_run(run_dir: Write) -> None:
+    found = made(run_dir, row("maze", OURS, "waiting", 94.0, "frames"), row("hall", OURS, "waiting", 7.0, "frames"),
+                 row("mug", OURS, "grasped_fall_end", 0.96, "m"),
+                 row("mug", "mujoco/tuned", "grasped_fall_end", 0.0, "m"))
+    walls = fact(found, "A user who steps")
+    assert "94 frames in maze, 7 frames in hall" in walls and "reset" in walls and "waits" in walls
+    assert "5.00 m/s" in fact(found, "A target that leaps") and "reset" in fact(found, "A target that leaps")
+    assert f"{OURS} 960 mm; mujoco/tuned 0" in fact(found, "Grabbing")
+    assert "no frame" in fact(made(run_dir), "A user who steps") and ABSENT in fact(made(run_dir), "Grabbing")
+
+
+def test_the_slowest_frame_stands_beside_what_a_leap_may_cost(run_dir: Write) -> None:
+    said = fact(made(run_dir, row("maze", OURS, "frame_time_max", 5051.0, "us"), row("hall", OURS, "frame_time_max", 40.0, "us")),
+                "Every frame")
+    assert "5.05 ms, in maze, over 2 of" in said and "every frame that was timed fits" in said
+    assert meanings(PostureSettings)["work"] in said, "the page and the settings tell of one budget"
+    late = made(run_dir, row("maze", OURS, "frame_time_max", 12e3, "us"))
+    assert "in one of them a frame takes longer" in fact(late, "Every frame")
+    assert ABSENT in fact(made(run_dir), "Every frame")
+
+
+def test_rates_are_those_measured_and_settings_that_are_per_frame_are_named(run_dir: Write) -> None:
+    said = fact(made(run_dir, row("maze", OURS, "tracker_offset_rms", 0.1, "m")), "Other frame rates")
+    assert "1 at 90 Hz" in said and all(f"{name} {getattr(PostureSettings(), name)}" in said for name in PER_FRAME)
+    # all others have a unit, in which no frame occurs
+    said_so = {name for name, text in meanings(PostureSettings).items() if "per frame" in text or "a frame" in text}
+    assert said_so == set(PER_FRAME)
+
+
+def test_sizes_carry_a_time_of_this_run_or_none(run_dir: Write) -> None:
+    growth = Growth(tuple(Point("avatars", "apart", size, 15 * size, OURS, 9.0 * size, 12.0 * size, "") for size in (10, 3)))
+    found = made(run_dir)
+    assert "10 avatars (apart): 120 µs at the 95th percentile" in fact(found, "Several avatars", growth)
+    assert ABSENT in fact(found, "Several avatars") and ABSENT in fact(found, "Large worlds", growth)

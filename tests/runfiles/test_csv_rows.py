@@ -1,0 +1,30 @@
+"""Rows of figures as CSV: digits, what is no number, and columns even without a row."""
+
+import csv
+import math
+from dataclasses import dataclass
+
+from runfiles.csv_rows import csv_lines, csv_text
+
+
+@dataclass(frozen=True)
+class Figure:
+    name: str
+    value: float
+    count: int = 0
+    held: bool = True
+
+
+def test_numbers_are_short_and_nan_is_an_empty_cell() -> None:
+    text = csv_text([Figure("a,b", 1.0 / 3.0, 7), Figure("lost", math.nan, held=False), Figure("far", math.inf)], Figure)
+    found = list(csv.DictReader(text.splitlines()))
+    assert found[0] == {"name": "a,b", "value": "0.333333", "count": "7", "held": "True"}
+    assert found[1]["value"] == "" and found[1]["held"] == "False" and found[2]["value"] == "inf"
+
+
+def test_columns_are_named_where_there_is_no_row() -> None:
+    assert csv_text([], Figure) == "name,value,count,held\n"
+
+
+def test_digits_are_chosen_by_who_writes() -> None:
+    assert csv_lines(("x",), [(math.pi,)], 9) == "x\n3.14159265\n"

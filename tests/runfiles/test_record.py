@@ -1,0 +1,193 @@
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import FrameRecord, Snapshot
+from avatarsim.errors import InvalidFile
+from runfiles import array_file, record
+from runfiles.record import Recording
+from tests.scenarios.examples import DT, drop_scene, resting, with_inside
+
+
+def full() -> Recording:
+    """A recording with every field filled, nan and minus zero among the numbers."""
+    base = resting(drop_scene(), 3)
+    rng = np.random.default_rng(7)
+    p, v = np.tile(base.positions[0], (5, 1, 1)), rng.normal(size=(5, 2, 3))
+    p[:, 1] = rng.normal(size=(5, 3))
+    p[3, 1, 2], v[:, 0] = np.nan, -0.0
+    filled = with_inside(base, [0.001, 0.002, 0.02, 0.03, 0.03], [1, 1, 2, 2, 2], ["step"] * 3 + ["approach", "impact"], p, v)
+    return replace(
+        filled, meta={"dt": DT, "scene": "drop", "cannot_say": {"a": "b"}}, counts={"pairs": np.arange(4)},
+        statuses={"OUT_OF_ITERATIONS": np.array([0, 1, 0, 2])}, frame_times_ns=np.arange(6).reshape(2, 3),
+    )
+
+
+def test_what_is_saved_is_loaded_bit_for_bit(tmp_path: Path) -> None:
+    recording = full()
+    record.save(recording, tmp_path / "deep" / "one.npz")
+    again = record.load(tmp_path / "deep" / "one.npz")
+    for entry in fields(Recording):
+        kept, found = getattr(recording, entry.name), getattr(again, entry.name)
+        if entry.name == "meta":
+            assert found == kept
+        elif isinstance(kept, dict):
+            assert {name: a.tolist() for name, a in found.items()} == {name: a.tolist() for name, a in kept.items()}
+        else:
+            assert found.shape == kept.shape and found.tobytes() == kept.tobytes(), entry.name
+    assert again.frames == 3 and again.dt == DT and again.links == slice(2, 2)
+
+
+def test_the_hash_of_every_state_shown_follows_from_what_is_loaded(tmp_path: Path) -> None:
+    recording = full()
+    hashes = [hash_of(recording, k) for k in range(4)]
+    record.save(replace(recording, state_hashes=np.array(hashes)), tmp_path / "one.npz")
+    again = record.load(tmp_path / "one.npz")
+    assert [hash_of(again, k) for k in range(4)] == again.state_hashes.tolist() == hashes
+
+
+def hash_of(recording: Recording, k: int) -> str:
+    """The hash of the k-th state shown."""
+    shown = (recording.positions, recording.orientations, recording.velocities, recording.angular_velocities)
+    return FrameRecord(Snapshot(0.0, *(array[k] for array in shown)), recording.angles[k]).state_hash()
+
+
+def test_a_body_that_never_moves_costs_next_to_nothing(tmp_path: Path) -> None:
+    """In a room of a hundred pieces of furniture what is stored is what moves."""
+    base, rng = resting(drop_scene(), 600), np.random.default_rng(3)
+    still = np.tile(rng.normal(size=(1, 100, 3)), (601, 1, 1))
+    orientations = np.tile(rng.normal(size=(1, 100, 4)), (601, 1, 1))
+    room = replace(base, positions=still, orientations=orientations, velocities=0.0 * still, angular_velocities=0.0 * still)
+    record.save(room, tmp_path / "room.npz")
+    assert (tmp_path / "room.npz").stat().st_size < 0.02 * 4 * still.nbytes
+
+
+def test_nothing_but_the_recording_is_left_behind(tmp_path: Path) -> None:
+    record.save(full(), tmp_path / "one.npz")
+    assert [path.name for path in tmp_path.iterdir()] == ["one.npz"]
+
+
+def test_the_motion_of_a_scene_is_kept_once(tmp_path: Path) -> None:
+    """And is loaded bit for bit with every recording that shows it; another motion has another file."""
+    first, motions = full(), tmp_path / "motions"
+    first = replace(first, raw_positions=np.random.default_rng(5).normal(size=(4, 3, 3)), raw_orientations=np.ones((4, 3, 4)))
+    second = replace(first, raw_positions=np.nextafter(first.raw_positions, 9.0))
+    for name, one in {"a.npz": first, "b.npz": replace(first, times=first.times + 1.0), "c.npz": second}.items():
+        record.save(one, tmp_path / "recordings" / name, motions)
+        again = record.load(tmp_path / "recordings" / name)
+        assert all(getattr(again, field).tobytes() == getattr(one, field).tobytes() for field in record.OF_USER)
+        assert again.times.tolist() == one.times.tolist()
+    assert len(list(motions.iterdir())) == 2
+    wanted = {"raw_angles", "times"}
+    assert record.arrays_of(tmp_path / "recordings" / "a.npz", wanted.__contains__).keys() == wanted
+
+
+@pytest.mark.parametrize("harm", ["gone", "half", "other", "elsewhere"])
+def test_a_motion_that_is_damaged_is_an_invalid_file(tmp_path: Path, harm: str) -> None:
+    path, motions = tmp_path / "recordings" / "one.npz", tmp_path / "motions"
+    record.save(full(), path, motions)
+    (motion,) = motions.iterdir()
+    if harm == "gone":
+        motion.unlink()
+    elif harm == "half":
+        motion.write_bytes(motion.read_bytes()[:-9])
+    elif harm == "other":
+        other = {**array_file.read(motion), "raw_angles": np.ones((4, 0)), "raw_positions": np.ones((4, 1, 3))}
+        with motion.open("wb") as file:
+            array_file.write(file, other)
+    else:
+        arrays = array_file.read(path)
+        with path.open("wb") as file:
+            array_file.write(file, {**arrays, "motion": np.array(f"../motions/{motion.stem}")})
+    with pytest.raises(InvalidFile, match="motion"):
+        record.load(path)
+
+
+def test_a_write_that_fails_keeps_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "one.npz"
+    record.save(full(), path)
+    before = path.read_bytes()
+
+    def broken(file: object, arrays: object) -> None:
+        file.write(b"half")
+        raise OSError("no space left")
+
+    monkeypatch.setattr(array_file, "write", broken)
+    with pytest.raises(OSError, match="no space"):
+        record.save(full(), path)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["one.npz"]
+
+
+def test_a_disk_that_is_full_names_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full_disk(file: object, arrays: object) -> None:
+        # as the system says it, without a name
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(array_file, "write", full_disk)
+    with pytest.raises(OSError, match=r"No space left on device: '.*one\.npz'"):
+        record.save(full(), tmp_path / "one.npz")
+
+
+@pytest.mark.parametrize("keep", [0, 10, 1000])
+def test_a_truncated_recording_is_an_invalid_file(tmp_path: Path, keep: int) -> None:
+    path = tmp_path / "one.npz"
+    record.save(full(), path)
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+def test_a_missing_recording_and_another_layout_are_invalid_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InvalidFile, match="none.npz"):
+        record.load(tmp_path / "none.npz")
+    monkeypatch.setattr(record, "SCHEMA_VERSION", 99)
+    record.save(full(), tmp_path / "new.npz")
+    monkeypatch.undo()
+    with pytest.raises(InvalidFile, match="schema_version"):
+        record.load(tmp_path / "new.npz")
+
+
+def test_a_field_too_many_is_an_invalid_file(tmp_path: Path) -> None:
+    path = tmp_path / "one.npz"
+    record.save(full(), path)
+    arrays = array_file.read(path)
+    with path.open("wb") as file:
+        array_file.write(file, {**arrays, "surprise": np.zeros(1)})
+    with pytest.raises(InvalidFile, match="surprise"):
+        record.load(path)
+
+
+@pytest.mark.parametrize(("name", "shape"), [
+    ("positions", (4, 3)), ("orientations", (4, 2, 3)), ("velocities", (3, 2, 3)), ("inside_positions", (5, 3, 3)),
+    ("inside_event", (5,)), ("angles", (3, 0)), ("raw_positions", (4, 0)), ("times", ()), ("state_hashes", (4,)),
+    ("overlap", (3,)),
+])
+def test_shapes_that_contradict_each_other_are_an_invalid_file(tmp_path: Path, name: str, shape: tuple[int, ...]) -> None:
+    path = tmp_path / "one.npz"
+    record.save(replace(full(), **{name: np.zeros(shape)}), path)
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("inside_frame", [1, 1, 2, 2, 4]), ("inside_frame", [1, 1, 2, 2, -1]), ("inside_event", [0, 0, 0, 1, 3]),
+    ("counts", {"pairs": np.arange(3)}), ("statuses", {"held": np.zeros(4)}),
+    ("positions", np.zeros((4, 2, 3), dtype=np.float32)),
+])
+def test_numbers_that_mean_nothing_are_an_invalid_file(tmp_path: Path, name: str, value: object) -> None:
+    path = tmp_path / "one.npz"
+    record.save(replace(full(), **{name: np.array(value) if isinstance(value, list) else value}), path)
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+@pytest.mark.parametrize("meta", ["[]", "3", "{", "{}", "null"])
+def test_meta_that_this_runner_did_not_write_is_an_invalid_file(tmp_path: Path, meta: str) -> None:
+    path = tmp_path / "one.npz"
+    with path.open("wb") as file:
+        array_file.write(file, {"meta": np.array(meta), "times": np.zeros(1)})
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)

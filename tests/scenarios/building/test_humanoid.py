@@ -1,0 +1,212 @@
+"""The humanoid as read from its file: masses, axes, senses of its joints, its limits, and that it stands in nothing."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+
+from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.avatar import Link
+from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+from avatarsim.spatial import rotation
+from reference.judging.judge import Judge
+from scenarios.building.avatars.humanoid import CHAINS, humanoid
+from scenarios.building.avatars.limits import HINGES, RANGES, WIDEST_REACH, ball_limits, ends, hinge_limits, reach_cone, tilted
+from scenarios.building.avatars.standing import CLEARANCE, standing
+from scenarios.building.reach import reach
+from scenarios.building.stage import floor
+from scenarios.data_folder import data_file
+from scenarios.measure.posture.limits import beyond_cone
+from scenarios.motion.mocap import LAYOUT
+
+Array = NDArray[np.float64]
+HUMAN = humanoid()
+NAMES = [link.name for link in HUMAN.links]
+HINGED = [link.name for link in HUMAN.links if isinstance(link.joint, Hinges)]
+
+
+def turned(name: str, axis: tuple[float, float, float], degrees: float) -> TrackerSample:
+    """The rest posture with one ball joint turned."""
+    sample = rest((HUMAN,))
+    rotations = sample.rotations.copy()
+    rotations[NAMES.index(name)] = rotation.from_axis_angle(axis, np.radians(degrees))
+    return replace(sample, rotations=rotations)
+
+
+def place(sample: TrackerSample, name: str) -> Array:
+    return np.asarray(link_poses((HUMAN,), sample)[0][NAMES.index(name)])
+
+
+def angle(a: ArrayLike, b: ArrayLike) -> float:
+    """Angle [rad] between two directions."""
+    u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    return float(np.arctan2(np.linalg.norm(np.cross(u, v)), np.dot(u, v)))
+
+
+def overlapping(sample: TrackerSample) -> set[frozenset[str]]:
+    """Pairs of the avatar's own links that overlap."""
+    verdict = Judge(Scene("alone", (), (HUMAN,))).overlaps(*link_poses((HUMAN,), sample))
+    return {frozenset((a.removeprefix("human/"), b.removeprefix("human/"))) for a, b, _ in verdict.pairs}
+
+
+def test_fifteen_links_of_forty_five_kilograms() -> None:
+    assert len(HUMAN.links) == 15
+    assert sum(link.mass.mass for link in HUMAN.links) == pytest.approx(45.0, abs=1e-9)
+    assert set(NAMES) == {name for name, _ in LAYOUT} | {"left_wrist", "right_wrist"}
+    assert set(CHAINS) <= set(NAMES)
+
+
+def test_joints_are_of_the_kind_that_the_clips_hold() -> None:
+    kinds = {link.name: type(link.joint) for link in HUMAN.links}
+    assert kinds["root"] is Free
+    assert kinds["left_wrist"] is kinds["right_wrist"] is Rigid
+    for name, width in LAYOUT[1:]:
+        assert kinds[name] is (Ball if width == 4 else Hinges)
+
+
+def test_it_is_as_tall_as_a_human_and_its_left_is_y() -> None:
+    sample = standing(HUMAN)
+    top = reach((HUMAN,), (sample,), (0.0, 0.0, 1.0))[0]
+    bottom = -reach((HUMAN,), (sample,), (0.0, 0.0, -1.0))[0]
+    assert bottom == pytest.approx(CLEARANCE, abs=1e-12)
+    assert 1.5 < top - bottom < 1.8
+    assert place(sample, "left_hip")[1] > 0.0 > place(sample, "right_hip")[1]
+    # toes point where the humanoid looks
+    assert reach((HUMAN,), (sample,), (1.0, 0.0, 0.0))[0] > reach((HUMAN,), (sample,), (-1.0, 0.0, 0.0))[0]
+
+
+def test_both_sides_mirror_each_other() -> None:
+    for link in HUMAN.links:
+        if link.name.startswith("left_"):
+            other = HUMAN.links[NAMES.index("right_" + link.name.removeprefix("left_"))]
+            assert np.array(link.anchor) * (1.0, -1.0, 1.0) == pytest.approx(np.array(other.anchor), abs=1e-12)
+            assert link.mass.mass == other.mass.mass
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_elbows_fold_forwards_and_knees_backwards(side: str) -> None:
+    sample = rest((HUMAN,))
+    for hinge, tip, angle, sign in (("elbow", "wrist", 0.5, 1.0), ("knee", "ankle", -0.5, -1.0)):
+        low, high = hinge_limits(f"{side}_{hinge}")
+        assert low <= angle <= high
+        angles = np.zeros(len(HINGED))
+        angles[HINGED.index(f"{side}_{hinge}")] = angle
+        moved = place(replace(sample, angles=angles), f"{side}_{tip}") - place(sample, f"{side}_{tip}")
+        assert sign * moved[0] > 0.05
+
+
+def test_a_limb_swings_forward_about_minus_y() -> None:
+    sample = turned("left_hip", (0.0, -1.0, 0.0), 60.0)
+    assert (place(sample, "left_ankle") - place(rest((HUMAN,)), "left_ankle"))[0] > 0.3
+
+
+def test_nothing_overlaps_when_standing_on_the_floor_or_with_all_joints_at_zero() -> None:
+    start = standing(HUMAN)
+    scene = Scene("standing", (floor(),), (HUMAN,), start=start)
+    positions, orientations = link_poses((HUMAN,), start)
+    body = scene.bodies[0]
+    verdict = Judge(scene).overlaps(
+        np.vstack([body.position, positions]), np.vstack([body.orientation, orientations]), 0.05
+    )
+    assert verdict.deepest == 0.0 and verdict.gap == pytest.approx(CLEARANCE, abs=1e-9)
+    assert HUMAN.ignore == ()
+    assert overlapping(rest((HUMAN,))) == set()
+
+
+def test_the_judge_does_see_a_thigh_in_the_other() -> None:
+    assert frozenset(("left_hip", "right_hip")) in overlapping(turned("left_hip", (1.0, 0.0, 0.0), -25.0))
+
+
+def test_a_heading_turns_the_start_posture() -> None:
+    ahead, left = standing(HUMAN, 1.0, 2.0), standing(HUMAN, 1.0, 2.0, 0.5 * np.pi)
+    toes = place(left, "left_ankle") - place(left, "right_ankle")
+    assert toes[0] < -0.1 and abs(toes[1]) < 1e-9
+    assert left.positions[0].tolist() == pytest.approx(ahead.positions[0].tolist())
+
+
+@pytest.mark.parametrize("link", [link for link in HUMAN.links if isinstance(link.joint, Ball)], ids=lambda link: link.name)
+def test_a_cone_holds_all_four_ends_of_motion_and_the_neutral_posture(link: Link) -> None:
+    name = link.name
+    limits = ball_limits(name)
+    side, joint = (-1.0 if name.startswith("right") else 1.0), name.split("_")[-1]
+    angles = [angle(limits.centre, end) for end in ends(RANGES[joint], side)]
+    # one end lies on the rim: the cone is no larger than the table asks for
+    assert max(angles) == pytest.approx(limits.swing, abs=1e-12)
+    assert angle(limits.centre, limits.axis) < limits.swing
+    assert limits.twist[0] < 0.0 < limits.twist[1]
+
+
+@pytest.mark.parametrize("joint", ["hip", "ankle", "shoulder"])
+def test_left_and_right_limits_mirror_each_other(joint: str) -> None:
+    left, right = ball_limits(f"left_{joint}"), ball_limits(f"right_{joint}")
+    assert np.array(left.centre) * (1.0, -1.0, 1.0) == pytest.approx(np.array(right.centre))
+    assert left.swing == right.swing
+    assert left.twist == pytest.approx((-right.twist[1], -right.twist[0]))
+
+
+def test_turning_the_left_thigh_out_uses_the_outward_range() -> None:
+    # toes to the left: a turn by +50 degrees about up, which is -50 about the thigh's downward axis
+    low, high = ball_limits("left_hip").twist
+    assert np.degrees(low) == pytest.approx(-RANGES["hip"].turn_out)
+    assert np.degrees(high) == pytest.approx(RANGES["hip"].turn_in)
+
+
+def test_hinge_limits_are_the_table_in_radians() -> None:
+    assert hinge_limits("right_knee") == pytest.approx(np.radians(HINGES["knee"]).tolist())
+    with pytest.raises(UnknownName, match="elbow"):
+        hinge_limits("neck")
+    with pytest.raises(UnknownName, match="shoulder"):
+        ball_limits("left_knee")
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda text: text[:5000], "whole URDF"),
+        (lambda text: text.replace("<capsule", "<cone"), "cone"),
+        (lambda text: text.replace('type="spherical"', 'type="planar"'), "planar"),
+        (lambda text: text.replace('<mass value = "14', '<mass weight = "14'), "attribute value"),
+        (lambda text: text.replace("0.000000 0.944604", "0.944604"), "three numbers"),
+    ],
+)
+def test_a_broken_humanoid_file_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[str], str], says: str
+) -> None:
+    original = data_file("humanoid/humanoid.urdf").read_text(encoding="utf-8")
+    broken = tmp_path / "humanoid.urdf"
+    broken.write_text(change(original), encoding="utf-8")
+    monkeypatch.setattr("scenarios.building.avatars.humanoid.data_file", lambda name: broken)
+    with pytest.raises(InvalidFile, match=says):
+        humanoid.__wrapped__()
+
+
+@pytest.mark.parametrize("name", ["left_hip", "right_hip", "left_ankle", "right_shoulder", "chest", "neck"])
+def test_a_reach_cone_goes_through_the_four_ends_of_the_table(name: str) -> None:
+    cone, side = reach_cone(name), -1.0 if name.startswith("right") else 1.0
+    found = RANGES[name.removeprefix("left_").removeprefix("right_")]
+    for end, degrees in zip(ends(found, side), (found.forward, found.backward, found.outward, found.inward), strict=True):
+        if degrees <= WIDEST_REACH:
+            assert np.abs(cone.vertices - end).max(axis=1).min() < 1e-12
+    assert beyond_cone(cone, np.array(found.axis)) == 0.0
+    # half-way between two ends an ellipse is nearer than both together
+    both = tilted(found, side, found.forward / np.sqrt(2.0), -found.inward / np.sqrt(2.0))
+    assert beyond_cone(cone, both) < np.radians(2.0) < beyond_cone(cone, tilted(found, side, found.forward, -found.inward))
+
+
+@pytest.mark.parametrize("joint", ["shoulder", "hip", "ankle"])
+def test_reach_cones_of_left_and_right_are_mirror_images(joint: str) -> None:
+    left, right = reach_cone(f"left_{joint}"), reach_cone(f"right_{joint}")
+    mirrored = left.vertices * (1.0, -1.0, 1.0)
+    assert np.abs(right.vertices[:, None] - mirrored[None]).max(axis=2).min(axis=1).max() < 1e-12
+
+
+def test_every_ball_of_the_humanoid_has_its_reach_cone() -> None:
+    balls = [link for link in HUMAN.links if isinstance(link.joint, Ball)]
+    assert len(balls) == 8 and all(isinstance(link.joint, Ball) and link.joint.cone is not None for link in balls)
+    with pytest.raises(UnknownName, match="left_knee"):
+        reach_cone("left_knee")

@@ -1,0 +1,71 @@
+"""The little world: the same in any unit and anywhere, and its closed forms against a fall integrated by hand."""
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import StartOverlaps
+from avatarsim.model.world import build
+from avatarsim.pose_queries import require_free
+from scenarios import catalog
+from scenarios.building.small_world import FACE, GRAVITY, NEAR, SHOT, TALL, Place, dropped, regions, shot, slides, small_world
+from scenarios.measure.side import outside
+
+TIMES = np.linspace(0.0, 2.0, 41)
+
+
+@pytest.mark.parametrize("place", [Place(1e-3), Place(1e3), Place(1.0, (6e4, -8e4, 1e3))])
+@pytest.mark.parametrize("course", [dropped, slides, shot])
+def test_a_course_is_the_same_in_other_numbers(course: object, place: Place) -> None:
+    assert callable(course)
+    plain = np.array([course(Place(), t) for t in TIMES])
+    there = (np.array([course(place, t) for t in TIMES]) - place.origin) / place.scale
+    # what is laid 2e-8 m above something is so at every scale
+    assert np.abs(there - plain).max() < 2.1e-8 / min(1.0, place.scale) + 1e-10
+
+
+def test_the_ball_that_is_shot_turns_at_the_wall() -> None:
+    due = NEAR / 300.0
+    assert shot(Place(), due)[0] == pytest.approx(FACE - SHOT, abs=1e-12)
+    assert shot(Place(), 2.0 * due)[0] == pytest.approx(FACE - SHOT - NEAR, abs=1e-12)
+    assert shot(Place(), 1.0)[2] == pytest.approx(2.0 - 0.5 * GRAVITY)
+
+
+def test_the_ball_that_falls_follows_a_fall_in_small_steps() -> None:
+    h, height, speed = 1e-6, 0.5, 0.0
+    for _ in range(700_000):
+        height, speed = height + speed * h - 0.5 * GRAVITY * h * h, speed - GRAVITY * h
+        if height <= 0.0 and speed < 0.0:
+            height, speed = 0.0, -0.5 * speed
+    assert dropped(Place(), 0.7)[2] - 0.1 == pytest.approx(height, abs=1e-5)
+
+
+def test_lengths_speeds_and_gravity_grow_together() -> None:
+    one, big = small_world("one", Place()), small_world("big", Place(1e3))
+    for a, b in zip(one.bodies, big.bodies, strict=True):
+        assert np.allclose(b.velocity, np.array(a.velocity) * 1e3)
+        assert (a.mass is None) == (b.mass is None)
+        if a.mass is not None and b.mass is not None:
+            assert a.mass.mass == b.mass.mass and np.allclose(b.mass.inertia, 1e6 * a.mass.inertia)
+    assert big.gravity[2] == 1e3 * one.gravity[2]
+
+
+def test_coincident_bodies_are_refused_with_exact_depths() -> None:
+    """A ball in a ball: r1 + r2; the others by the least way out of A - B, which is known for each."""
+    world = build(catalog.get("coincident_start").build())
+    with pytest.raises(StartOverlaps) as refused:
+        require_free(world)
+    depths = {a.removesuffix("_one"): depth for a, _, depth in refused.value.pairs}
+    assert depths == pytest.approx({"sphere": 0.2, "capsule": 0.2, "box": 0.2, "hull": 0.2, "ellipsoid": 0.16}, abs=1e-9)
+    with pytest.raises(StartOverlaps) as again:
+        require_free(build(catalog.get("coincident_start").build()))
+    assert again.value.pairs == refused.value.pairs
+
+
+@pytest.mark.parametrize("place", [Place(), Place(1e-3), Place(1e3), Place(1.0, (6e4, -8e4, 1e3))])
+def test_a_ball_that_is_lost_in_the_wall_is_on_the_wrong_side_and_one_found_deep_in_its_face_is_not(place: Place) -> None:
+    scene = small_world("world", place)
+    positions = np.tile(np.array([body.position for body in scene.bodies]), (3, 1, 1))
+    ball = scene.names.index("shot")
+    for row, past in enumerate((-SHOT, 0.3 * TALL, 0.6 * TALL)):
+        positions[row, ball] = place.at(FACE + past, 0.0, 2.0)
+    assert outside(positions, regions(place), scene.names).tolist() == [False, False, True]

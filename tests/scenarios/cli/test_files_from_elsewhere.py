@@ -1,0 +1,103 @@
+"""What nothing of ours wrote, in the place of settings, runs, tables and clips: a sentence and 2, and never an endless wait."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports.__main__ import main as reports
+from scenarios.__main__ import main as scenarios
+from scenarios.motion.mocap import COLUMNS, read_clip
+from tests.scenarios.command_line import called
+
+Lay = Callable[[Path], object]
+DEEP = "[" * 100_000
+NO_FILES: dict[str, Lay] = {
+    "pipe": os.mkfifo, "folder": Path.mkdir, "device": lambda path: path.symlink_to("/dev/zero"),
+    "nowhere": lambda path: path.symlink_to("absent"), "not UTF-8": lambda path: path.write_bytes(b"\xff\xfe\x00"),
+    "deep": lambda path: path.write_text(f"a = {DEEP}" if path.suffix == ".toml" else DEEP),
+    "huge": lambda path: path.write_bytes(b"") and None or os.truncate(path, 2**40),
+}
+"""What may lie where a file is expected; the last takes no room on the disk."""
+
+
+@pytest.fixture(params=NO_FILES)
+def lay(request: pytest.FixtureRequest) -> Lay:
+    return NO_FILES[request.param]
+
+
+def test_settings(site: Path, tmp_path: Path, lay: Lay, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mine.toml"
+    lay(path)
+    assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)) == 2
+    err = capsys.readouterr().err
+    assert "mine.toml" in err and "valid: " in err and "Traceback" not in err
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    (f"[tunnels.{'a' * 300}]\n", "1 to 80"), ("[mujoco.mine]\n", "one of the engines that this command asks: tunnels"),
+    ("[tunnels.a]\n[mujoco.b]\n", "'mujoco'"),
+    ("[tunnels.a]\nx = 1" + "0" * 5000 + "\n", "TOML"), ("[tunnels]\nx = 1\n", "tables"),
+    ("[tunnels.a]\n[[tunnels.a.b]]\n[tunnels.a]\n", "TOML"),
+])
+def test_settings_that_cannot_be_meant(
+    site: Path, tmp_path: Path, text: str, said: str, capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    for command in ("check", "sweep"):
+        words = [command, "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)]
+        assert called(tmp_path, *words) == 2 and said in capsys.readouterr().err
+
+
+def test_a_run_that_is_resumed(site: Path, tmp_path: Path, lay: Lay, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("results.json", "plan.json"):
+        folder = tmp_path / name.removesuffix(".json")
+        folder.mkdir()
+        origin = {"schema_version": 1, "provenance": {"command": "python -m scenarios check"}, "exit_code": None}
+        (folder / "results.json").write_text(json.dumps(origin))
+        (folder / name).unlink(missing_ok=True)
+        lay(folder / name)
+        assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop", "--resume", str(folder)) == 2
+        assert name in capsys.readouterr().err
+
+
+def test_what_reports_read(tmp_path: Path, lay: Lay, capsys: pytest.CaptureFixture[str]) -> None:
+    lay(tmp_path / "results.json")
+    assert reports(["write", str(tmp_path)]) == 2 and "results.json" in capsys.readouterr().err
+    lay(tmp_path / "base.csv")
+    assert reports(["diff", str(tmp_path / "base.csv"), str(tmp_path)]) == 2
+    assert reports(["write", str(tmp_path / ("a" * 300))]) == 2
+    words = ["check", "--engine", "tracker", "--filter", "ball_drop", "--jobs", "0", "--resume", str(tmp_path / ("a" * 300))]
+    assert scenarios(words) == 2
+    assert [path.name for path in tmp_path.iterdir() if path.suffix == ".html"] == []
+
+
+def test_a_clip(tmp_path: Path, lay: Lay) -> None:
+    path = tmp_path / "clip.txt"
+    lay(path)
+    with pytest.raises(InvalidFile, match=r"clip\.txt"):
+        read_clip(path)
+
+
+def test_a_number_beyond_all_floats_in_a_clip(tmp_path: Path) -> None:
+    path = tmp_path / "clip.txt"
+    frame = [0.1, *[0.0] * (COLUMNS - 1)]
+    path.write_text(json.dumps({"Loop": "none", "Frames": [frame, [*frame[:-1], 10**400]]}))
+    with pytest.raises(InvalidFile, match=r"numbers of clip clip\.txt"):
+        read_clip(path)
+
+
+def test_a_sweep_has_nothing_to_resume(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", "--engine", "mujoco", "--filter", "stop_distance", "--out", str(tmp_path), "--resume", str(tmp_path)]
+    assert scenarios(words) == 2
+    assert "the same command goes on" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("seed", ["-1", "4294967296"])
+def test_a_seed_that_an_engine_cannot_take(site: Path, tmp_path: Path, seed: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop", "--seed", seed) == 2
+    assert "--seed" in capsys.readouterr().err

@@ -1,0 +1,117 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.scene.scene import Scene
+from runfiles.record import EVENTS, Recording
+from scenarios.measure.bodies.energy import energy, kinetic
+from scenarios.measure.value import Missing
+from tests.scenarios.examples import DT, RADIUS, drop_scene, fist_scene, resting
+
+G, MASS = 9.81, 2.0
+
+
+def falling(frames: int = 20) -> Recording:
+    recording = resting(drop_scene(), frames)
+    positions, velocities = recording.positions.copy(), recording.velocities.copy()
+    positions[:, 1, 2] = 1.0 + RADIUS - 0.5 * G * recording.times**2
+    velocities[:, 1, 2] = -G * recording.times
+    return replace(recording, positions=positions, velocities=velocities)
+
+
+def test_free_fall_adds_nothing() -> None:
+    found = energy(falling(), drop_scene())
+    assert found["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
+    assert found["lift_energy_max"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_an_injected_kick_comes_out_in_joules() -> None:
+    recording = falling()
+    velocities = recording.velocities.copy()
+    velocities[12:, 1, 0] = 3.0
+    assert energy(replace(recording, velocities=velocities), drop_scene())["energy_added_max"] == pytest.approx(9.0, abs=1e-9)
+
+
+def test_an_injected_spin_comes_out_in_joules() -> None:
+    recording = falling()
+    spins = recording.angular_velocities.copy()
+    spins[5:, 1, 1] = 10.0
+    inertia = 0.4 * MASS * RADIUS**2
+    assert energy(replace(recording, angular_velocities=spins), drop_scene())["energy_added_max"] == pytest.approx(50.0 * inertia)
+
+
+def test_an_injected_lift_is_lift_and_not_gain() -> None:
+    recording = resting(drop_scene(), 10)
+    positions = recording.positions.copy()
+    positions[4:, 1, 2] += 0.01
+    found = energy(replace(recording, positions=positions), drop_scene())
+    assert found["lift_energy_max"] == pytest.approx(MASS * G * 0.01, abs=1e-12)
+    assert found["lift_height_max"] == pytest.approx(0.01, abs=1e-12)
+    assert found["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_losing_energy_is_no_gain() -> None:
+    recording = falling()
+    velocities = recording.velocities.copy()
+    velocities[10:, 1, 2] *= 0.3
+    assert energy(replace(recording, velocities=velocities), drop_scene())["energy_added_max"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_kinetic_energy_uses_the_bodys_own_axes() -> None:
+    turn = np.array([[[np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)]]])
+    inertia = np.diag([1.0, 2.0, 3.0])[None]
+    found = kinetic(np.array([4.0]), inertia, turn, np.array([[[0.0, 0.0, 2.0]]]), np.array([[[1.0, 0.0, 0.0]]]))
+    # world x is the body's -y after a quarter turn about z
+    assert found == pytest.approx(np.array([[0.5 * (4.0 * 4.0 + 2.0)]]))
+
+
+def test_frames_with_a_driven_link_in_reach_explain_themselves() -> None:
+    scene = drop_scene()
+    avatar = replace(fist_scene().avatars[0])
+    both = replace(scene, avatars=(avatar,))
+    recording = resting(both, 5)
+    velocities = recording.velocities.copy()
+    velocities[3:, 1, 0] = 3.0
+    pushed = replace(recording, velocities=velocities)
+    far = energy(pushed, both)
+    assert far["energy_added_max"] == pytest.approx(9.0)
+    near = recording.positions.copy()
+    near[:, 2, 2] = 0.9
+    value = energy(replace(pushed, positions=near), both)["energy_added_max"]
+    assert isinstance(value, Missing) and value.fault == "scene"
+
+
+def test_no_simulated_body_no_energy() -> None:
+    assert energy(resting(fist_scene(), 3), fist_scene()) == {}
+
+
+def struck_fist(fist_after: float) -> tuple[Recording, Scene]:
+    """A ball of 2 kg at 3 m/s meets a fist of 1 kg at rest and stops; the fist then has a given speed."""
+    scene = replace(drop_scene(), avatars=(fist_scene().avatars[0],))
+    recording = resting(scene, 3)
+    velocities, states = np.zeros((2, 3, 3)), np.zeros((2, 3, 4))
+    velocities[0, 1, 0], velocities[1, 2, 0] = 3.0, fist_after
+    states[:, :, 0] = 1.0
+    return replace(
+        recording, inside_time=np.full(2, DT), inside_frame=np.ones(2, dtype=np.int64),
+        inside_event=np.array([EVENTS.index("approach"), EVENTS.index("impact")]), inside_positions=np.zeros((2, 3, 3)),
+        inside_orientations=states, inside_velocities=velocities, inside_angular_velocities=np.zeros((2, 3, 3)),
+    ), scene
+
+
+def test_an_impact_that_throws_a_link_is_seen_although_the_link_is_near() -> None:
+    """9 J go in; a fist of 1 kg that leaves at 18 m/s has 162 J."""
+    recording, scene = struck_fist(18.0)
+    assert energy(recording, scene)["energy_added_max"] == pytest.approx(153.0)
+
+
+def test_a_link_that_takes_no_more_than_the_body_loses_adds_nothing() -> None:
+    recording, scene = struck_fist(4.0)
+    assert energy(recording, scene)["energy_added_max"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_coupled_mass_that_is_stated_counts() -> None:
+    recording, scene = struck_fist(4.0)
+    heavy = replace(scene, avatars=(replace(scene.avatars[0], coupled_mass=10.0),))
+    assert energy(recording, heavy)["energy_added_max"] == pytest.approx(71.0)

@@ -1,0 +1,58 @@
+from dataclasses import replace
+from math import cos, sin
+
+import numpy as np
+import pytest
+
+from runfiles.record import Recording
+from scenarios.building.expected import Flips, Pivot
+from scenarios.measure.bodies.closed_form import crossings, flips, pivots
+from scenarios.measure.value import Missing
+from scenarios.scenario import Scenario
+from tests.scenarios.examples import drop, drop_scene, resting
+
+BALL, FRAMES = 1, 120
+
+
+def swinging(late: float = 0.0) -> Recording:
+    """Spin about y as a cosine of two radians a second, its zeros at pi/4, 3 pi/4, ..."""
+    recording = resting(drop_scene(), FRAMES)
+    recording.angular_velocities[:, BALL, 1] = np.cos(2.0 * (recording.times - late))
+    return recording
+
+
+def asks(**expects: object) -> Scenario:
+    return replace(drop(FRAMES), expects=expects)
+
+
+def test_a_change_of_sign_is_placed_far_better_than_a_frame() -> None:
+    times = np.arange(0.0, 3.0, 1.0 / 60.0)
+    assert crossings(times, np.cos(2.0 * times)) == pytest.approx([np.pi / 4, 3 * np.pi / 4], abs=1e-12)
+
+
+def test_flips_are_compared_one_by_one() -> None:
+    wanted = Flips("ball", 1, (np.pi / 4, 3 * np.pi / 4))
+    assert flips(swinging(0.001), asks(flips=(wanted,)), drop_scene())["flip_time_error_max"] == pytest.approx(0.001, abs=1e-9)
+
+
+def test_a_flip_too_few_is_the_engines_fault() -> None:
+    for recording in (resting(drop_scene(), FRAMES), swinging(-0.7)):
+        found = flips(recording, asks(flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
+        assert isinstance(found, Missing) and found.fault == "engine"
+
+
+def leaning(rate: float) -> Recording:
+    """Leans at `rate` [rad/s] from 0.1 rad and says that its spin is 0.01 rad/s more."""
+    recording = resting(drop_scene(), FRAMES)
+    for k, time in enumerate(recording.times):
+        half = 0.5 * (0.1 + rate * time)
+        recording.orientations[k, BALL] = (cos(half), 0.0, sin(half), 0.0)
+        recording.angular_velocities[k, BALL] = (0.0, rate + 0.01, 0.0)
+    return recording
+
+
+def test_a_rod_is_judged_by_its_angle_until_it_is_down() -> None:
+    found = pivots(leaning(0.5), asks(pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
+    assert found == {"pivot_rate_error_max": pytest.approx(0.01), "pivot_missing": 0.0}
+    found = pivots(leaning(0.2), asks(pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
+    assert found == {"pivot_rate_error_max": pytest.approx(0.29), "pivot_missing": pytest.approx(0.5)}

@@ -1,0 +1,89 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.scene.joint import ReachCone
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.spatial import rotation
+from runfiles.record import Recording
+from scenarios.measure.posture.joints import beyond
+from scenarios.measure.posture.limits import beyond_cone, limit_excess
+from tests.scenarios.examples import arm_scene, fist_scene, recorded, resting
+
+SCENE = arm_scene()
+
+
+def posed(arm: float = 0.0, swing: float = 0.0, twist: float = 0.0) -> Recording:
+    """Three frames; in the middle one the arm, the hand's swing about z and its twist about x are as given [deg]."""
+    at_rest = rest(SCENE.avatars)
+    about_x = rotation.from_axis_angle([1.0, 0.0, 0.0], np.radians(twist))
+    hand = rotation.multiply(rotation.from_axis_angle([0.0, 0.0, 1.0], np.radians(swing)), about_x)
+    rotations = at_rest.rotations.copy()
+    rotations[2] = hand
+    moved = TrackerSample(0.0, at_rest.positions, rotations, np.array([np.radians(arm)]))
+    return recorded(SCENE, [at_rest, moved, at_rest])
+
+
+@pytest.mark.parametrize(("arm", "swing", "twist", "excess"), [
+    (0.0, 0.0, 0.0, 0.0), (60.0, 45.0, 20.0, 0.0), (-30.0, -45.0, -20.0, 0.0), (63.0, 0.0, 0.0, 3.0), (-30.5, 0.0, 0.0, 0.5),
+    (0.0, 50.0, 0.0, 5.0), (0.0, -50.0, 0.0, 5.0), (0.0, 30.0, 27.0, 7.0), (0.0, 0.0, -21.0, 1.0), (179.0, 0.0, 0.0, 119.0),
+    # -179 degrees is 181: nearer to the upper limit than to the lower
+    (-179.0, 0.0, 0.0, 121.0),
+])
+def test_an_injected_excess_comes_out(arm: float, swing: float, twist: float, excess: float) -> None:
+    found = limit_excess(posed(arm, swing, twist), SCENE)
+    assert found["joint_limit_excess_max"] == pytest.approx(excess, abs=1e-10)
+    assert found["joint_gap_max"] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_the_angle_is_taken_from_the_pose_and_not_from_what_the_engine_says() -> None:
+    liar = posed(arm=70.0)
+    found = limit_excess(replace(liar, angles=np.zeros_like(liar.angles)), SCENE)
+    assert found["joint_limit_excess_max"] == pytest.approx(10.0, abs=1e-10)
+
+
+def test_a_hinge_bent_off_its_axis_is_an_excess() -> None:
+    recording = posed()
+    orientations = recording.orientations.copy()
+    orientations[1, 1] = rotation.from_axis_angle([1.0, 0.0, 0.0], np.radians(4.0))
+    orientations[1, 2] = orientations[1, 1]
+    found = limit_excess(replace(recording, orientations=orientations), SCENE)
+    assert found["joint_limit_excess_max"] == pytest.approx(4.0, abs=1e-9)
+
+
+def test_a_link_torn_off_its_parent_shows_as_a_gap() -> None:
+    recording = posed()
+    positions = recording.positions.copy()
+    positions[1, 2, 1] += 0.007
+    assert limit_excess(replace(recording, positions=positions), SCENE)["joint_gap_max"] == pytest.approx(0.007, abs=1e-15)
+
+
+def test_a_pose_that_is_no_number_has_no_excess_of_zero() -> None:
+    recording = posed()
+    orientations = recording.orientations.copy()
+    orientations[1, 1, 0] = np.nan
+    assert np.isnan(limit_excess(replace(recording, orientations=orientations), SCENE)["joint_limit_excess_max"])
+
+
+def test_a_direction_outside_the_square_cone_is_as_far_as_its_face_says() -> None:
+    # the cone's faces are planes at 45 degrees to x, so a swing of 50 degrees about z leaves it by 5
+    assert limit_excess(posed(swing=50.0), SCENE)["reach_cone_excess_max"] == pytest.approx(5.0, abs=1e-9)
+    assert limit_excess(posed(swing=44.0), SCENE)["reach_cone_excess_max"] == 0.0
+
+
+def test_no_joints_no_limits() -> None:
+    assert limit_excess(resting(fist_scene(), 2), fist_scene()) == {}
+
+
+def test_beyond_a_corner_the_distance_is_to_the_corner() -> None:
+    corners = np.eye(3)
+    cone = ReachCone(corners, (1.0, 1.0, 1.0))
+    assert beyond_cone(cone, np.array([1.0, 1.0, 1.0]) / np.sqrt(3.0)) == 0.0
+    away = np.array([np.cos(0.2), -np.sin(0.2) / np.sqrt(2.0), -np.sin(0.2) / np.sqrt(2.0)])
+    assert beyond_cone(cone, away) == pytest.approx(0.2, abs=1e-12)
+    assert np.isnan(beyond_cone(cone, np.full(3, np.nan)))
+
+
+def test_whole_turns_are_no_excess() -> None:
+    assert beyond(np.array([0.1 + 6.0 * np.pi, -0.3]), -0.2, 0.2) == pytest.approx([0.0, 0.1], abs=1e-12)

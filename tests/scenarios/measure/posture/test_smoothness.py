@@ -1,0 +1,248 @@
+"""Shaking, jerk and silence: known answers, a twin in plain loops, and what may not change a figure."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avatarsim.spatial import rotation
+from runfiles.record import Recording
+from runfiles.visible_motion import SHAKES, reversals, shaking
+from scenarios.measure.known import Known
+from scenarios.measure.posture.smoothness import NEAR, free_for, jerk_ratio, jitter, smoothness
+from scenarios.measure.value import Missing
+from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def moved(shown: np.ndarray, target: np.ndarray, dt: float = DT) -> Recording:
+    """The arm's three links at `shown` (F+1, 3, 3), the tracker's at `target`."""
+    plain = resting(arm_scene(), len(shown) - 1)
+    return replace(plain, positions=shown, raw_positions=target, meta={**plain.meta, "dt": dt})
+
+
+def walk(seed: int, frames: int, size: float = 4e-3) -> np.ndarray:
+    """Link origins (F+1, 3, 3) that go to and fro about as often as on, by a few millimetres."""
+    steps = size * np.random.default_rng(seed).normal(size=(frames + 1, 3, 3))
+    steps[:, :, 0] += 0.5 * size
+    return np.cumsum(steps, axis=0)
+
+
+def case(seed: int, frames: int = 40) -> tuple[Recording, np.ndarray, np.ndarray]:
+    """A recording with statuses in some frames, which of its states are free, and which are in contact."""
+    draw = np.random.default_rng(seed)
+    shown, target = walk(seed, frames), walk(seed + 1, frames, 2e-3)
+    shown[draw.integers(5, frames) :] += 0.2
+    made = replace(moved(shown, target), statuses={"waiting": (draw.random(frames + 1) < 0.1).astype(np.int64)})
+    return made, draw.random(frames + 1) < 0.98, draw.random(frames + 1) < 0.7
+
+
+def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dict[str, float]:
+    """The definitions as they read, one number at a time."""
+    p, q, dt = recording.positions[:, recording.links].tolist(), recording.raw_positions.tolist(), recording.dt
+    frames, links = recording.frames, len(q[0])
+
+    def step(x: list[list[list[float]]], k: int, i: int) -> list[float]:
+        return [x[k][i][a] - x[k - 1][i][a] for a in range(3)]
+
+    def dot(u: list[float], v: list[float]) -> float:
+        return sum(a * b for a, b in zip(u, v, strict=True))
+
+    taken_back = [[0.0] * links for _ in range(frames + 1)]
+    for k in range(2, frames + 1):
+        for i in range(links):
+            now, before = step(p, k, i), step(p, k - 1, i)
+            if dot(now, before) < 0.0 and not dot(step(q, k, i), step(q, k - 1, i)) < 0.0:
+                taken_back[k][i] = min(math.hypot(*now), math.hypot(*before))
+    held, shakes, largest = 0, 0, []
+    for k in range(1, frames + 1):
+        if contact[k]:
+            held += 1
+            often = [sum(taken_back[j][i] > 0.18 * dt for j in range(max(k - 3, 1), k + 1)) for i in range(links)]
+            shakes += max(often) >= 3
+            largest.append(max(taken_back[k]))
+    jitters = []
+    for i in range(links):
+        calm = [k for k in range(1, frames + 1) if contact[k] and math.hypot(*step(q, k, i)) <= 0.18 * dt]
+        squares = [min(taken_back[k][i], 0.18 * dt) ** 2 for k in calm]
+        jitters.append(math.sqrt(sum(squares) / len(squares)) if squares else 0.0)
+    jerks = []
+    for x in (p, q):
+        jerks.append(np.percentile([
+            math.hypot(*(x[k][i][a] - 3 * x[k - 1][i][a] + 3 * x[k - 2][i][a] - x[k - 3][i][a] for a in range(3)))
+            for k in range(3, frames + 1) for i in range(links)
+        ], 95.0))
+    silent = 0
+    for k in range(1, frames + 1):
+        rested = k >= 29 and all(free[k - 29 : k + 1])
+        far = max(math.dist(p[k][i], q[k][i]) for i in range(links)) > 0.1
+        silent += bool(rested and far and not any(numbers[k] > 0 for numbers in recording.statuses.values()))
+    return {
+        "chatter_frames": 100.0 * shakes / held, "jitter_rms": max(jitters),
+        "reversal_max": max(map(max, taken_back)), "reversal_p95": float(np.percentile(largest, 95.0)),
+        "jerk_ratio": float(jerks[0] / max(jerks[1], 20.0 * dt**3)), "silent_offset_frames": float(silent),
+    }
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_figures_are_those_of_plain_loops(seed: int) -> None:
+    recording, free, contact = case(seed, 90)
+    found, wanted = smoothness(recording, arm_scene(), free, contact), by_loops(recording, free, contact)
+    assert found == {name: pytest.approx(value, rel=1e-9) for name, value in wanted.items()}
+    assert wanted["chatter_frames"] > 0.0 and wanted["reversal_p95"] > 3e-3
+
+
+def test_an_injected_shake_comes_out() -> None:
+    """One link goes to and fro by 4 mm in frames 10 to 19 of 40, its target rests; of 40 frames 20 are in contact."""
+    shown, target = np.zeros((41, 3, 3)), np.zeros((41, 3, 3))
+    shown[10:20:2, 2, 1] = 4e-3
+    contact = np.arange(41) <= 20
+    found = smoothness(moved(shown, target), arm_scene(), ~contact, contact)
+    # moved in 10 to 19; reversed in 11 to 19; in 13, 14, ... 20 three of the last four reversed, and in 21, out of contact, two
+    assert found["chatter_frames"] == pytest.approx(100.0 * 8 / 20)
+    assert found["reversal_p95"] == pytest.approx(4e-3)
+
+
+@pytest.mark.parametrize("dt", [DT, DT / 1.5])
+@pytest.mark.parametrize("every", [1, 2, 4])
+def test_jitter_of_a_sine_sampled_at_its_turns_is_its_swing(every: int, dt: float) -> None:
+    """A link swings to both sides by a = 0.4 mm, sampled at its turns: every frame takes 2 a back. Where it does so in one of
+    `every` frames and rests in the others, the mean of the squares is that part; a swing of 1 m counts as SHAKES does."""
+    frames = 400
+    size, contact, target = 4e-4, np.ones(frames + 1, dtype=bool), np.zeros((frames + 1, 3, 3))
+    contact[0] = False
+    swings = np.zeros((frames + 1, 3, 3))
+    swings[:, 1, 0] = size * np.cos(np.pi * np.arange(frames + 1))
+    # one spike of 2 a takes it back once: in one of `every` frames
+    spikes = np.zeros((frames + 1, 3, 3))
+    spikes[1 :: 2 * every, 2, 1] = 2.0 * size
+    share = (frames // (2 * every)) / frames if every > 1 else (frames - 1) / frames
+    for shown, wanted in ((swings, 2.0 * size * math.sqrt((frames - 1) / frames)), (spikes, 2.0 * size * math.sqrt(share))):
+        found = smoothness(moved(shown, target, dt), arm_scene(), ~contact, contact)
+        assert found["jitter_rms"] == pytest.approx(wanted, rel=1e-12) and found["chatter_frames"] == 0.0
+    large = smoothness(moved(2500.0 * swings, target, dt), arm_scene(), ~contact, contact)
+    assert large["jitter_rms"] == pytest.approx(SHAKES * dt * math.sqrt((frames - 1) / frames))
+
+
+def test_jitter_under_a_target_that_is_fast_or_off_contact_is_none() -> None:
+    shown, target = np.zeros((41, 3, 3)), np.zeros((41, 3, 3))
+    shown[::2, 1, 0] = 1e-3
+    for speed, jitters in ((0.17, True), (0.19, False)):
+        target[:, :, 1] = speed * DT * np.arange(41)[:, None]
+        found = smoothness(moved(shown, target), arm_scene(), np.zeros(41, dtype=bool), np.ones(41, dtype=bool))
+        assert (found["jitter_rms"] > 0.0) == jitters
+    assert jitter(reversals(shown, target), target, np.zeros(40, dtype=bool), DT) == 0.0
+
+
+def test_the_largest_displacement_to_and_fro_counts_out_of_contact_too() -> None:
+    shown = np.zeros((41, 3, 3))
+    shown[7, 2, 0], shown[30, 0, 1] = 0.4, 0.1
+    contact = np.arange(41) > 20
+    found = smoothness(moved(shown, np.zeros_like(shown)), arm_scene(), ~contact, contact)
+    assert found["reversal_max"] == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(("size", "shakes"), [(2.9e-3, 0.0), (3.1e-3, 100.0)])
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_what_counts_is_a_speed(size: float, shakes: float, factor: float) -> None:
+    """3 mm at 60 Hz are 1.5 mm at 120 Hz."""
+    shown = np.zeros((41, 3, 3))
+    shown[::2, 1, 2] = factor * size
+    assert shaking(reversals(shown, np.zeros_like(shown)), factor * DT)[4:].mean() == shakes / 100.0
+
+
+def test_a_target_that_turns_back_excuses_and_one_bounce_is_no_shaking() -> None:
+    shown = np.zeros((21, 3, 3))
+    shown[::2, 0, 0] = 0.01
+    assert not reversals(shown, 0.1 * shown).any()
+    once = np.zeros((21, 3, 3))
+    once[10:, 0, 0] = 0.01
+    once[11:, 0, 0] = 0.0
+    assert not shaking(reversals(once, np.zeros_like(once)), DT).any() and reversals(once, np.zeros_like(once)).max() == 0.01
+
+
+def test_the_jerk_of_a_cubic_is_its_third_derivative() -> None:
+    times = DT * np.arange(30)[:, None, None]
+    shown, target = times**3 * np.array([40.0, 0.0, 0.0]), times**3 * np.array([0.0, 10.0, 0.0])
+    assert jerk_ratio(shown, target, DT) == pytest.approx(4.0, rel=1e-6)
+    # 6 * 40 m/s^3 over the least of 20
+    assert jerk_ratio(shown, np.zeros_like(shown), DT) == pytest.approx(12.0, rel=1e-6)
+    few = jerk_ratio(shown[:3], target[:3], DT)
+    assert isinstance(few, Missing) and few.fault == "scene"
+
+
+def test_silent_are_frames_far_off_after_half_a_second_of_free_target() -> None:
+    shown, free = np.zeros((101, 3, 3)), np.ones(101, dtype=bool)
+    shown[20:90, 1, 0] = 0.11
+    free[40] = False
+    recording = moved(shown, np.zeros_like(shown))
+    # free for 30 states from 29 to 39 and from 70 on; off from 20 to 89
+    far = [k for k in range(20, 90) if 29 <= k < 40 or k >= 70]
+    found = smoothness(recording, arm_scene(), free, free)
+    assert found["silent_offset_frames"] == len(far) == 31
+    said = np.zeros(101, dtype=np.int64)
+    said[80:85] = 1
+    told = smoothness(replace(recording, statuses={"waiting": said}), arm_scene(), free, free)
+    assert told["silent_offset_frames"] == 26
+    assert free_for(free, 30).sum() == 11 + 31
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS)
+def test_following_exactly_neither_shakes_nor_is_off(seed: int) -> None:
+    target = walk(seed, 40)
+    found = smoothness(moved(target.copy(), target), arm_scene(), np.ones(41, dtype=bool), np.ones(41, dtype=bool))
+    assert (found["chatter_frames"], found["reversal_p95"], found["silent_offset_frames"]) == (0.0, 0.0, 0.0)
+    assert found["jerk_ratio"] == pytest.approx(1.0)
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS, st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7), st.floats(0.25, 4.0))
+def test_places_turns_and_frame_times_do_not_matter(seed: int, there: list[float], factor: float) -> None:
+    """The same run elsewhere, turned, or at another frame time with as fast a motion (lengths then scale with the frame time, but
+    for jerk, which has a power more)."""
+    recording, free, contact = case(seed)
+    wanted = smoothness(recording, arm_scene(), free, contact)
+    turn = rotation.from_rotation_vector(np.array(there[:3]))
+
+    def sent(positions: np.ndarray) -> np.ndarray:
+        return np.asarray(rotation.rotate(turn, positions) + 3.0 * np.array(there[3:6]))
+
+    away = replace(recording, positions=sent(recording.positions), raw_positions=sent(recording.raw_positions))
+    found = smoothness(away, arm_scene(), free, contact)
+    assert found == {name: pytest.approx(value, rel=1e-6, abs=1e-12) for name, value in wanted.items()}
+    quick = moved(factor * recording.positions, factor * recording.raw_positions, factor * DT)
+    scaled = smoothness(quick, arm_scene(), free, contact)
+    assert scaled["chatter_frames"] == pytest.approx(wanted["chatter_frames"])
+    assert scaled["reversal_p95"] == pytest.approx(factor * float(str(wanted["reversal_p95"])))
+
+
+def test_what_is_no_number_shakes_is_off_and_spoils_the_rest() -> None:
+    shown, every = np.zeros((61, 3, 3)), np.ones(61, dtype=bool)
+    shown[40:] = np.nan
+    found = smoothness(moved(shown, np.zeros_like(shown)), arm_scene(), every, every)
+    assert found["chatter_frames"] == pytest.approx(100.0 * 19 / 60) and found["silent_offset_frames"] == 21
+    assert math.isnan(float(str(found["reversal_p95"]))) and math.isnan(float(str(found["jerk_ratio"])))
+
+
+def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none() -> None:
+    recording, free, contact = case(1)
+    found = smoothness(recording, arm_scene(), free, np.zeros_like(contact))
+    assert all(isinstance(found[name], Missing) for name in ("chatter_frames", "reversal_p95"))
+    assert smoothness(resting(drop_scene(), 4), drop_scene(), free, contact) == {}
+
+
+def test_contact_is_where_the_target_is_not_free_or_a_shown_link_is_near() -> None:
+    """The fist's user goes on into the wall from frame 20 on; what is shown stops short of it, or is taken away to the side."""
+    scene, motion = fist_scene(), fist_motion(fist_scene(), 0)
+    walked = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+    known, link = Known(fist(), scene), 1
+    assert known.contact(walked).tolist() == [k >= 20 for k in range(31)]
+    for gap, near in ((0.99 * NEAR, True), (1.01 * NEAR, False), (math.nan, True)):
+        positions = walked.positions.copy()
+        positions[:, link, 0] = 0.4 - gap
+        assert known.contact(replace(walked, positions=positions)).tolist() == [near or k > 20 for k in range(31)]

@@ -1,0 +1,58 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.spatial import rotation
+from scenarios.measure.posture.stillness import movement, still_frames
+from tests.scenarios.examples import drop_scene, fist_motion, fist_scene, recorded, resting
+
+
+def moving() -> tuple:
+    scene = fist_scene()
+    motion = fist_motion(scene, 0)
+    return scene, recorded(scene, [scene.first_sample, *(motion(k) for k in range(10))])
+
+
+def test_following_is_not_still() -> None:
+    assert still_frames(moving()[1]) == {"still_frames": 0.0}
+
+
+def test_nobody_moves_nobody_is_still() -> None:
+    assert still_frames(resting(fist_scene(), 10)) == {"still_frames": 0.0}
+
+
+def test_injected_stillness_comes_out() -> None:
+    _, recording = moving()
+    positions = recording.positions.copy()
+    positions[4:7] = positions[3]
+    assert still_frames(replace(recording, positions=positions)) == {"still_frames": 30.0}
+
+
+def test_a_nanometre_of_movement_is_movement() -> None:
+    _, recording = moving()
+    positions = recording.positions.copy()
+    positions[:, 1] = np.arange(11)[:, None] * 2e-9
+    assert still_frames(replace(recording, positions=positions)) == {"still_frames": 0.0}
+
+
+def test_a_user_who_moves_less_than_a_millimetre_asks_for_nothing() -> None:
+    _, recording = moving()
+    frozen = recording.positions[:1].repeat(11, 0)
+    assert still_frames(replace(recording, positions=frozen)) == {"still_frames": 100.0}
+    slow = replace(recording, positions=frozen, raw_positions=recording.raw_positions * 0.045)
+    assert still_frames(slow) == {"still_frames": 0.0}
+
+
+def test_not_a_number_has_not_moved() -> None:
+    _, recording = moving()
+    assert still_frames(replace(recording, positions=np.full_like(recording.positions, np.nan))) == {"still_frames": 100.0}
+
+
+def test_a_turn_moves_a_point_a_tenth_of_a_metre_away() -> None:
+    turned = np.array([[rotation.IDENTITY], [rotation.from_axis_angle([0.0, 0.0, 1.0], 0.02)]])
+    assert movement(np.zeros((2, 1, 3)), turned) == pytest.approx([0.002], abs=1e-15)
+
+
+def test_no_avatar_no_stillness() -> None:
+    assert still_frames(resting(drop_scene(), 3)) == {}

@@ -1,0 +1,73 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.spatial import rotation
+from scenarios.measure.posture.free import free_frames
+from scenarios.measure.posture.tracker_offset import tracker_offset
+from scenarios.measure.value import Missing
+from tests.scenarios.examples import arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
+
+EVERY = np.ones(5, dtype=bool)
+
+
+def test_following_exactly_is_zero() -> None:
+    found = tracker_offset(resting(arm_scene(), 4), arm_scene(), EVERY)
+    assert found.pop("free_frames") == 100.0 and set(found.values()) == {0.0}
+    offsets = {"tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free"}
+    assert set(found) == {*offsets, "tracker_angle_rms", "tracker_angle_rms_free"}
+
+
+def test_an_injected_offset_comes_out_and_free_frames_apart() -> None:
+    recording = resting(fist_scene(), 4)
+    positions = recording.positions.copy()
+    positions[1:, 1, 1] += 0.003
+    positions[3, 1, 1] += 0.004
+    free = np.array([True, True, True, False, True])
+    found = tracker_offset(replace(recording, positions=positions), fist_scene(), free)
+    assert found["free_frames"] == 75.0 and found["tracker_offset_max"] == pytest.approx(0.007, abs=1e-15)
+    assert found["tracker_offset_rms_free"] == pytest.approx(0.003, abs=1e-15)
+    assert found["tracker_offset_rms"] == pytest.approx(np.sqrt((3 * 0.003**2 + 0.007**2) / 4), abs=1e-15)
+
+
+def test_an_injected_turn_comes_out_over_joints() -> None:
+    scene, recording = arm_scene(), resting(arm_scene(), 4)
+    orientations = recording.orientations.copy()
+    # the whole arm turns at its hinge: one joint of three by 6 degrees
+    orientations[1:, 1:] = rotation.from_axis_angle([0.0, 1.0, 0.0], np.radians(6.0))
+    found = tracker_offset(replace(recording, orientations=orientations), scene, EVERY)
+    assert found["tracker_angle_rms"] == pytest.approx(6.0 / np.sqrt(3.0), abs=1e-12)
+
+
+def test_without_a_free_frame_the_figure_is_missing_and_not_zero() -> None:
+    value = tracker_offset(resting(fist_scene(), 4), fist_scene(), ~EVERY)["tracker_offset_rms_free"]
+    assert isinstance(value, Missing) and value.fault == "scene"
+
+
+def test_no_avatar_no_offset() -> None:
+    assert tracker_offset(resting(drop_scene(), 4), drop_scene(), EVERY) == {}
+
+
+def test_free_means_no_overlap_right_side_and_within_limits() -> None:
+    scene = fist_scene()
+    motion = fist_motion(scene, 0)
+    recording = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+    asked: list[float] = []
+
+    def deep(positions: np.ndarray, orientations: np.ndarray) -> np.ndarray:
+        asked.extend(positions[:, 1, 0])
+        return np.maximum(0.0, positions[:, 1, 0] - 0.4)
+
+    free = free_frames(recording, fist(), scene, deep)
+    # 20 mm a frame: touches the wall at 0.4 m in frame 20; beyond 0.5 m it is on the wrong side and nobody need be asked
+    assert free.tolist() == [True] * 21 + [False] * 10
+    assert max(asked) == pytest.approx(0.5)
+
+
+def test_a_raw_posture_beyond_its_limits_is_not_free() -> None:
+    scene = arm_scene()
+    bent = replace(scene.first_sample, angles=np.array([np.radians(61.0)]))
+    recording = recorded(scene, [scene.first_sample, bent])
+    anywhere = replace(fist(1), regions=())
+    assert free_frames(recording, anywhere, scene, lambda p, q: np.zeros(len(p))).tolist() == [True, False]

@@ -1,0 +1,173 @@
+"""Reader and retiming of recorded clips: every shipped clip, every way a file can be broken, rotations on great circles."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
+from avatarsim.spatial import rotation
+from scenarios import data_folder
+from scenarios.motion.mocap import (
+    COLUMNS,
+    LAYOUT,
+    clip_names,
+    load_clip,
+    placed,
+    read_clip,
+    repeated,
+    retimed,
+    z_up,
+    z_up_rotation,
+)
+
+Array = NDArray[np.float64]
+NUMBER = st.floats(-3.0, 3.0)
+
+
+def upright(step: float = 0.5) -> list[float]:
+    """One frame of a clip in which nothing is turned."""
+    row = [step, 0.0, 0.9, 0.0]
+    for _, width in LAYOUT:
+        row += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.0]
+    return row
+
+
+def written(path: Path, frames: object, loop: str = "wrap") -> Path:
+    path.write_text(json.dumps({"Loop": loop, "Frames": frames}), encoding="utf-8")
+    return path
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    return np.asarray(np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(a), b)), axis=-1))
+
+
+def test_the_fifteen_human_clips_are_there() -> None:
+    assert len(clip_names()) == 15
+    assert {"walk", "punch", "getup_facedown"} <= set(clip_names())
+    assert COLUMNS == 44
+
+
+@pytest.mark.parametrize("name", ["backflip", "crawl", "kick", "punch", "walk", "getup_facedown", "spin"])
+def test_a_clip_holds_sound_postures(name: str) -> None:
+    clip = load_clip(name)
+    frames = len(clip.times)
+    assert (np.diff(clip.times) > 0.0).all()
+    assert clip.root_positions.shape == (frames, 3)
+    assert len(clip.rotations) == 9 and len(clip.angles) == 4
+    for values in clip.rotations.values():
+        assert values.shape == (frames, 4)
+        assert np.abs(np.linalg.norm(values, axis=1) - 1.0).max() < 1e-12
+    # a human's root is above the floor, and below two metres: the third axis is up
+    assert clip.root_positions[:, 2].min() > 0.0 and clip.root_positions[:, 2].max() < 2.0
+
+
+@given(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
+def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float, ...], v: tuple[float, ...]) -> None:
+    if np.linalg.norm(q) < 1e-3:
+        return
+    turn = rotation.normalised(q)
+    assert np.allclose(z_up(rotation.rotate(turn, v)), rotation.rotate(z_up_rotation(turn), z_up(v)), atol=1e-9)
+
+
+def test_up_becomes_up_and_the_right_side_becomes_minus_y() -> None:
+    assert z_up([0.0, 1.0, 0.0]).tolist() == [0.0, 0.0, 1.0]
+    assert z_up([0.0, 0.0, 1.0]).tolist() == [0.0, -1.0, 0.0]
+
+
+def test_retiming_turns_at_a_constant_rate(tmp_path: Path) -> None:
+    first, last = upright(1.0), upright(1.0)
+    last[4:8] = [float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0]
+    last[1] = 6.0
+    clip = retimed(read_clip(written(tmp_path / "turn.txt", [first, last])))
+    assert np.allclose(clip.times, np.arange(61) / 60.0)
+    turned = angle_between(clip.rotations["root"][:1], clip.rotations["root"])
+    assert np.allclose(turned, 0.5 * np.pi * clip.times, atol=1e-12)
+    assert np.allclose(clip.root_positions[:, 0], 6.0 * clip.times)
+    # half-way: an eighth of a turn about up, by hand
+    assert np.allclose(clip.rotations["root"][30], [np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)], atol=1e-12)
+
+
+def test_retiming_passes_through_what_was_recorded() -> None:
+    clip = load_clip("getup_facedown")
+    step = clip.times[1] / 4.0
+    fine = retimed(clip, float(step))
+    assert angle_between(fine.rotations["neck"][4], clip.rotations["neck"][1]) < 1e-12
+    assert fine.angles["left_knee"][4] == pytest.approx(clip.angles["left_knee"][1], abs=1e-12)
+
+
+def test_retiming_goes_the_short_way_round(tmp_path: Path) -> None:
+    first, last = upright(1.0), upright(1.0)
+    last[4:8] = [-1.0, 0.0, 0.0, 0.0]
+    clip = retimed(read_clip(written(tmp_path / "same.txt", [first, last])))
+    assert angle_between(clip.rotations["root"][:1], clip.rotations["root"]).max() < 1e-12
+
+
+def test_a_repeated_walk_goes_on_where_it_ended() -> None:
+    once, thrice = load_clip("walk"), repeated(load_clip("walk"), 3)
+    stride = once.root_positions[-1, 0] - once.root_positions[0, 0]
+    assert thrice.times[-1] == pytest.approx(3.0 * once.times[-1])
+    assert thrice.root_positions[-1, 0] == pytest.approx(3.0 * stride)
+    largest = np.linalg.norm(np.diff(once.root_positions, axis=0), axis=1).max()
+    assert np.linalg.norm(np.diff(thrice.root_positions, axis=0), axis=1).max() <= 1.5 * largest
+
+
+def test_a_clip_that_does_not_wrap_is_not_repeated() -> None:
+    with pytest.raises(InvalidInput, match="punch.*wrap"):
+        repeated(load_clip("punch"), 2)
+
+
+def test_an_unknown_clip_is_refused_with_the_names_that_exist() -> None:
+    with pytest.raises(UnknownName, match="walk"):
+        load_clip("swim")
+
+
+@pytest.mark.parametrize(
+    ("frames", "says"),
+    [
+        ([upright(), upright()[:43]], "columns of frame 1.*43"),
+        ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
+        ([upright(), "text"], "columns of frame 1.*str"),
+        ([upright()], "number of frames.* 1"),
+        ("none", "number of frames"),
+        ([upright(-0.1), upright()], "frame 0"),
+        ([upright(), [*upright()[:-1], float("nan")]], "frame 1"),
+        ([upright(), [*upright()[:-1], "x"]], "numbers of clip"),
+        ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
+    ],
+)
+def test_a_malformed_file_is_refused_by_name(tmp_path: Path, frames: object, says: str) -> None:
+    with pytest.raises(InvalidFile, match=says) as caught:
+        read_clip(written(tmp_path / "broken.txt", frames))
+    assert "broken.txt" in str(caught.value)
+    assert "44" in caught.value.valid or "quaternion" in caught.value.thing
+
+
+def test_a_truncated_file_is_refused_by_name(tmp_path: Path) -> None:
+    whole = written(tmp_path / "whole.txt", [upright(), upright()]).read_text(encoding="utf-8")
+    (tmp_path / "half.txt").write_text(whole[: len(whole) // 2], encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"half\.txt.*cut off.*44"):
+        read_clip(tmp_path / "half.txt")
+    with pytest.raises(InvalidFile, match=r"absent\.txt"):
+        read_clip(tmp_path / "absent.txt")
+
+
+def test_without_the_data_package_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
+    with pytest.raises(MissingPackage, match="pybullet_data"):
+        load_clip("walk")
+
+
+def test_a_placed_clip_begins_where_it_is_put_and_is_otherwise_the_same() -> None:
+    clip = load_clip("walk")
+    there = placed(clip, 2.0, -1.0, np.pi / 2)
+    assert np.allclose(there.root_positions[0], [2.0, -1.0, clip.root_positions[0, 2]])
+    way, before = there.root_positions[-1] - there.root_positions[0], clip.root_positions[-1] - clip.root_positions[0]
+    assert np.allclose(way, [-before[1], before[0], before[2]])
+    forward, was = (rotation.rotate(played.rotations["root"][0], [1.0, 0.0, 0.0]) for played in (there, clip))
+    assert np.allclose(forward, [-was[1], was[0], was[2]])
+    assert there.rotations["chest"] is clip.rotations["chest"]

@@ -1,0 +1,75 @@
+"""Times of rendered frames from those of their parts, and groups in which all engines take part."""
+
+import numpy as np
+import pytest
+
+from runfiles.timing_protocol import PHASE_FRAMES
+from scenarios.job import Job
+from scenarios.measure.timing import Timed
+from scenarios.running.seat import Seats
+from scenarios.running.timing import Clocked
+from scenarios.studies.sweep.cell import Cell
+from scenarios.studies.sweep.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
+from scenarios.studies.sweep.grid import BY_ENGINE, Setting
+
+
+def test_parts_are_added_up() -> None:
+    assert rendered([1.0, 2.0, 3.0, 4.0, 9.0], 2) == [3.0, 7.0] and rendered([1.0, 2.0], 1) == [1.0, 2.0]
+
+
+def test_an_entry_has_percentiles_or_a_reason() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    timed = Timed(np.array([[4000, 2000, 8000, 1000], [3000, 5000, 6000, 1000]], dtype=np.int64))
+    found = time_entry(Clocked(job, timed, "2 repeats"), 2)
+    # least of the repeats: 3, 2, 6, 1 us; rendered: 5 and 7 us
+    assert found["p50"] == pytest.approx(6.0) and (found["repeats"], found["frames"]) == (2, 2)
+    none = time_entry(Clocked(job, None, "it died"), 1)
+    assert none["note"] == "it died" and none["p50"] is None and (none["repeats"], none["frames"]) == (0, 0)
+
+
+def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None:
+    job, still = Job("stop_distance", "mujoco", "tuned"), PHASE_FRAMES
+    timed = Timed(np.array([[9000] * (still + 10) + [1000] * still], dtype=np.int64))
+    found = time_entry(Clocked(job, timed), 1, [0] * (still + 10) + [1] * still)
+    assert (found["moving"], found["at_rest"], found["rests"]) == (9.0, 1.0, pytest.approx(still / (2 * still + 10)))
+    few = time_entry(Clocked(job, timed), 1, [0] * (still + 11) + [1] * (still - 1))
+    assert few["moving"] is None and few["rests"] == pytest.approx((still - 1) / (2 * still + 10))
+    unknown = time_entry(Clocked(job, timed), 1)
+    assert unknown["rests"] is None and unknown["moving"] is None
+    # a rendered frame rests if all of its parts do
+    halves = time_entry(Clocked(job, Timed(np.full((1, 4), 2000, dtype=np.int64))), 2, [1, 1, 1, 0])
+    assert halves["rests"] == 0.5 and halves["p95"] == 4.0
+
+
+@pytest.mark.parametrize(("repeats", "frames", "stated"), [(3, 200, True), (2, 200, False), (3, 199, False)])
+def test_a_tail_needs_frames_and_repeats_behind_it(repeats: int, frames: int, stated: bool) -> None:
+    timed = Timed(np.full((repeats, frames), 4000, dtype=np.int64))
+    found = time_entry(Clocked(Job("stop_distance", "mujoco", "tuned"), timed), 1)
+    assert found["p50"] == 4.0 and found["p99"] == (4.0 if stated else None)
+
+
+def test_every_group_has_every_engine() -> None:
+    cells = [Cell("stop_distance", setting) for settings in BY_ENGINE.values() for setting in settings]
+    groups = tables(cells)
+    assert sorted(cell.setting.run for group in groups for cell in group) == sorted(cell.setting.run for cell in cells)
+    assert all(len(group) <= AT_ONE_TABLE for group in groups)
+    assert all({cell.setting.engine for cell in group} == set(BY_ENGINE) for group in groups[:-1])
+
+
+def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> None:
+    cut = Setting("avatarsim", "default frame=1/240", "default", cut=4)
+    assert Cell("stop_distance", cut).timed_frames == 4 * Cell("stop_distance", Setting("mujoco", "tuned", "tuned")).timed_frames
+    assert Cell("hand_grasp", cut).timed_frames == 960 and Cell("hand_grasp", cut, frames=5).timed_frames == 20
+
+
+def test_processes_go_on_from_table_to_table() -> None:
+    cells = [Cell("stop_distance", Setting("avatarsim", preset, preset), frames=4) for preset in ("default", "paper")]
+    kept: dict[str, dict[str, object]] = {}
+    processes: list[dict[str, object]] = []
+    with Seats() as seats:
+        for _ in range(2):
+            times(cells, seats, lambda cell, entry: kept.update({cell.job.preset: dict(entry)}))
+            processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
+    assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
+    assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
+    assert {str(entry["note"]) for entry in kept.values()} == {f"{REPEATS} x 4 frames, 4 warm-up frames"}

@@ -1,0 +1,69 @@
+"""Settings that engines accept, that change something, and that are told apart."""
+
+import pytest
+
+from avatarsim.engine import Settings
+from scenarios import catalog
+from scenarios.engines import opened
+from scenarios.running.harness import offer
+from scenarios.running.own_settings import NAME, OwnSettings
+from scenarios.running.telling import TELLING
+from scenarios.studies.sweep.grid import BY_ENGINE, Setting, applicable, settings_of
+
+GRID = [setting for settings in BY_ENGINE.values() for setting in settings]
+SMALL = ("stop_distance", "bounce_ladder", "driven_10cm_wall", "squeeze")
+"""A scene of each kind."""
+
+
+def test_names_are_unique_and_fit_file_names() -> None:
+    assert len({setting.run for setting in GRID}) == len(GRID) == len({(s.engine, s.slug) for s in GRID})
+    assert all(NAME.fullmatch(setting.slug) for setting in GRID)
+
+
+@pytest.mark.parametrize("engine", list(BY_ENGINE))
+def test_the_presets_come_first_and_there_are_a_dozen_settings_in_a_driven_scene(engine: str) -> None:
+    settings = BY_ENGINE[engine]
+    assert [s.name for s in settings[:2]] == list(offer(engine).presets)
+    scene = catalog.get("driven_10cm_wall").build()
+    assert 11 <= sum(applicable(setting, scene) for setting in settings) <= 23
+
+
+@pytest.mark.parametrize("setting", GRID, ids=lambda s: s.run)
+def test_every_setting_is_accepted_and_none_repeats_its_base(setting: Setting) -> None:
+    engine, tried, differs = opened(setting.engine), 0, False
+    for name in SMALL:
+        scenario = catalog.get(name)
+        scene = scenario.build()
+        if not applicable(setting, scene):
+            continue
+        engine.load(scene, Settings(setting.base), scenario.dt)
+        before = {key: str(value) for key, value in engine.settings_as_run().items()}
+        engine.load(scene, Settings(setting.base, setting.options), scenario.dt)
+        after = {key: str(value) for key, value in engine.settings_as_run().items()}
+        # a reason changes with a setting that was set by hand, so only values are compared
+        changed = [k for k in setting.options if before[k].split(",")[0] != after[k].split(",")[0]]
+        differs |= bool(changed)
+        tried += 1
+    engine.close()
+    # a step may be that of the preset in one kind of scene
+    assert tried and (differs or not setting.options or setting.name.startswith("tuned DISCRETE"))
+
+
+def test_of_a_stranger_the_presets_and_of_a_reader_the_rows() -> None:
+    own = (OwnSettings("mine", "stiff", "b", {"k": 3.0}), OwnSettings("other", "x", "b", {}))
+    found = settings_of("mine", ("a", "b"), own)
+    assert [(s.name, s.base, dict(s.options)) for s in found] == [("a", "a", {}), ("b", "b", {}), ("stiff", "b", {"k": 3.0})]
+
+
+def test_what_changes_nothing_is_not_asked() -> None:
+    alone, driven = catalog.get("stop_distance").build(), catalog.get("driven_10cm_wall").build()
+    by_name = {setting.name: setting for setting in BY_ENGINE["avatarsim"]}
+    assert not applicable(by_name["default steps=1"], alone) and applicable(by_name["default steps=1"], driven)
+    assert applicable(by_name["default continuous=off"], alone) and not applicable(by_name["default continuous=off"], driven)
+
+
+def test_the_named_scenes_are_short_and_eight_to_ten() -> None:
+    assert 8 <= len(TELLING) <= 10
+    for name in TELLING:
+        scenario = catalog.get(name).as_run(False)
+        assert scenario.frames * scenario.dt <= 10.0

@@ -1,0 +1,30 @@
+"""What is kept of an outcome."""
+
+from scenarios.job import Job, Outcome
+from scenarios.measure.value import Missing
+from scenarios.running.processes import Died
+from scenarios.studies.sweep.measure import entry_of, errors, told
+
+
+def test_entries_of_outcomes() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3, values={"a": 1.0, "b": Missing("no occasion", "scene")}))
+    assert found["values"] == {"a": 1.0} and found["missing"] == {"b": "no occasion"} and found["frames"] == 3
+
+
+def test_it_keeps_the_step_the_rest_and_what_the_engine_cannot_say() -> None:
+    about = {"settings": {"dt": [0.002, "a reason"]}, "cannot_say": {"reach cones": "ignored"}}
+    found = entry_of(Outcome(Job("stop_distance", "mujoco", "tuned"), "measured", about=about, resting=(True, False)))
+    assert (found["step"], found["resting"], found["cannot_say"]) == (0.002, [1, 0], {"reach cones": "ignored"})
+    assert entry_of(Outcome(Job("stop_distance", "avatarsim", "default"), "measured"))["step"] is None
+
+
+def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
+    found = errors(Job("stop_distance", "abacus", "default", frames=1))
+    assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}
+
+
+def test_who_died_has_an_entry_too() -> None:
+    job = Job("stop_distance", "mujoco", "tuned")
+    found = entry_of(Outcome(job, "measured", frames=3))
+    assert [entry["state"] for _, entry in told([(job, Died("it was killed")), (job, found)])] == ["crashed", "measured"]

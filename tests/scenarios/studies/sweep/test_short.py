@@ -1,0 +1,254 @@
+"""The short sweep: which scenes and settings it takes, what it takes from the run, and that it keeps to its budget."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from runfiles import ladder
+from scenarios import catalog
+from scenarios.job import Job, Outcome
+from scenarios.measure.timing import Timed
+from scenarios.results.store import Entry
+from scenarios.running import phenomena
+from scenarios.running.timing import Clocked
+from scenarios.studies.study import Request
+from scenarios.studies.sweep import clock, grid, measure, short
+from scenarios.studies.sweep.cell import Cell
+from scenarios.studies.sweep.grid import BY_ENGINE
+
+PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
+VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_error_max": 0.5}
+
+
+def outcome(scenario: str, preset: str, seconds: float = 1e-3, **more: object) -> Outcome:
+    """What the accuracy pass of a run says of one preset of MuJoCo."""
+    job = Job(scenario, "mujoco", preset, base=str(more.pop("base", "")), options={"dt": 0.5} if "row" in preset else {})
+    return Outcome(job, "measured", values=VALUES, frame_seconds=seconds, about={"settings": {"dt": [0.01, "a reason"]}})
+
+
+def request(
+    folder: Path, scenes: Sequence[str] = ("stop_distance",), outcomes: Sequence[Outcome] = (),
+    clocked: Mapping[str, Clocked] | None = None,
+) -> Request:
+    """A run of these scenes by MuJoCo and the tracker, measured in this process."""
+    return Request(
+        folder, folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
+        {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
+    )
+
+
+class Fakes:
+    """Stand in for both passes and the clock; each timed cell takes `each` seconds."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, each: float = 0.0) -> None:
+        self.asked: list[str] = []
+        self.timed: list[str] = []
+        self.time, self.each, self.dead = 0.0, each, ""
+        patch.setattr(measure, "errors", self.errors)
+        patch.setattr(clock, "timed_pass", self.clock)
+
+    def errors(self, job: Job) -> Entry:
+        self.asked.append(f"{job.scenario} {job.preset}")
+        return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
+
+    def clock(self, jobs: Sequence[Job], full: bool, frames: Sequence[int], seats: object, repeats: int) -> list[Clocked]:
+        self.timed += [f"{job.scenario} {job.preset}" for job in jobs]
+        self.time += self.each * len(jobs)
+        timed = [Timed(np.full((repeats, count), 5000, dtype=np.int64)) for count in frames]
+        return [
+            Clocked(job, None if job.preset == self.dead else found, "it died" if job.preset == self.dead else "")
+            for job, found in zip(jobs, timed, strict=True)
+        ]
+
+
+@pytest.fixture
+def fakes(monkeypatch: pytest.MonkeyPatch) -> Fakes:
+    return Fakes(monkeypatch)
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / short.ROWS).open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def about(folder: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads((folder / short.ABOUT).read_text())
+    return found
+
+
+def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
+    for engine, names in short.SHORT.items():
+        grid = [setting.name for setting in BY_ENGINE[engine]]
+        assert set(names) <= set(grid) and list(names[:2]) == grid[:2] and len(set(names)) == len(names)
+        assert not any(setting.narrow for setting in BY_ENGINE[engine] if setting.name in names)
+
+
+def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
+    scenes = catalog.scenarios()
+    taken = {name for name, scenario in scenes.items() if phenomena.errors_of(name, scenario)}
+    everyday = {name for name, scenario in scenes.items() if scenario.everyday}
+    assert taken == everyday | set(phenomena.PHENOMENA) and len(everyday) == 5 and len(phenomena.PHENOMENA) == 6
+
+
+def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
+    ran = request(tmp_path, ("stop_distance", "free_flight"), [outcome("stop_distance", "my_row", base="tuned")])
+    cells = short.cells_of(ran)
+    assert {cell.scenario for cell in cells} == {"stop_distance"} and {cell.setting.engine for cell in cells} == {"mujoco"}
+    assert "my_row" in [cell.setting.name for cell in cells[:2]]
+    without = Request(tmp_path, tmp_path, ran.scenarios, {"mujoco": ("default",)}, 0, 0, False)
+    assert {cell.setting.base for cell in short.cells_of(without)} == {"default"}
+
+
+def test_the_cost_of_a_setting_goes_with_its_steps(tmp_path: Path) -> None:
+    ran = request(tmp_path, outcomes=[outcome("stop_distance", "tuned", 1e-3)])
+    by_name = {cell.setting.name: cell for cell in short.cells_of(ran)}
+    # the preset steps by 0.01 s
+    assert short.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx((4.8e-3, 4.8e-3))
+    assert short.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx((6e-4, 6e-4))
+    assert short.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx((1e-3, 1e-3))
+    known = outcome("stop_distance", "tuned", 1e-3)
+    timed = {known.job.stem: Clocked(known.job, Timed(np.full((1, 20), 250_000, dtype=np.int64)))}
+    both = request(tmp_path, outcomes=[known], clocked=timed)
+    assert short.frame_cost(by_name["tuned dt=1/480"], both) == pytest.approx((4.8e-3, 1.2e-3))
+    assert short.frame_cost(by_name["tuned"], request(tmp_path)) == (short.UNKNOWN, short.UNKNOWN)
+
+
+def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_path: Path) -> None:
+    ran = request(tmp_path, outcomes=[outcome("stop_distance", name, 0.02) for name in ("default", "tuned")])
+    cells = short.cells_of(ran)
+    for budget in (0.0, 3.0, 20.0, 60.0, 1e6):
+        choice = short.chosen(cells, ran, budget)
+        assert choice.estimated <= budget and len(choice.asked) + len(choice.left) == len(cells)
+        assert sum(short.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
+        # each that was left out would not have fitted when its turn came, so none fits now
+        assert all(choice.estimated + each > budget for _, each in choice.left)
+    assert not short.chosen(cells, ran, 0.0).asked and not short.chosen(cells, ran, 1e6).left
+    # room for the first setting that is cheap, and not for a dearer one before it
+    costs = [short.cost(cell, ran) for cell in cells]
+    dear = next(k for k, each in enumerate(costs) if each > min(costs[k + 1 :]))
+    cheap = next(k for k in range(dear + 1, len(costs)) if costs[k] < costs[dear])
+    some = short.chosen(cells, ran, sum(costs[:dear]) + costs[cheap])
+    assert cells[cheap] in some.asked and cells[dear] in [cell for cell, _ in some.left]
+
+
+def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) -> None:
+    frames = catalog.get("stop_distance").as_run(False).frames
+    known = [outcome("stop_distance", name) for name in ("default", "tuned")]
+    # a repeat more than others get, and faster: it does not count
+    every = np.full((short.REPEATS + 1, frames), 7000, dtype=np.int64)
+    every[-1] = 1000
+    timed = {
+        known[0].job.stem: Clocked(known[0].job, Timed(every)),
+        known[1].job.stem: Clocked(known[1].job, Timed(np.full((2, frames - 1), 7000, dtype=np.int64))),
+    }
+    assert short.ShortSweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask() == []
+    assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.asked) and len(fakes.asked) >= 8
+    # the second preset was timed over other frames than all the others
+    assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
+    found = {row["setting"]: row for row in rows(tmp_path)}
+    least = found["default"]
+    assert (least["p50"], least["repeats"], least["frames"]) == ("7", str(short.REPEATS), str(frames))
+    assert (found["tuned"]["p50"], found["tuned"]["repeats"]) == ("5", str(short.REPEATS))
+    assert about(tmp_path)["form"] == "short" and about(tmp_path)["reused"] == 1
+
+
+def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -> None:
+    known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
+    short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
+    left = [row for row in rows(tmp_path) if "left out" in row["note"]]
+    assert left and {row["state"] for row in left} == {"not-measured"} and all(not row["error"] for row in left)
+    names = {f"stop_distance: mujoco/{row['setting']}" for row in left}
+    assert set(about(tmp_path)["left"]) == names  # type: ignore[call-overload]
+    assert not {name.partition("/")[2] for name in names} & {said.partition(" ")[2] for said in fakes.asked}
+
+
+def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fakes) -> None:
+    known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
+    fakes.each = 0.1
+    ran = short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: fakes.time)
+    ran.ask()
+    first = short.chosen(short.cells_of(ran.request), ran.request, short.FIRST * ran.budget)
+    assert ran.rounds > 1 and len(ran.errors) > len(first.asked) and about(tmp_path)["rounds"] == ran.rounds
+    assert fakes.time <= ran.budget
+
+
+def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_path: Path) -> None:
+    presets = {"mujoco": ("default", "tuned"), "avatarsim": ("default",)}
+    ran = replace(request(tmp_path, outcomes=[outcome("stop_distance", "tuned")]), presets=presets)
+    cells = short.cells_of(ran)
+    by_name = {cell.setting.run: cell for cell in cells}
+
+    def found(error: float) -> Entry:
+        return {"state": "measured", "values": {"stop_distance_error_max": error, "residual_overlap_max": 0.0}}
+
+    errors = {by_name["avatarsim/default"]: found(0.0), by_name["mujoco/tuned dt=1/240"]: found(1.0)}
+    left = [cell for cell in cells if cell not in errors]
+    names = [cell.setting.name for cell in short.refined(left, errors, ran)]
+    finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
+    margins = [f"tuned loose_margin={margin:g}" for margin in grid.MARGINS]
+    coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
+    assert names[:4] == coarse and names[4:8] == finer and names[8:12] == margins
+    silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
+                                    for known in ran.outcomes.values()})
+    assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in short.cells_of(silent)]
+    as_good = {**errors, by_name["mujoco/tuned dt=1/240"]: found(0.0)}
+    assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
+
+
+def test_the_ladder_of_steps_is_asked_of_both_rivals_before_any_other_variant(tmp_path: Path) -> None:
+    presets = {engine: ("default", "tuned") for engine in ("mujoco", "pybullet")} | {"avatarsim": ("default",)}
+    scenes = ("stop_distance", "hand_over_table", "driven_10cm_wall")
+    cells = short.cells_of(replace(request(tmp_path, scenes, [outcome("stop_distance", "tuned")]), presets=presets))
+    rungs = [cell for cell in cells if ladder.is_rung(cell.setting.name)]
+    first = next(k for k, cell in enumerate(cells) if not cell.setting.is_preset)
+    assert cells[first : first + len(rungs)] == rungs, "a margin, iterations, or a variant of ours comes after them"
+    coarse = [ladder.step_of(cell.setting.name) for cell in rungs if ladder.is_coarse(cell.setting.name)]
+    assert coarse == sorted(coarse, key=lambda step: -(step or 0.0)) and len(coarse) < len(rungs)
+    by_engine = {engine: {(cell.scenario, cell.setting.name) for cell in rungs if cell.setting.engine == engine}
+                 for engine in ("mujoco", "pybullet")}
+    # a preset that steps so already is the rung itself
+    missing = {("driven_10cm_wall", "tuned dt=1/480")}
+    assert by_engine["mujoco"] - missing == by_engine["pybullet"] and by_engine["pybullet"]
+
+
+def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
+    silent = replace(outcome("slide_to_roll", "default"), about={"cannot_say": {"virtual coupling": "none"}})
+    same = replace(outcome("slide_to_roll", "tuned"), about={"settings": {"dt": [1 / 240, ""]}})
+    names = [cell.setting.name for cell in short.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
+    assert [name for name in names if name.startswith("default")] == ["default"]
+    assert "tuned dt=1/240" not in names and "tuned dt=1/480" in names
+
+
+def test_no_scene_is_timed_once_twice_the_budget_has_passed(tmp_path: Path, fakes: Fakes) -> None:
+    fakes.each = 20.0
+    scenes = ("stop_distance", "slide_to_roll")
+    short.ShortSweep(request(tmp_path, scenes), budget=50.0, now=lambda: fakes.time).ask()
+    assert {said.partition(" ")[0] for said in fakes.timed} == {"stop_distance"} and about(tmp_path)["late"] == ["slide_to_roll"]
+    late = [row for row in rows(tmp_path) if row["scenario"] == "slide_to_roll" and row["state"] == "measured"]
+    assert late and all(not row["p50"] and "not timed" in row["note"] for row in late)
+
+
+def test_a_time_that_could_not_be_taken_is_said(tmp_path: Path, fakes: Fakes) -> None:
+    fakes.dead = "tuned"
+    troubles = short.ShortSweep(request(tmp_path), now=lambda: 0.0).ask()
+    assert troubles == ["stop_distance mujoco/tuned was not timed: it died"]
+    assert all(not row["front"] for row in rows(tmp_path) if row["setting"] == "tuned")
+
+
+def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path, fakes: Fakes) -> None:
+    assert short.ask(request(tmp_path, ("free_flight",))) == [] and not list(tmp_path.iterdir()) and not fakes.asked
+
+
+def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
+    assert phenomena.repeats_of(phenomena.ONCE) == 1 and phenomena.repeats_of(phenomena.ONCE - 1) == short.REPEATS == 3
+
+
+def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
+    whole = Cell("stop_distance", BY_ENGINE["avatarsim"][0], most=short.MOST_FRAMES)
+    cut = next(s for s in BY_ENGINE["avatarsim"] if s.cut == 2)
+    assert Cell("stop_distance", cut, most=short.MOST_FRAMES).timed_frames == 2 * whole.timed_frames
