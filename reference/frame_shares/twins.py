@@ -2,7 +2,7 @@
 
 from typing import Any, Final
 
-from avatarsim import lower_loop as ik_loop
+from avatarsim import lower_loop
 from avatarsim.ik import certify as foresee
 from avatarsim.ik import solve, sqp_step
 from avatarsim.ik.certify import certify
@@ -50,8 +50,8 @@ def default_twin() -> Any:
     })
     back = twin(sqp_step.stay, {"try_step": clocked(try_step, POSING), "certify": check})
     one = twin(sqp_step.sqp_step, {"try_qp": solved, "stay": back, "adopt": clocked(sqp_step.adopt, POSING)})
-    return clocked(twin(ik_loop.track, {"solve": twin(solve.solve, {"sqp_step": one})}), WHOLE)
+    return clocked(twin(lower_loop.track, {"solve": twin(solve.solve, {"sqp_step": one})}), WHOLE)
 
 
-TWINS: Final = {"paper": (paper, "follow_printed", paper_twin), "default": (ik_loop, "track", default_twin)}
+TWINS: Final = {"paper": (paper, "follow_printed", paper_twin), "default": (lower_loop, "track", default_twin)}
 """By method: the module whose frame is replaced, the name there, and what makes the twin."""

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from avatarsim import __version__
 from avatarsim.scene.scene import Scene
+from avatarsim.version import VERSION
 from scenarios.results.machine import clock, usable_cpus
 
 PACKAGES = ("numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
@@ -40,7 +40,7 @@ def provenance(command: list[str]) -> dict[str, object]:
         **clock(),
         "code": code_hash(),
         "commit": commit_of(ROOT),
-        "versions": {"avatarsim": __version__, **{name: version(name) for name in PACKAGES}},
+        "versions": {"avatarsim": VERSION, **{name: version(name) for name in PACKAGES}},
     }
 
 
