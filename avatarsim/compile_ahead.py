@@ -1,9 +1,9 @@
-"""Progress and remaining time of a compilation, from the cache folder alone.
+"""Compile the kernels before they are needed: once per version of the sources, in parallel, with progress shown.
+
+Progress and remaining time of a compilation, from the cache folder alone.
 
 Every compiled kernel is a file on disk, and the kernels of the package are known from importing it. Files of an earlier
 compilation count as done.
-
-Compile the kernels before they are needed: once per version of the sources, in parallel, with progress shown.
 """
 
 import fcntl

@@ -1,10 +1,12 @@
-"""Diagnostics on standard error, once per topic and process.
-
-Progress of work that takes longer than a second, on the error stream: a bar on a terminal, a line now and then elsewhere.
+"""Streams of a command: progress, diagnostics on standard error, and exit codes (POSIX and sysexits conventions).
 
 Command lines: paths as options, and ends in an exit code and a sentence, whatever becomes of the streams.
 
 Python alone ends with 120 or a traceback where standard output is closed or full, since it flushes after the last line of code.
+
+Diagnostics on standard error, once per topic and process.
+
+Progress of work that takes longer than a second, on the error stream: a bar on a terminal, a line now and then elsewhere.
 """
 
 import os

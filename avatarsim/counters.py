@@ -1,6 +1,8 @@
-"""Time and calls per stage of a frame. Off, it costs one count per stage.
+"""Instruments of a frame: time and calls per stage, counters by name.
 
 Counters of a frame by name, unpacked only when they are read.
+
+Time and calls per stage of a frame. Off, it costs one count per stage.
 """
 
 from collections.abc import ItemsView, Iterator, Mapping, Sequence

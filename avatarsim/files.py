@@ -1,4 +1,6 @@
-"""Per-user cache folders in the order of the XDG Base Directory Specification, trusted as OpenSSH trusts its files (StrictModes).
+"""Files from elsewhere and cache folders: XDG Base Directory Specification, StrictModes of OpenSSH, atomic replacement.
+
+Per-user cache folders in the order of the XDG Base Directory Specification, trusted as OpenSSH trusts its files (StrictModes).
 
 Compiled code that is read from a cache runs. So a folder or a file counts only if its owner is this user or the administrator and
 no other user may write to it. New folders get the mode 0700, which the specification asks for.

@@ -63,7 +63,7 @@ class Frames:
         self._job = self._as_job(moving) if not (record or time_stages) else None
 
     def _as_job(self, moving: Index) -> Index | None:
-        """The row of this world for `loops.batch`; None where its method has no kernel for whole frames."""
+        """The row of this world for `batch`; None where its method has no kernel for whole frames."""
         if not self.driven:
             return job_of(self.world, None, None, self.upper if self.effects.dynamics else None, moving)
         if not isinstance(self.lower, IkLoop):
@@ -71,7 +71,7 @@ class Frames:
         return job_of(self.world, self.target, self.lower, self.upper if self.effects.dynamics else None, moving)
 
     def begin(self, sample: TrackerSample) -> Index | None:
-        """Begin a frame that `loops.batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
+        """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
         stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
         if self._job is None:
             return None

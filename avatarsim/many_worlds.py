@@ -1,7 +1,7 @@
 """Many worlds a frame further in one call, on several threads: data parallelism over independent simulations.
 
 Python reads the samples of a portion of the worlds, one kernel call passes their frames without Python's global lock
-(`loops.batch`), and Python makes their records. Meanwhile another thread does the same with another portion: as long as kernels
+(`batch`), and Python makes their records. Meanwhile another thread does the same with another portion: as long as kernels
 take longer than Python, two threads are nearly twice as fast as one. Which thread passes a world changes no bit of it.
 """
 

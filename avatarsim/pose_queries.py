@@ -1,10 +1,12 @@
-"""Overlap check of the first pose at load, over every pair that the scene's pair filter lets through.
+"""Queries of poses outside the frame: contacts of what is shown, overlaps of the first pose.
 
 Contacts of the state that is shown: signed distances and contact manifolds of near pairs, found when they are asked for.
 
 The narrow phase is that of the frame (GJK, Gilbert et al. 1988, and EPA; faces clipped as by Sutherland and Hodgman, 1974), but
 asked cold and outside the frame: what is not asked for costs nothing, and asking changes nothing. Contacts of avatars and of
 loose bodies are told alike.
+
+Overlap check of the first pose at load, over every pair that the scene's pair filter lets through.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
-"""Result of a convex decomposition: convex pieces for a body, with bounds of their distance from the mesh.
+"""Convex pieces of any mesh: as authored where already convex, else by approximate convex decomposition, with error bounds.
 
-Convex pieces of any mesh: as authored where already convex, else by approximate convex decomposition, with error bounds.
+Result of a convex decomposition: convex pieces for a body, with bounds of their distance from the mesh.
 """
 
 import sys

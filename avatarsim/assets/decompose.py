@@ -1,6 +1,6 @@
-"""Options of the convex decomposition, checked for type and range.
+"""Approximate convex decomposition by CoACD (Wei et al. 2022), in a worker process that ends with its parent.
 
-Approximate convex decomposition by CoACD (Wei et al. 2022), in a worker process that ends with its parent.
+Options of the convex decomposition, checked for type and range.
 """
 
 import os

@@ -1,8 +1,8 @@
-"""One-sided Hausdorff distance from pieces to a mesh, filled cavities included: an upper bound by branch and bound over boxes.
+"""Hausdorff distance between pieces and a mesh: an upper bound, and a lower one that some point reaches.
+
+One-sided Hausdorff distance from pieces to a mesh, filled cavities included: an upper bound by branch and bound over boxes.
 
 One-sided Hausdorff distance from a mesh to its pieces: an upper bound by branch and bound over triangles.
-
-Hausdorff distance between pieces and a mesh: an upper bound, and a lower one that some point reaches.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,8 @@
-"""Edge topology of a triangle mesh: closedness, orientation and connected components.
+"""Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses all other faults.
+
+Edge topology of a triangle mesh: closedness, orientation and connected components.
 
 Self-intersections of a mesh: edges against triangles by signed volumes, for pairs from sweep and prune over their boxes.
-
-Mesh repair that keeps the surface: merges vertices, drops degenerate triangles, orients faces; refuses all other faults.
 """
 
 from dataclasses import dataclass, replace

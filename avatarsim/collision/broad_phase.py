@@ -1,8 +1,8 @@
-"""Sorted list of pairs: heapsort of the new ones, then a merge.
+"""Broad phase (Algorithm 1, step 1): overlapping AABBs, from pairs that are cached while bodies stay in their fat AABBs.
+
+Sorted list of pairs: heapsort of the new ones, then a merge.
 
 Insertion and removal of bodies in the broad phase, in constant time: slots of fixed arrays are taken and freed.
-
-Broad phase (Algorithm 1, step 1): overlapping AABBs, from pairs that are cached while bodies stay in their fat AABBs.
 """
 
 from math import inf

@@ -54,7 +54,7 @@ ROUNDS = 200
 """Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
 
 UNKNOWN = 0.0
-"""Depth of a pair that is not known to be at an internal edge (`loops.seams`)."""
+"""Depth of a pair that is not known to be at an internal edge (`rigid.internal_edges`)."""
 
 STALLED = 1e-13
 """Advancement has stalled at a safe step shorter than this [s]: at 1 km/s that is a tenth of a nanometre."""

@@ -3,7 +3,7 @@
 Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if
 positive, minus a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature:
 a vertex, an edge (m stays at right angles to it) or a face (m is its normal). GJK or EPA bring m near and name the
-feature; what Newton finds counts only with a proof, see `smooth_proof`.
+feature; what Newton finds counts only with a proof, see below.
 
 Optimality proofs for the depth of two cores, one of them an ellipsoid: lower bounds of the support function of A - B.
 

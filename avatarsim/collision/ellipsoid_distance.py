@@ -1,10 +1,10 @@
-"""Depth of two overlapping cores, one of them an ellipsoid: branch and bound with EPA's facets and Newton's method.
+"""Signed distance of two cores, one of them an ellipsoid: GJK or EPA first, then Newton's method, whose result is proved.
+
+Depth of two overlapping cores, one of them an ellipsoid: branch and bound with EPA's facets and Newton's method.
 
 EPA alone approaches a smooth surface facet by facet. Here a facet is excluded once a stationary point that Newton's method found
 near it explains it: in a cone around that point the support function is proved to be nowhere lower, and the facet cannot hide a
 direction outside that cone. When every facet is high enough or excluded, the lowest stationary point is the global depth.
-
-Signed distance of two cores, one of them an ellipsoid: GJK or EPA first, then Newton's method, whose result is proved.
 """
 
 from math import inf, nan, sqrt

@@ -1,16 +1,16 @@
-"""Polytope of EPA: a closed triangulated surface with adjacency, grown by one point at a time (horizon walk).
-
-Every face has its outward plane and the face beyond each edge, so the faces visible from a new point are found by walking from
-one of them; the new faces connect the rim of that patch, the horizon, with the point.
-
-Initial tetrahedron of EPA: four affinely independent points of A - B.
-
-Expanding polytope algorithm (van den Bergen 2003), signed: penetration depth of two convex cores.
+"""Expanding polytope algorithm (van den Bergen 2003), signed: penetration depth of two convex cores.
 
 The depth is the origin's distance from the surface of A - B. The polytope grows inside A - B; always the face with the smallest
 *signed* distance from the origin is pushed out to the support along its normal, until the support lies on the face. Signed, so
 that the first tetrahedron need not contain the origin, and an origin that GJK could not place gets its sign here. Every support
 is itself an upper bound: moving by it separates.
+
+Polytope of EPA: a closed triangulated surface with adjacency, grown by one point at a time (horizon walk).
+
+Every face has its outward plane and the face beyond each edge, so the faces visible from a new point are found by walking from
+one of them; the new faces connect the rim of that patch, the horizon, with the point.
+
+Initial tetrahedron of EPA: four affinely independent points of A - B.
 """
 
 from math import inf

@@ -1,9 +1,9 @@
-"""Distance subalgorithm of GJK: point of a segment, triangle or tetrahedron closest to the origin, in barycentric coordinates.
-
-GJK (Gilbert, Johnson and Keerthi 1988): distance of two convex cores, as the distance of A - B from the origin.
+"""GJK (Gilbert, Johnson and Keerthi 1988): distance of two convex cores, as the distance of A - B from the origin.
 
 GJK proposes and the support function decides: a distance is returned only when two supports along the final direction prove that
 the cores are apart. Where rounding leaves no proof the answer is distance 0, and `epa` finds the sign.
+
+Distance subalgorithm of GJK: point of a segment, triangle or tetrahedron closest to the origin, in barycentric coordinates.
 """
 
 from math import inf, sqrt
@@ -211,7 +211,7 @@ NOWHERE = (0.0, 0.0, 0.0)
 
 Balls = tuple[float, float]
 """Radii [m] of balls taken off the cores of A and B: a core is then what is left, and swept by the ball it is the core again.
-Zero for points. At most the least radius of curvature, see `smooth.rolling_radius`, or what is left is not convex."""
+Zero for points. At most the least radius of curvature, see `ellipsoid.rolling_radius`, or what is left is not convex."""
 
 WHOLE: Balls = (0.0, 0.0)
 """Nothing taken off."""

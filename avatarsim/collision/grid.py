@@ -1,12 +1,12 @@
-"""State of the broad phase between calls: fat AABBs, cells and candidate pairs.
-
-Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates, which
-are the pairs of bodies whose fat boxes overlap, stay valid. The pairs that a call returns do not depend on this state.
-
-Hierarchical hash grid of the broad phase (Ericson 2005, chapter 7).
+"""Hierarchical hash grid of the broad phase (Ericson 2005, chapter 7).
 
 A box lies in one cell, that of its low corner, on the level whose cells are 2 to 8 times as long as the box. The cells of all
 levels share one hash table with chaining.
+
+State of the broad phase between calls: fat AABBs, cells and candidate pairs.
+
+Every body has a fat box, which holds its box and some room to move. As long as it does, the body's cell and the candidates, which
+are the pairs of bodies whose fat boxes overlap, stay valid. The pairs that a call returns do not depend on this state.
 
 Query of the broad phase: boxes that overlap that of one body, from the grid cells around it, or from all if they are few.
 """

@@ -1,10 +1,10 @@
-"""Convex polygons in a plane: hull by gift wrapping, clipping of one by another (Sutherland and Hodgman 1974).
+"""Contact manifolds of two convex shapes: their touching features clipped against each other, at most eight points.
+
+Clipping is that of Sutherland and Hodgman (1974), see `collision.manifold`.
+
+Convex polygons in a plane: hull by gift wrapping, clipping of one by another (Sutherland and Hodgman 1974).
 
 Rows are (u, v, height).
-
-Contact manifolds of two convex shapes: their touching features clipped against each other, at most eight points.
-
-Clipping is that of Sutherland and Hodgman (1974), see `motion.polygon`.
 """
 
 from math import cos, inf, pi, sin

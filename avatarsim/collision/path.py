@@ -1,6 +1,6 @@
-"""Torque-free rotation, exact to rounding: Taylor series of Euler's equations and of the orientation quaternion.
+"""Path of a rigid body over one segment: constant accelerations in closed form, torque-free rotation by Taylor series.
 
-Path of a rigid body over one segment: constant accelerations in closed form, torque-free rotation by Taylor series.
+Torque-free rotation, exact to rounding: Taylor series of Euler's equations and of the orientation quaternion.
 """
 
 from math import cos, sin, sqrt

@@ -1,13 +1,13 @@
-"""Closed-form distances of the simplest cores: two segments or points, and a point and a box (Ericson 2005, chapter 5).
-
-A sphere is a point and a capsule a segment, swept by their radii, which are left out here. Pairs that these formulas cannot
-answer with certainty (cores that touch, boxes bent by rounding) are left to GJK and EPA.
-
-Penetration depth of two boxes over the 15 axes of the separating axis test (Gottschalk, Lin and Manocha 1996).
+"""Penetration depth of two boxes over the 15 axes of the separating axis test (Gottschalk, Lin and Manocha 1996).
 
 The Minkowski difference A - B of two boxes, sheared or not, is the sum of six segments about the difference of their centres. Its
 facets are normal to a face of A, to a face of B, or to an edge of each: fifteen normals, each in two directions. The lowest facet
 is the depth.
+
+Closed-form distances of the simplest cores: two segments or points, and a point and a box (Ericson 2005, chapter 5).
+
+A sphere is a point and a capsule a segment, swept by their radii, which are left out here. Pairs that these formulas cannot
+answer with certainty (cores that touch, boxes bent by rounding) are left to GJK and EPA.
 """
 
 from math import inf, sqrt

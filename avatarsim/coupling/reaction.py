@@ -1,9 +1,9 @@
-"""Weight of each degree of freedom when joints share an impulse: the mass matrix's diagonal for a body of even vertices.
-
-How joints yield to what impacts left on the links: the smallest change of posture that moves every hit link by its offset.
+"""How joints yield to what impacts left on the links: the smallest change of posture that moves every hit link by its offset.
 
 Eq. 6 gives each link an offset from where the tracker has it. A free root is moved by its own offset; the other links are held by
 joints, so their offsets become angles, in the metric of the posture. What no joint can give, a free root gives by translation.
+
+Weight of each degree of freedom when joints share an impulse: the mass matrix's diagonal for a body of even vertices.
 """
 
 from math import inf

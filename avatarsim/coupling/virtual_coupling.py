@@ -1,10 +1,10 @@
-"""Velocities of driven links projected onto the non-penetration cone of active contacts with fixed bodies, before impacts.
-
-Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven link and its tracker.
+"""Where tracker, posture and impacts meet: eq. 6 on the offset that collisions leave between a driven link and its tracker.
 
 In free motion there is no offset and no lag. A collision changes the velocity of the coupled mass of the link that was hit, of
 no other; the spring between it and the tracker brings it back, by the exact solution for any frame time. Offsets of free roots
-displace the whole avatar, those of other links bend the joints that hold them (`recoil.py`).
+displace the whole avatar, those of other links bend the joints that hold them (`reaction.py`).
+
+Velocities of driven links projected onto the non-penetration cone of active contacts with fixed bodies, before impacts.
 """
 
 from typing import NamedTuple

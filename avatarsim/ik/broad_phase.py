@@ -1,9 +1,9 @@
-"""Poses of the bodies that are no links, taken over into the trial as a frame begins: they stand still while the avatars move.
-
-Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
+"""Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
 
 Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands
 are the connected components (union by the least number).
+
+Poses of the bodies that are no links, taken over into the trial as a frame begins: they stand still while the avatars move.
 """
 
 from math import inf

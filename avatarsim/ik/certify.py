@@ -1,9 +1,9 @@
-"""Rows that a trial needs, seen from the poses of its links alone, before any shape is carried along or certified.
+"""Certify the trial of an island: every pair that the step could bring together proved apart; rows for those that are not.
+
+Rows that a trial needs, seen from the poses of its links alone, before any shape is carried along or certified.
 
 The row of a pair is that of one point. A foot that turns before a wall brings another corner into it; what pushes one joint turns
 others, over their limits too. Certified, such a trial would be refused, and given the row that it is given here.
-
-Certify the trial of an island: every pair that the step could bring together proved apart; rows for those that are not.
 """
 
 from math import inf

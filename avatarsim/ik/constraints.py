@@ -2,7 +2,7 @@
 
 Limits of ball joints as rows of a step: swing, twist and reach cone of a joint that the trial takes beyond them.
 
-Hinges need none, their limits are bounds of the step. The geometry of the limits is in `world.limits`.
+Hinges need none, their limits are bounds of the step. The geometry of the limits is in `model.joint_limits`.
 """
 
 from math import atan2, inf

@@ -1,4 +1,4 @@
-"""Trial and step of one avatar: forward kinematics and the tangent space of its posture (see `world.kinematics`)."""
+"""Trial and step of one avatar: forward kinematics and the tangent space of its posture (see `model.skeleton`)."""
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.jit.kernel import kernel

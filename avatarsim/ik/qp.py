@@ -1,15 +1,15 @@
-"""Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson
-1974, chapter 23), from where projected Gauss-Seidel has come.
-
-Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they
-come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
-
-Strictly convex QP of a step: min 1/2 |x - p|_M^2 such that J x >= bound, low <= x <= high.
+"""Strictly convex QP of a step: min 1/2 |x - p|_M^2 such that J x >= bound, low <= x <= high.
 
 With M = L^T L and y = L x it is a least-distance problem, min 1/2 |y - L p|^2 such that (J L^-1) y >= bound (Lawson and Hanson
 1974, chapter 23), solved in the dual by projected Gauss-Seidel without a Gram matrix; rows that are nearly the same, as the
 corners of a foot on a floor are, make that slow, and then an active-set method on the Gram matrix of the active rows ends it.
 Bounds join as unit rows only when they are violated, since most of them never are.
+
+Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson
+1974, chapter 23), from where projected Gauss-Seidel has come.
+
+Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they
+come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
 """
 
 from math import sqrt

@@ -1,12 +1,12 @@
-"""Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the
-Lagrangian.
-
-One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
+"""One step of sequential quadratic programming: model, QP, certificate (Nocedal and Wright 2006, chapter 18).
 
 A pair that the certificate refuses becomes a row at the trial, a second-order correction, and the QP is solved again. If the step
 is still refused its goal is drawn nearer, for all of an avatar by one factor, and the QP is solved with corrections once more
 (backtracking with a second-order correction at each trial; section 18.3): a limb that is cut alone leaves the line to the minimum
 and the rest of the body makes up for it, frame by frame, to and fro.
+
+Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the
+Lagrangian.
 """
 
 from avatarsim.ik.certify import certify, foresee

@@ -1,16 +1,16 @@
-"""Warm start of pairs: a hash table with open addressing of what is known of pairs of pieces (Knuth 1973, section 6.4).
-
-Separating directions hardly change from step to step. The one that last held proves most pairs apart with two supports.
-
-State of the posture solver: what stays from frame to frame, and the working memory of one frame.
+"""State of the posture solver: what stays from frame to frame, and the working memory of one frame.
 
 All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, lie
 beside each other: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
 
+Warm start of pairs: a hash table with open addressing of what is known of pairs of pieces (Knuth 1973, section 6.4).
+
+Separating directions hardly change from step to step. The one that last held proves most pairs apart with two supports.
+
 Bounds check of a posture solver's state that comes from bytes: may every place that it names be read and written?
 
 Kernels look up what they themselves wrote without asking. Here is asked, once, what holds between numbers; what holds of a single
-number stands in the ranges of `loops.ik_loop`.
+number stands in the ranges of `lower_loop`.
 """
 
 from enum import IntEnum

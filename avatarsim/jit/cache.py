@@ -1,6 +1,4 @@
-"""Processor part of the cache key: for which processor is machine code compiled, and which of it may be loaded here?
-
-Persistent compilation cache: one checked file per compiled kernel, signature and processor.
+"""Persistent compilation cache: one checked file per compiled kernel, signature and processor.
 
 It stands in for numba's own cache, which unpickles whatever lies in its files, keeps an index that a crash can leave behind
 wrong, names files by absolute paths, and reads from nothing that it cannot write to.
@@ -8,6 +6,8 @@ wrong, names files by absolute paths, and reads from nothing that it cannot writ
 Everything that shapes the machine code is in the name of the entry: the digest of the sources (which names the folder), the
 kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the package or
 the cache lies, so both may be moved.
+
+Processor part of the cache key: for which processor is machine code compiled, and which of it may be loaded here?
 """
 
 import fcntl

@@ -1,14 +1,14 @@
-"""What does LLVM do with the code of a kernel? It is optimised once, and becomes machine code only where that is called.
-
-numba tidies every function with nearly all of LLVM's passes, inlines and tidies again for the sake of reference counting, and
-then begins in earnest. Kernels count no references, and the last of the three does all that the others do. Two kernels of three
-are so small that each caller has them inlined: of these only LLVM's code is kept, which is never translated or loaded.
-
-Which of numba's passes does a kernel need?
+"""Which of numba's passes does a kernel need?
 
 numba's own list serves closures, comprehensions, `with` blocks, literal arguments, array expressions and reports as well, and
 each of those passes walks through the whole function. Kernels have none of these: a kernel that did would be refused by the
 compiler, and the machine code of those there are is the same with and without.
+
+What does LLVM do with the code of a kernel? It is optimised once, and becomes machine code only where that is called.
+
+numba tidies every function with nearly all of LLVM's passes, inlines and tidies again for the sake of reference counting, and
+then begins in earnest. Kernels count no references, and the last of the three does all that the others do. Two kernels of three
+are so small that each caller has them inlined: of these only LLVM's code is kept, which is never translated or loaded.
 """
 
 from itertools import islice

@@ -1,8 +1,8 @@
-"""All convex pieces of a world as flat arrays, which the collision kernels read.
+"""Bodies and their convex pieces as arrays, and the poses that move them.
+
+All convex pieces of a world as flat arrays, which the collision kernels read.
 
 Pair filter: which pairs of bodies may collide, by a family per body and a sparse list of excluded pairs.
-
-Bodies and their convex pieces as arrays, and the poses that move them.
 """
 
 from collections.abc import Iterable, Sequence

@@ -1,12 +1,12 @@
-"""Reach cones (Wilhelms and Van Gelder 2001): the allowed directions of a limb as a spherical polygon; tests and projection.
-
-The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles between its edges and a point
-that sees every edge. A circular swing cone applies as well; the projection is into both.
-
-Joint limits: intervals of hinges, swing cone and twist interval of ball joints; excess beyond them, projection into them.
+"""Joint limits: intervals of hinges, swing cone and twist interval of ball joints; excess beyond them, projection into them.
 
 With T the shortest rotation of `axis` onto `centre` and R the rotation of a ball joint, R T^-1 is decomposed into swing and twist
 about `centre`: the swing is the angle between R axis and centre, the twist the remaining rotation about centre.
+
+Reach cones (Wilhelms and Van Gelder 2001): the allowed directions of a limb as a spherical polygon; tests and projection.
+
+The polygon may be concave and wider than a hemisphere: it is the union of the spherical triangles between its edges and a point
+that sees every edge. A circular swing cone applies as well; the projection is into both.
 """
 
 from math import atan2, cos, sin, sqrt

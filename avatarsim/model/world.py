@@ -1,6 +1,6 @@
-"""Layout of the arenas of a world and of a target: see `jit.arena`.
+"""World: all arrays of a scene, the constant model and the state that the stages of a frame write.
 
-World: all arrays of a scene, the constant model and the state that the stages of a frame write.
+Layout of the arenas of a world and of a target: see `jit.arena`.
 
 Target posture of a frame: the tracker sample as arrays, checked as it is read.
 """

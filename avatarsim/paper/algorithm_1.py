@@ -165,7 +165,7 @@ def follow_as_printed(
     """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal permits.
 
     Bodies that are no links are obstacles; simulated ones are pushed only where driven ones could not be freed of them. Counts
-    and statuses are in ``memory_out.counts`` (`paper_memory.COUNT_NAMES`, `STATUS_NAMES`).
+    and statuses are in ``memory_out.counts`` (`state.COUNT_NAMES`, `STATUS_NAMES`).
     """
     geo, skel, tracker, settings, coupling = refer(geo), refer(skel), refer(tracker), refer(settings), refer(coupling)
     attraction, posture_out, poses_out = refer(attraction), refer(posture_out), refer(poses_out)

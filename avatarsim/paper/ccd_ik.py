@@ -1,10 +1,10 @@
-"""Forward kinematics of one link from its parent's pose, for CCD, without transforming vertices.
+"""Cyclic coordinate descent (Wang and Chen 1991): turns one joint after the other, from tip to root, towards the goal.
+
+Forward kinematics of one link from its parent's pose, for CCD, without transforming vertices.
 
 Angle of one CCD step (Schmidl and Lin 2004, eqs 4 and 5): effector and goal projected into the plane of a joint.
 
 End effector and goal of a link that overlaps (Schmidl and Lin 2004, eqs 2 and 3).
-
-Cyclic coordinate descent (Wang and Chen 1991): turns one joint after the other, from tip to root, towards the goal.
 
 Overlap removal of one link by its joints (Schmidl and Lin 2004, eqs 2 to 5): contacts, end effector, goal, CCD.
 """

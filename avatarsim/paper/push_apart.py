@@ -1,4 +1,6 @@
-"""Overlap test: sweep and prune over the bodies' boxes, then signed distances of pieces (Schmidl and Lin 2004, Algorithm 1).
+"""Push two overlapping bodies apart by their global penetration depth (Schmidl and Lin 2004, eq. 1), by pure translation.
+
+Overlap test: sweep and prune over the bodies' boxes, then signed distances of pieces (Schmidl and Lin 2004, Algorithm 1).
 
 Steps 1 and 2 of the algorithm. For every state that method `paper` shows `find_overlaps` returned 0: in each wanted pair of
 bodies with at least one link the boxes of all pieces are apart or their signed distance is not negative. The motion between two
@@ -7,8 +9,6 @@ shown states is not tested: a body thinner than a frame's motion may be passed t
 Global penetration depth of two bodies of several convex pieces (Schmidl and Lin 2004, eq. 1).
 
 Priority in separation: shares of the displacement of two overlapping bodies; fixed bodies none, driven before simulated.
-
-Push two overlapping bodies apart by their global penetration depth (Schmidl and Lin 2004, eq. 1), by pure translation.
 """
 
 from typing import Final, NamedTuple

@@ -1,6 +1,6 @@
-"""Kinematic chains of all avatars, from the trunk to the tips, and their seeded random order (Fisher-Yates shuffle).
+"""State and counters of the lower loop of method `paper`, allocated once; the kernels allocate nothing.
 
-State and counters of the lower loop of method `paper`, allocated once; the kernels allocate nothing.
+Kinematic chains of all avatars, from the trunk to the tips, and their seeded random order (Fisher-Yates shuffle).
 """
 
 from collections.abc import Sequence
@@ -137,7 +137,7 @@ body was pushed because the driven one could not part from it."""
 
 
 class PaperMemory(NamedTuple):
-    """Memory of `paper_rounds.follow_as_printed` for nl links with nd degrees of freedom among nb bodies.
+    """Memory of `algorithm_1.follow_as_printed` for nl links with nd degrees of freedom among nb bodies.
 
     chains, overlaps   of posture and separate
     order, random      order of the chains in this frame; state (1) of its generator

@@ -1,16 +1,16 @@
-"""Sight: is the straight motion from one posture to another certified, with all else where it stands?
+"""Following a path: pure pursuit (Coulter 1992) of the farthest node in sight, as ordinary tracking within the motion budget.
+
+In sight is a node to which the straight motion from the shown posture is certified. On that way joints and root go on by one
+factor, as far as the frame's budget lets them, so that what is shown is a part of what was certified, and no corner is cut that
+is not free.
+
+Sight: is the straight motion from one posture to another certified, with all else where it stands?
 
 Random shortcuts: certified steps straight between two places of a path take the place of what lies between, if they take less
 time (Geraerts and Overmars 2007).
 
 A path is shortened from when it is found, and what is ahead of the avatar also while it is followed. Every other shortcut goes to
 where the target is by now, since targets move on while paths are searched, paid and followed.
-
-Following a path: pure pursuit (Coulter 1992) of the farthest node in sight, as ordinary tracking within the motion budget.
-
-In sight is a node to which the straight motion from the shown posture is certified. On that way joints and root go on by one
-factor, as far as the frame's budget lets them, so that what is shown is a part of what was certified, and no corner is cut that
-is not free.
 """
 
 from avatarsim.ik.broad_phase import sweep_boxes

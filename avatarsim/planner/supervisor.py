@@ -1,8 +1,8 @@
-"""Progress monitor: does the objective of an avatar that is far from its target still fall?
-
-Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
+"""Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
 
 Each avatar for itself. While it plans it goes on tracking, so a search costs it nothing but its slice of work.
+
+Progress monitor: does the objective of an avatar that is far from its target still fall?
 """
 
 from avatarsim.ik.kinematics import tangent_error

@@ -1,11 +1,11 @@
-"""Samples of RRT-Connect: postures drawn from a seeded generator, places in the room and joints near a node in turn.
-
-A doorway is found by the root, in a posture that fits through it; a limb that is caught is freed by joints near where they are.
-
-Trees of postures: nodes packed one after the other, nearest node by linear search.
+"""Trees of postures: nodes packed one after the other, nearest node by linear search.
 
 A linear search beats any tree of cells below some thousand nodes, and adds no state. The distance is that of the objective:
 metres of link origins, and radians as the mean reach of a link.
+
+Samples of RRT-Connect: postures drawn from a seeded generator, places in the room and joints near a node in turn.
+
+A doorway is found by the root, in a posture that fits through it; a limb that is caught is freed by joints near where they are.
 """
 
 from math import inf, pi, sqrt

@@ -1,13 +1,13 @@
-"""Speculative contacts (Catto, Continuous Collision, GDC 2013) of balls in the inelastic fallback step.
+"""Inelastic fallback step: ends the frame of an island whose work budget is spent (budget fallback), without rebound.
+
+Each body goes along its path to the end of the frame, or is stopped at its first time of impact, and then loses the rest of the
+frame; the others go on. So time passes, nothing overlaps, and no energy is added.
+
+Speculative contacts (Catto, Continuous Collision, GDC 2013) of balls in the inelastic fallback step.
 
 A pair that would meet before the step ends is given to the contact solver with its gap: it may close the gap, and no more.
 Without such contacts the step drives bodies into each other and stops them, and all bodies that touch them, where they meet.
 For balls only: the corners of boxes meet at other points than predicted, and a struck stack would stop in the air more often.
-
-Inelastic fallback step: ends the frame of an island whose work budget is spent (budget fallback), without rebound.
-
-Each body goes along its path to the end of the frame, or is stopped at its first time of impact, and then loses the rest of the
-frame; the others go on. So time passes, nothing overlaps, and no energy is added.
 """
 
 from math import inf

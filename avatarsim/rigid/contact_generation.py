@@ -1,12 +1,12 @@
-"""Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach.
+"""Contact generation: narrow phase and contact manifolds of near pairs, with restitution, friction and warm-start keys.
+
+Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach.
 
 Two edges that cross at a small angle and slip: a corner beyond the contact area passes through the separating plane, which turns
 with one of the bodies, beside the other's face, so no motion is proved free. For some frames such corners count as contacts with
 that plane; the bodies then move as if the face were a little larger, instead of not at all.
 
 Slip velocity of driven contacts: the user's, or the displayed one where a contact or a limit holds the driven body back.
-
-Contact generation: narrow phase and contact manifolds of near pairs, with restitution, friction and warm-start keys.
 """
 
 from math import inf
@@ -152,7 +152,7 @@ FOUND, NO_ROOM, BROKEN = 0, 1, 2
 """Outcome: all contacts found; more than fit; a pose is not finite."""
 
 QUERY_WORK = 8
-"""Work of one contact query, see `upper_memory.WORK`."""
+"""Work of one contact query, see `state.WORK`."""
 
 @kernel
 def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:

@@ -1,8 +1,10 @@
-"""Relative velocity at a contact (eq. 7) and its normal part after an impact (eq. 8, Newton's law of restitution).
-
-Normal impulse of a collision with restitution (eq. 9; Newton's law of restitution).
+"""Contact law: Newton's law of restitution (eqs 7 to 9) and Coulomb friction (eq. 10) of Schmidl and Lin 2004.
 
 Coulomb friction (eq. 10): as printed, limited to the impulse that ends the slip, kinetic, and as a disc of contact forces.
+
+Relative velocity at a contact (eq. 7) and its normal part after an impact (eq. 8, Newton's law of restitution).
+
+Normal impulse of a collision with restitution (eq. 9; Newton's law of restitution).
 """
 
 from math import sqrt

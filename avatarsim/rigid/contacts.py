@@ -1,6 +1,6 @@
-"""Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant.
+"""Contact points of one instant: frames, lever arms, inverse effective masses and relative velocities (contact Jacobian).
 
-Contact points of one instant: frames, lever arms, inverse effective masses and relative velocities (contact Jacobian).
+Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant.
 
 Application of an impulse at a contact to its two bodies: velocities change by M^-1 J^T times the impulse.
 
@@ -103,7 +103,7 @@ class Contacts(NamedTuple):
     (cap, 3, 3) angular rows of M^-1 J^T: angular velocity [rad/s] per impulse [N s] along each axis;
     target (cap) least normal velocity asked for (bias velocity) [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction is zero [m/s];
-    drift (cap, 2) part of the user's velocity along the tangents that is not displayed [m/s]: see `loops.rubbing`;
+    drift (cap, 2) part of the user's velocity along the tangents that is not displayed [m/s]: see `rigid.contact_generation`;
     impulse (cap, 3) along the rows of frame [N s];
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points visited by the solver since the count was last set to 0, a measure of its work;
@@ -114,7 +114,7 @@ class Contacts(NamedTuple):
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): factor on speeds that count as slow, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `impact.solver_rows`.
+    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `rigid.solver`.
     """
 
     used: IndexLine
@@ -389,7 +389,7 @@ def recall_forces(contacts: Contacts, table: LastForces) -> None:
     """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none.
 
     A point without friction gets the normal force only, since no sweep would remove the rest: a speculative contact
-    (`loops.ahead`) has none, and may have touched in the last segment.
+    (`rigid.budget_fallback`) has none, and may have touched in the last segment.
     """
     for k in range(contacts.used[0]):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))

@@ -1,6 +1,6 @@
-"""Energy of simulated bodies for the energy audit, and the scaling of velocities that takes a gain back.
+"""Energy audit: the energy of an island before and after a segment; a gain beyond rounding is taken back.
 
-Energy audit: the energy of an island before and after a segment; a gain beyond rounding is taken back.
+Energy of simulated bodies for the energy audit, and the scaling of velocities that takes a gain back.
 """
 
 from math import sqrt

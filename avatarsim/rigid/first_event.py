@@ -1,8 +1,8 @@
-"""Time of impact of two balls: conservative advancement (Mirtich 1996) on centres alone, since their rotation moves no surface.
+"""Earliest event of an island: the least time of impact over its near pairs, the likeliest pair searched first.
+
+Time of impact of two balls: conservative advancement (Mirtich 1996) on centres alone, since their rotation moves no surface.
 
 Also an early out for any two bodies: they cannot meet if their bounding balls do not.
-
-Earliest event of an island: the least time of impact over its near pairs, the likeliest pair searched first.
 """
 
 from math import inf
@@ -115,7 +115,7 @@ def never_meet(memory: Memory, a: int, b: int, h: float) -> bool:
 Index = NDArray[np.int64]
 
 SEARCH_WORK, ROUND_WORK = 8, 25
-"""Work of one search for an impact, and of each of its rounds after the first, see `upper_memory.WORK`. Most searches take five
+"""Work of one search for an impact, and of each of its rounds after the first, see `state.WORK`. Most searches take five
 rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms."""
 
 

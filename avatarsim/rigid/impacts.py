@@ -1,6 +1,6 @@
-"""Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped.
+"""Sequential impacts at one instant (eqs 7 to 10): the fastest approach first, one block of impulses per pair of bodies.
 
-Sequential impacts at one instant (eqs 7 to 10): the fastest approach first, one block of impulses per pair of bodies.
+Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped.
 
 Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be told apart from rest.
 

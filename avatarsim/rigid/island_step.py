@@ -49,7 +49,7 @@ UNDONE_COSTS = 50
 """The same of a fallback step undone because its island changed; after four of them, islands follow from the old velocities."""
 
 WORK_CAP = 24000
-"""Work of a frame, see `upper_memory.WORK`, after which islands end it with the fallback step; about two milliseconds."""
+"""Work of a frame, see `state.WORK`, after which islands end it with the fallback step; about two milliseconds."""
 
 PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
 """Most fallback steps of a frame, and their work together; solver visits per contact point, and work per near pair."""

@@ -29,7 +29,7 @@ class Islands(NamedTuple):
     late (nb) 1 for members of an island in which the fallback step stopped a body in the last frame;
     earliest (nb) of the island that a body leads, the number of the near pair that had the first event last;
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
-    stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `loops.plastic`;
+    stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `rigid.budget_fallback`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
     linear_before, angular_before (nb, 3): the same velocities, but as they were before a fallback step changed them at once.
     """

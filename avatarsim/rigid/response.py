@@ -1,9 +1,9 @@
-"""Position projection (drift correction; post-stabilization: Cline and Pai 2003): overlapping simulated bodies are moved apart.
+"""Contact response of an island at one instant: impacts (eqs 7 to 10), then constant contact forces until the next event.
+
+Position projection (drift correction; post-stabilization: Cline and Pai 2003): overlapping simulated bodies are moved apart.
 
 Nonlinear Gauss-Seidel on positions; velocities stay, so no kinetic energy is added. The first passes weigh by mass. They do not
 converge for a light body on the floor under a heavy one, so from WEIGHED on all bodies yield as if they had the same mass.
-
-Contact response of an island at one instant: impacts (eqs 7 to 10), then constant contact forces until the next event.
 """
 
 from math import ceil

@@ -1,8 +1,8 @@
-"""Sliding contacts within a segment of constant forces: which of them slip, when the first slip ends, their kinetic friction.
-
-Resting contact forces (Baraff 1994), constant over a segment of time: for bodies that stay in contact, at rest or sliding.
+"""Resting contact forces (Baraff 1994), constant over a segment of time: for bodies that stay in contact, at rest or sliding.
 
 Unlike there the forces reach velocities at the end of the segment, and come from the contact solver (projected Gauss-Seidel).
+
+Sliding contacts within a segment of constant forces: which of them slip, when the first slip ends, their kinetic friction.
 """
 
 from math import hypot, inf
@@ -139,7 +139,7 @@ Index = NDArray[np.int64]
 
 STAND_OFF = 2e-8
 """Gap [m] at which bodies stop, meet and rest. The first apex of a bounce of height h is off by 2e-8/h; must stay above about a
-hundred roundings of a coordinate, see `motion.time_of_impact`."""
+hundred roundings of a coordinate, see `collision.conservative_advancement`."""
 
 LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
 """Heights in stand-offs: a held point below LEVEL stays at its height, a higher one is brought down to LEVEL. Among more than

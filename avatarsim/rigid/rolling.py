@@ -172,7 +172,7 @@ def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -
     e, f = row(contacts.edge_a, k), row(contacts.edge_b, k)
     wide = norm(cross(e, f))
     if wide > 0.0:
-        # the plane along both edges turns: N'' of `motion.edge_plane` without the points' own acceleration
+        # the plane along both edges turns: N'' of `collision.edge_edge` without the points' own acceleration
         n, u = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
         turns = add(cross(cross(w_a, e), f), cross(e, cross(w_b, f)))
         sign = 1.0 if dot(cross(e, f), n) > 0.0 else -1.0
@@ -254,7 +254,7 @@ def put_radii(vertices: Rows, shapes: Shapes, s: int, m: Vec3, out: Array) -> No
 def note_smooth(
     vertices: Rows, shapes: Shapes, contacts: Contacts, poses: Poses, sa: int, sb: int, raw: Vec3, first: int
 ) -> None:
-    """Fill what `impact.rolling` needs for the contacts of shapes sa and sb, from ``first`` on; ``raw``: normal of the query.
+    """Fill what `rigid.rolling` needs for the contacts of shapes sa and sb, from ``first`` on; ``raw``: normal of the query.
 
     Two points that are of no face are those of edges along each other: both count as edges to their very ends. The manifold takes
     whatever a ball touches for a face; it may be an edge or a corner.

@@ -1,4 +1,10 @@
-"""Packed rows of the contact solver: Jacobian, M^-1 J^T, bias velocity and effective mass of a contact in one row of memory.
+"""Contact solver: projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients.
+
+Normal impulses are not negative and reach their target velocities; friction impulses are projected onto their disc. The conjugate
+gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back over the contacts; compare Silcowitz, Niebe and
+Erleben 2010.
+
+Packed rows of the contact solver: Jacobian, M^-1 J^T, bias velocity and effective mass of a contact in one row of memory.
 
 Numbers are packed in fours, for vector instructions, and scaled by the effective mass; those of the normal come first, since many
 contacts have no friction. Velocities are packed in fours as well during a solve.
@@ -6,12 +12,6 @@ contacts have no friction. Velocities are packed in fours as well during a solve
 One projected Gauss-Seidel sweep over contacts (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 
 Nearly all time of bodies in motion is spent here, so a sweep is one flat kernel.
-
-Contact solver: projected Gauss-Seidel in alternating direction, accelerated by nonlinear conjugate gradients.
-
-Normal impulses are not negative and reach their target velocities; friction impulses are projected onto their disc. The conjugate
-gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back over the contacts; compare Silcowitz, Niebe and
-Erleben 2010.
 """
 
 from math import inf
@@ -159,7 +159,7 @@ def wish_along_normal(rows: Array, k: int, motion: Array, a: int, b: int) -> flo
 
 @kernel
 def wish_beside_driven(rows: Array, k: int, motion: Array, a: int, b: int, driven: int) -> float:
-    """The same where a driven body that recedes counts as standing still: see `contacts.velocity_at`."""
+    """The same where a driven body that recedes counts as standing still: see `velocity_at`."""
     on_a = dot(three(rows, k, WISH), three(motion, a, 0)) + dot(three(rows, k, WISH + 3), three(motion, a, LANES))
     on_b = dot(three(rows, k, WISH), three(motion, b, 0)) + dot(three(rows, k, WISH + 6), three(motion, b, LANES))
     return min(0.0, on_a) - on_b if driven == DRIVEN_A else on_a - max(0.0, on_b)
@@ -170,7 +170,7 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
     """Sweep over contacts first <= k < last: normal impulse, then friction if ``grip``; from the last to the first if ``back``.
 
     The slip after the normal impulse is computed from the slip before it (``drag``), without updating velocities in between:
-    `contact_solver.wanted_normal` and `wanted_friction` in one.
+    `wanted_normal` and `wanted_friction` in one.
 
     Args:
         contacts: after `lay_out`; ``motion`` changes. before: (cap, 3) gets the impulses held on entry, unless ``back``.

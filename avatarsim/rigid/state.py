@@ -1,8 +1,8 @@
-"""Recorded events of a frame: the state of all bodies right before and right after each impact.
+"""State and working memory of the upper loop (Figure 3): allocated once per world, nothing while frames run.
+
+Recorded events of a frame: the state of all bodies right before and right after each impact.
 
 Events and steps of a frame, from the buffers of the two loops to snapshots that a recording keeps.
-
-State and working memory of the upper loop (Figure 3): allocated once per world, nothing while frames run.
 """
 
 from typing import NamedTuple
@@ -120,7 +120,7 @@ PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
 each. A pair without room is not checked, so its bodies pass through each other: the status says so."""
 
 CANDIDATES_MORE = 4
-"""Room for so many times the number of bodies more candidates than pairs: see `collide.sweep_memory`."""
+"""Room for so many times the number of bodies more candidates than pairs: see `collision.grid`."""
 
 DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
 """Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
@@ -159,14 +159,14 @@ class Memory(NamedTuple):
 
     strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
     the centre of mass. trial: poses used while searching for impacts; between frames those of the last frame. owed_linear,
-    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `loops.waiting`. began: poses at
-    the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected (nb) time of
-    the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies (nb);
-    blocked (ROOM, 3) see `loops.blocked`, clogged (1) the last frame in which a pair counts as blocked; frames (1) so far;
-    edges (2, 6) working memory of `motion.edge_plane`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `loops.zeno_tail`;
-    newest (nb), older (contacts, 2) contacts of a body one after the other: see `loops.seams`, `impact.impact_queue`;
-    margin (1) [m] see `motion.near`; touch (1) [m] gap below which a driven body has contacts; soonest: event queue, see
-    `loops.plastic`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven bodies.
+    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `rigid.deferred_impacts`. began:
+    poses at the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected
+    (nb) time of the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies (nb);
+    blocked (ROOM, 3) see `rigid.contact_generation`, clogged (1) the last frame in which a pair counts as blocked; frames (1) so
+    far; edges (2, 6) working memory of `collision.edge_edge`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `rigid.impacts`;
+    newest (nb), older (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`, `rigid.impacts`;
+    margin (1) [m] see `rigid.near_pairs`; touch (1) [m] gap below which a driven body has contacts; soonest: event queue, see
+    `rigid.budget_fallback`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven bodies.
     """
 
     received: Vectors

@@ -1,8 +1,8 @@
-"""Mass, centre of mass and inertia of bodies; of solid convex pieces in closed form, of hulls by tetrahedra.
+"""Fixed and simulated bodies. Driven bodies are avatars, if only of one link (`avatarsim.scene.avatar`).
+
+Mass, centre of mass and inertia of bodies; of solid convex pieces in closed form, of hulls by tetrahedra.
 
 Materials: restitution and friction belong to a *pair* of materials, as in the paper's Table 1.
-
-Fixed and simulated bodies. Driven bodies are avatars, if only of one link (`avatarsim.scene.avatar`).
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,10 +1,10 @@
-"""Reach cones: the directions that a limb may take, as a spherical polygon (Wilhelms and Van Gelder).
-
-Joints of an avatar: rigid, up to three hinges that share a centre, or a native ball with swing and twist limits.
+"""Joints of an avatar: rigid, up to three hinges that share a centre, or a native ball with swing and twist limits.
 
 The paper builds a ball and socket from three planar joints with a common centre; `Hinges` says exactly that.
 `Ball` is the same joint without gimbal lock, and its limits are stated once: a cone for the limb's direction and
 an interval for the twist about it. `ReachCone` narrows the directions to a spherical polygon.
+
+Reach cones: the directions that a limb may take, as a spherical polygon (Wilhelms and Van Gelder).
 """
 
 from dataclasses import dataclass

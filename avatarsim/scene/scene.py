@@ -141,7 +141,7 @@ class Scene:
 
     @cached_property
     def pair_filter(self) -> NDArray[np.bool_]:
-        """(n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `world.pair_filter`.
+        """(n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `model.geometry`.
 
         Left out: fixed with fixed, a link with its parent, the avatar's own `ignore`, the author's `exclude`,
         and links of one avatar with each other when self-contact is switched off.
