@@ -160,13 +160,14 @@ class Memory(NamedTuple):
     strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
     the centre of mass. trial: poses used while searching for impacts; between frames those of the last frame. owed_linear,
     owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `rigid.deferred_impacts`. began:
-    poses at the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected
-    (nb) time of the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies (nb);
-    blocked (ROOM, 3) see `rigid.contact_generation`, clogged (1) the last frame in which a pair counts as blocked; frames (1) so
-    far; edges (2, 6) working memory of `collision.edge_edge`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see `rigid.impacts`;
-    newest (nb), older (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`, `rigid.impacts`;
-    margin (1) [m] see `rigid.near_pairs`; touch (1) [m] gap below which a driven body has contacts; soonest: event queue, see
-    `rigid.budget_fallback`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven bodies.
+    poses at the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected (nb)
+    time of the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies
+    (nb); blocked (ROOM, 3) see `rigid.contact_generation`, clogged (1) the last frame in which a pair counts as blocked; frames
+    (1) so far; edges (2, 6) working memory of `collision.edge_edge`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see
+    `rigid.impacts`; newest (nb), older (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`,
+    `rigid.impacts`; margin (1) [m] see `rigid.near_pairs`; touch (1) [m] gap below which a driven body has contacts; soonest:
+    event queue, see `rigid.budget_fallback`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven
+    bodies.
     """
 
     received: Vectors
