@@ -1,4 +1,4 @@
-"""Docstrings and comments of the engine, and all pages, name bodies, links, avatars and contacts; each module says its subject."""
+"""Docstrings and comments of the engine and all pages name bodies, links, avatars and contacts; each module says its subject."""
 
 import ast
 import io
