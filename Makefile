@@ -144,7 +144,7 @@ docs: $(READY)  ## the docs site, build/docs/index.html: every warning is an err
 	@$(VENV_PYTHON) -m sphinx -q -E -W --keep-going -b html -d build/doctrees -c docs . build/docs
 	@echo "the docs site is build/docs/index.html"
 
-lint: $(READY)  ## ruff, mypy --strict, and who may import whom
+lint: $(READY)  ## ruff, mypy --strict, and the order of imports
 	$(VENV_PYTHON) -m ruff check --output-format concise .
 	$(VENV_PYTHON) -m mypy
 	$(VENV_PYTHON) -m mypy .setup

@@ -1,4 +1,4 @@
-"""What the README shows works, and prints what it says."""
+"""What the README shows works, and prints what it says; what it does not name is on the page of commands."""
 
 import re
 from pathlib import Path
@@ -8,8 +8,12 @@ import pytest
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Sphere
 from avatarsim.settings import PostureSettings
+from scenarios.__main__ import COMMANDS as HARNESS
+from scenarios.results.gate import MEANINGS
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 
 
 def test_the_example_prints_what_its_comment_says_to_the_last_digit(capsys: pytest.CaptureFixture[str]) -> None:
@@ -28,7 +32,30 @@ def test_the_example_prints_what_its_comment_says_to_the_last_digit(capsys: pyte
     assert height == pytest.approx(sum(parts), abs=1e-12)
 
 
-def test_every_make_target_it_names_exists() -> None:
-    makefile = (Path(__file__).parents[2] / "Makefile").read_text(encoding="utf-8")
+def make_targets(text: str) -> set[str]:
+    """Targets of make in the code of a page."""
+    return set(re.findall(r"\bmake ([a-z]+)\b", " ".join(re.findall(r"```sh.*?```|`[^`]*`", text, re.DOTALL))))
+
+
+def test_make_targets_exist_and_the_page_of_commands_has_all() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     targets = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
-    assert set(re.findall(r"\bmake ([a-z]+)\b", " ".join(re.findall(r"`[^`]*`|```sh.*?```", README, re.DOTALL)))) <= targets
+    assert {"compare", "test"} <= make_targets(README) <= targets
+    # `make` alone is the help
+    assert make_targets(COMMANDS) == targets - {"help"}
+
+
+def test_every_word_of_the_harness_is_on_the_page_of_commands() -> None:
+    named = set(re.findall(r"python -m scenarios ([a-z]+)", COMMANDS)) | set(re.findall(r"`([a-z]+)`", COMMANDS))
+    assert set(HARNESS) <= named
+
+
+def test_the_page_of_commands_has_the_exit_codes_of_the_harness() -> None:
+    [table] = re.findall(r"^## Exit codes\n.*?(^\|.*?)\n\n", COMMANDS, re.DOTALL | re.MULTILINE)
+    assert {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)} == set(MEANINGS)
+
+
+def test_one_screen_stands_before_the_first_table() -> None:
+    lines = README.splitlines()
+    before = lines[: next(k for k, line in enumerate(lines) if line.startswith("|"))]
+    assert before.index("## What it shows today") <= 50 and sum(line.startswith("![") for line in before) == 1

@@ -1,4 +1,4 @@
-"""Docstrings and comments of the engine name bodies, links, avatars and contacts, and each module says what it is about."""
+"""Docstrings and comments of the engine and all pages name bodies, links, avatars and contacts; each module says its subject."""
 
 import ast
 import io
@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
-ENGINE = Path(__file__).resolve().parents[2] / "avatarsim"
+ROOT = Path(__file__).resolve().parents[2]
+ENGINE = ROOT / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 
 PERSONS = re.compile(r"\b(who|whom|whoever|nobody|somebody|everybody|anybody)\b", re.IGNORECASE)
 """Subjects of which a reader cannot tell whether a body, a link, an avatar, a process or a user is meant."""
@@ -35,6 +37,12 @@ def persons_in(text: str) -> list[str]:
     return [f"{line}: {said.strip()}" for line, said in prose(text) if PERSONS.search(said)]
 
 
+def persons_on(page: str) -> list[str]:
+    """Lines of a page with such a subject; what stands in a block of code is none."""
+    words = re.sub(r"^```.*?^```$", lambda block: "\n" * block[0].count("\n"), page, flags=re.DOTALL | re.MULTILINE)
+    return [f"{line}: {said}" for line, said in enumerate(words.splitlines(), 1) if PERSONS.search(said)]
+
+
 def opens_with_a_sentence(text: str) -> bool:
     """Whether the module's docstring begins with one."""
     said = ast.get_docstring(ast.parse(text)) or ""
@@ -46,6 +54,11 @@ def test_prose_has_no_persons_for_subjects(file: Path) -> None:
     assert persons_in(file.read_text(encoding="utf-8")) == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
+def test_pages_have_no_persons_for_subjects(page: Path) -> None:
+    assert persons_on(page.read_text(encoding="utf-8")) == []
+
+
 @pytest.mark.parametrize("file", FILES, ids=[str(file.relative_to(ENGINE)) for file in FILES])
 def test_modules_open_with_a_sentence(file: Path) -> None:
     assert opens_with_a_sentence(file.read_text(encoding="utf-8"))
@@ -55,6 +68,10 @@ def test_prose_is_docstrings_and_comments_and_no_code() -> None:
     text = 'NOBODY = 1  # Who.\n"""Of\nwhoever."""\n\ndef who(whom: str = "anybody") -> None:\n    """Somebody\'s."""\n'
     assert persons_in(text) == ["3: whoever.\"\"\"", "6: \"\"\"Somebody's.\"\"\"", "1: # Who."]
     assert persons_in('"""Whose body, in whole: somebody_else, anybodies."""\n') == []
+
+
+def test_pages_are_read_without_their_blocks_of_code() -> None:
+    assert persons_on("Whose.\n```sh\nUSER nobody\n```\nA body who\nmoves.\n") == ["5: A body who"]
 
 
 @pytest.mark.parametrize("text", ["", '"""Bodies."""', '"""bodies that move."""', '"""Bodies that move"""', "X = 1\n"])

@@ -1,4 +1,4 @@
-"""Settings of a user's own: help, README and the example file say the same, and every engine takes the example."""
+"""Settings of a user's own: help, the page of commands and the example file say the same; every engine takes the example."""
 
 import re
 import tomllib
@@ -13,6 +13,7 @@ from tests.agreement.rivals import needs_pybullet
 
 ROOT = Path(__file__).resolve().parents[3]
 FILE = ROOT / EXAMPLE
+PAGE = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 
 
 def test_the_example_has_a_row_for_each_engine_that_has_settings() -> None:
@@ -27,18 +28,17 @@ def test_every_engine_takes_the_example_as_it_is() -> None:
     tried(read(FILE, known()), "ball_drop", FILE, 0)
 
 
-def test_readme_shows_a_part_of_the_example() -> None:
-    [shown] = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+def test_the_page_of_commands_shows_a_part_of_the_example() -> None:
+    [shown] = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     text = FILE.read_text(encoding="utf-8")
     assert shown in text
     whole = tomllib.loads(text)
     assert tomllib.loads(shown).items() <= whole.items()
 
 
-def test_help_and_readme_name_the_example_and_the_form_of_its_tables(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_and_page_name_the_example_and_the_form_of_its_tables(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         parser().parse_args(["run", "--help"])
     helped = " ".join(capsys.readouterr().out.split())
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    for said in (helped, readme):
+    for said in (helped, PAGE):
         assert EXAMPLE in said and "[engine.name]" in said and "--settings FILE.toml" in said

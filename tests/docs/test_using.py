@@ -1,0 +1,56 @@
+"""docs/using.md: its Python runs after the example of the README, and its options and statuses are those of the engine."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import avatarsim as av
+from avatarsim.ik.state import COUNT_NAMES
+from avatarsim.lower_loop import SAID
+from avatarsim.settings import PostureSettings
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "using.md").read_text(encoding="utf-8")
+PYTHON = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+
+
+def section(title: str) -> str:
+    """What stands under a heading of the page, up to the next."""
+    [found] = re.findall(rf"^## {title}\n(.*?)(?=^## |\Z)", PAGE, re.DOTALL | re.MULTILINE)
+    return str(found)
+
+
+def rows(title: str) -> set[str]:
+    """First cells of the table of a section."""
+    return set(re.findall(r"^\| `(\w+)` \|", section(title), re.MULTILINE))
+
+
+def test_blocks_run_in_their_order_and_do_what_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    [example] = PYTHON.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    names: dict[str, object] = {}
+    exec(example, names)
+    capsys.readouterr()
+    said = []
+    for block in PYTHON.findall(PAGE):
+        exec(block, names)
+        said.append(capsys.readouterr().out)
+    assert len(said) > 5
+    # the records and the contacts of the page are printed: half the table, the fist, and the gap that the option asks for
+    [placed, touching] = [out for out in said if out]
+    height = float(placed.partition("]")[0].split()[-1])
+    assert height == pytest.approx(0.025 + 0.04 + 1e-4, abs=1e-5) and touching.startswith("table hand ")
+    records, engine = names["records"], names["engine"]
+    assert isinstance(records, tuple) and len(records) == 4
+    # closed at the end of the page
+    assert isinstance(engine, av.AvatarsimEngine)
+    with pytest.raises(av.AvatarsimError):
+        engine.contacts()
+
+
+def test_options_are_settings_of_the_posture() -> None:
+    assert len(rows("Options")) > 4 and rows("Options") <= set(PostureSettings._fields)
+
+
+def test_statuses_are_those_that_a_frame_says() -> None:
+    assert len(rows("Records")) > 3 and rows("Records") <= {COUNT_NAMES[place] for place in SAID}
