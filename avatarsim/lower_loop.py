@@ -42,7 +42,7 @@ from avatarsim.rigid.state import trail_snapshots
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.spatial.random import MODULUS
 
-SAID = tuple((COUNT_NAMES[place], place) for place in (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING))
+STATUS_PLACES = tuple((COUNT_NAMES[place], place) for place in (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING))
 """Names and indices of the counts that a frame record shows as statuses."""
 
 MOST = 2**60
@@ -201,7 +201,7 @@ class IkLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""
         counts = self.working.counts.tolist()
-        found = {name: counts[place] for name, place in SAID if counts[place]}
+        found = {name: counts[place] for name, place in STATUS_PLACES if counts[place]}
         if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
             found["steps not recorded"] = lost
         return found

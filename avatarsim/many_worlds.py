@@ -146,9 +146,10 @@ class _Call:
     def _pass(self, begun: list[tuple[int, AvatarsimEngine, Frames]], jobs: Index) -> None:
         """Pass the frames of worlds that have begun them, and make their records."""
         advance_together(jobs, self.dt)
-        for (place, engine, frames), status in zip(begun, jobs[:, STATUS].tolist(), strict=True):
+        for (place, engine, frames), (status, said, finite) in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
             try:
                 frames.end(self.dt, status)
-                self.records[place] = engine._record(frames.counts(), frames.statuses(), ())
+                statuses = frames.statuses() if said or status else {}
+                self.records[place] = engine._record(frames.counts(), statuses, (), frames.output.shown if finite else None)
             except AvatarsimError as error:
                 self.errors[place] = error
