@@ -44,10 +44,10 @@ def advance_many(
              short that their records take longer, further threads win little. Frames of method `paper`, recorded ones and those
              whose stages are timed are passed one after the other
 
-    Returns the records, in the order of the engines. Raises InvalidInput for arguments that do not fit together, before any world
-    has advanced. A world that fails (a sample that does not fit, an engine that is in use or has no scene) does not keep the
-    others: all that can advance do, then WorldsFailed names those that did not, with their errors, and holds the records of the
-    others.
+    Returns the records, in the order of the engines; the first call of a process reads its kernel from disk. Raises InvalidInput
+    for arguments that do not fit together, before any world has advanced. A world that fails (a sample that does not fit, an
+    engine that is in use or has no scene) does not keep the others: all that can advance do, then WorldsFailed names those that
+    did not, with their errors, and holds the records of the others.
     """
     _require(engines, samples, threads)
     frame_time(dt)
