@@ -6,14 +6,16 @@ without that lock. Each world's stages are those of `frame.Frames.frame`, by the
 """
 
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 
-from avatarsim.jit.arena import opened, words_at
-from avatarsim.jit.kernel import entry_kernel
-from avatarsim.jit.layout import Array, Index
-from avatarsim.lower_loop import NOTHING_RECEIVED, IkLoop, track
-from avatarsim.model.world import Target, World
+from avatarsim.jit.arena import opened, packed, words_at
+from avatarsim.jit.kernel import entry_kernel, kernel
+from avatarsim.jit.layout import Array, Index, IndexLine, Line, Vectors
+from avatarsim.lower_loop import NOTHING_RECEIVED, STATUS_PLACES, IkLoop, IkParts, track
+from avatarsim.model.conversion import write_shown
+from avatarsim.model.world import Target, World, WorldParts, shown_poses
 from avatarsim.rigid.step import SimulatedLoop, UpperParts, advance_opened
 
 
@@ -28,19 +30,59 @@ class Job(IntEnum):
     """The same of the lower loop; no words: the world has no avatar."""
     UPPER = 6
     """The same of the upper loop; no words: the world has no loose bodies that move."""
-    MOVING = 8
+    SHOWN = 8
+    """The same of what the frame shows."""
+    MOVING = 10
     """Address of the flags (nb) of bodies that moved in the last frame; how many there are is 0 before the first frame."""
-    COUPLED = 10
+    COUPLED = 12
     """1 if what the upper loop does to driven bodies goes back into the lower one."""
-    STATUS = 11
-    """Status of the upper loop, written by the kernel."""
+    STATUS = 13
+    """Status of the upper loop, written by the kernel, as are the next two."""
+    SAID = 14
+    """1 if the lower loop has something to say in the record's statuses."""
+    FINITE = 15
+    """1 if all that is shown is finite."""
 
 
-WORLD, TARGET, LOWER, UPPER, MOVING, COUPLED, STATUS = map(int, Job)
+WORLD, TARGET, LOWER, UPPER, SHOWN, MOVING, COUPLED, STATUS, SAID, FINITE = map(int, Job)
 """The columns as kernels read them."""
 
-COLUMNS = len(Job) + 5
-"""Columns of a row: five addresses have a length behind them."""
+COLUMNS = FINITE + 1
+"""Columns of a row."""
+
+SAID_AT = tuple(place for _, place in STATUS_PLACES)
+"""Where counts of a lower loop stand that a record shows as statuses."""
+
+
+class Shown(NamedTuple):
+    """What a frame shows, and what it is written from: centres (nb, 3) of mass in body frames [m]; first, the first body that
+    ever moves; positions (nb, 3) [m] and orientations (nb, 4) of body frames; angles (nh) [rad], and the degree of each."""
+
+    centres: Vectors
+    first: int
+    positions: Vectors
+    orientations: Vectors
+    angles: Line
+    hinges: IndexLine
+
+
+@kernel
+def show(world: Index, shown: Index) -> bool:
+    """Write what is shown of a world; False if a number of it is not finite."""
+    w, own = opened(world, WorldParts), opened(shown, Shown)
+    for k in range(own.hinges.shape[0]):
+        own.angles[k] = w.posture.angle[own.hinges[k]]
+    return write_shown(w.poses.position, w.poses.rotation, own.centres, own.first, own.positions, own.orientations)
+
+
+@kernel
+def has_said(lower: Index) -> bool:
+    """Whether a lower loop has counted anything that a record shows as a status."""
+    counts = opened(lower, IkParts).working.counts
+    for place in SAID_AT:
+        if counts[place] != 0:
+            return True
+    return False
 
 
 @entry_kernel
@@ -57,13 +99,29 @@ def advance_worlds(jobs: Index, dt: float, nothing: Array) -> None:
             if jobs[k, COUPLED] == 1:
                 memory = opened(upper, UpperParts).memory
                 track(world, target, lower, 0.0, True, memory.received, memory.moving)
+        if lower.shape[0] > 0:
+            jobs[k, SAID] = 1 if has_said(lower) else 0
+        jobs[k, FINITE] = 1 if show(world, words_at(jobs[k, SHOWN], jobs[k, SHOWN + 1])) else 0
 
 
-def job_of(world: World, target: Target | None, lower: IkLoop | None, upper: SimulatedLoop | None, moving: Index) -> Index:
+class Output:
+    """Memory for what the frames of a world show, when kernels write it."""
+
+    def __init__(self, world: World) -> None:
+        on = world.scene.effects
+        # without simulated bodies only links move
+        first = 0 if on.dynamics or on.coupling else world.skeleton.first
+        angles = world.posture.angle[world.hinges]
+        self.words, self.shown = packed(Shown(world.centres, first, *shown_poses(world), angles, world.hinges))
+
+
+def job_of(
+    world: World, target: Target | None, lower: IkLoop | None, upper: SimulatedLoop | None, output: Output, moving: Index
+) -> Index:
     """The row (COLUMNS) of a world whose parts these are, as of its first frame; valid as long as they are."""
     row = np.zeros(COLUMNS, dtype=np.int64)
-    parts: tuple[World | Target | IkLoop | SimulatedLoop | None, ...] = world, target, lower, upper
-    for column, part in zip((WORLD, TARGET, LOWER, UPPER), parts, strict=True):
+    parts: tuple[World | Target | IkLoop | SimulatedLoop | Output | None, ...] = world, target, lower, upper, output
+    for column, part in zip((WORLD, TARGET, LOWER, UPPER, SHOWN), parts, strict=True):
         if part is not None:
             row[column : column + 2] = part.words.ctypes.data, len(part.words)
     row[MOVING] = moving.ctypes.data

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from avatarsim.batch import MOVING, job_of
+from avatarsim.batch import MOVING, Output, job_of
 from avatarsim.counters import StageClock, Tally
 from avatarsim.engine import Snapshot
 from avatarsim.jit.layout import Index
@@ -38,7 +38,8 @@ class Frames:
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
     __slots__ = (
-        "_counted", "_job", "clock", "driven", "effects", "lower", "passed", "record", "target", "time", "upper", "world",
+        "_counted", "_job", "clock", "driven", "effects", "lower", "output", "passed", "record", "target", "time", "upper",
+        "world",
     )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
     WRITTEN: ClassVar[tuple[str, ...]] = ()
@@ -60,22 +61,24 @@ class Frames:
         if self.driven:
             self.lower.watch(moving)
         self._counted = (*self.lower.counts(), *self.upper.counts()) if self.driven and self.effects.dynamics else ()
+        self.output = Output(world)
         self._job = self._as_job(moving) if not (record or time_stages) else None
 
     def _as_job(self, moving: Index) -> Index | None:
         """The row of this world for `batch`; None where its method has no kernel for whole frames."""
+        upper = self.upper if self.effects.dynamics else None
         if not self.driven:
-            return job_of(self.world, None, None, self.upper if self.effects.dynamics else None, moving)
+            return job_of(self.world, None, None, upper, self.output, moving)
         if not isinstance(self.lower, IkLoop):
             return None
-        return job_of(self.world, self.target, self.lower, self.upper if self.effects.dynamics else None, moving)
+        return job_of(self.world, self.target, self.lower, upper, self.output, moving)
 
     def begin(self, sample: TrackerSample) -> Index | None:
         """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
         stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
         if self._job is None:
             return None
-        self.clock.frame()
+        # nothing is timed here, so the clock has nothing to forget
         self.passed = ()
         if self.driven:
             self.target.read(sample)

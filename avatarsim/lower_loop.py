@@ -42,8 +42,8 @@ from avatarsim.rigid.state import trail_snapshots
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.spatial.random import MODULUS
 
-SAID = (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING)
-"""Indices of the counts that a frame record shows as statuses."""
+STATUS_PLACES = tuple((COUNT_NAMES[place], place) for place in (BAD_QUERIES, DROPPED, WAITING, OUT_OF_WORK, PLANNING, FOLLOWING))
+"""Names and indices of the counts that a frame record shows as statuses."""
 
 MOST = 2**60
 """Largest count in a snapshot: counting on from there takes longer than the Earth is old."""
@@ -201,7 +201,7 @@ class IkLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame, and how often."""
         counts = self.working.counts.tolist()
-        found = {COUNT_NAMES[place]: counts[place] for place in SAID if counts[place]}
+        found = {name: counts[place] for name, place in STATUS_PLACES if counts[place]}
         if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
             found["steps not recorded"] = lost
         return found

@@ -21,14 +21,14 @@ from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine, frame_time
 
-PORTION = 16
-"""Most worlds in one kernel call. More: their memory no longer fits the processor's caches until their records are made, and the
-last portion keeps other threads waiting; fewer: what a call costs shows, and threads wait for the lock more often."""
+PORTION = 32
+"""Most worlds in one kernel call. Fewer: threads hand the lock to and fro more often, which shows where frames are short; more:
+the last portion keeps one of them longer."""
 
 MOST_THREADS = 1024
 """Most threads that are asked for: more than processors only wait for one another."""
 
-PORTIONS = 4
+PORTIONS = 2
 """Least portions for each thread, if there are worlds enough: with one each, no thread's Python runs beside another's kernel."""
 
 
@@ -40,13 +40,14 @@ def advance_many(
     engines  engines that have loaded scenes, equal or not, each of them once
     samples  as many samples, in the same order
     dt       [s] time of the frame, above 0 and at most 1
-    threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Frames of method `paper`,
-             recorded ones and those whose stages are timed keep Python's lock: they are passed one after the other
+    threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Where frames are so
+             short that their records take longer, further threads win little. Frames of method `paper`, recorded ones and those
+             whose stages are timed are passed one after the other
 
-    Returns the records, in the order of the engines. Raises InvalidInput for arguments that do not fit together, before any world
-    has advanced. A world that fails (a sample that does not fit, an engine that is in use or has no scene) does not keep the
-    others: all that can advance do, then WorldsFailed names those that did not, with their errors, and holds the records of the
-    others.
+    Returns the records, in the order of the engines; the first call of a process reads its kernel from disk. Raises InvalidInput
+    for arguments that do not fit together, before any world has advanced. A world that fails (a sample that does not fit, an
+    engine that is in use or has no scene) does not keep the others: all that can advance do, then WorldsFailed names those that
+    did not, with their errors, and holds the records of the others.
     """
     _require(engines, samples, threads)
     frame_time(dt)
@@ -63,8 +64,10 @@ def advance_many(
         try:
             call.work(portions)
         finally:
-            wait(others)
-        for other in others:
+            # a thread that has not begun by now would find nothing to do
+            begun = [other for other in others if not other.cancel()]
+            wait(begun)
+        for other in begun:
             other.result()
     if call.errors:
         raise WorldsFailed(call.errors, call.records)
@@ -143,9 +146,10 @@ class _Call:
     def _pass(self, begun: list[tuple[int, AvatarsimEngine, Frames]], jobs: Index) -> None:
         """Pass the frames of worlds that have begun them, and make their records."""
         advance_together(jobs, self.dt)
-        for (place, engine, frames), status in zip(begun, jobs[:, STATUS].tolist(), strict=True):
+        for (place, engine, frames), (status, said, finite) in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
             try:
                 frames.end(self.dt, status)
-                self.records[place] = engine._record(frames.counts(), frames.statuses(), ())
+                statuses = frames.statuses() if said or status else {}
+                self.records[place] = engine._record(frames.counts(), statuses, (), frames.output.shown if finite else None)
             except AvatarsimError as error:
                 self.errors[place] = error

@@ -11,6 +11,7 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
+from avatarsim.batch import Shown
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
@@ -345,11 +346,17 @@ class AvatarsimEngine:
             raise AvatarsimError("no scene is loaded: call load(scene, settings, dt) first")
         return self._frames
 
-    def _record(self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...]) -> FrameRecord:
+    def _record(
+        self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...], written: Shown | None = None
+    ) -> FrameRecord:
         frames = self._running()
         world = frames.world
-        # without simulated bodies only links move, and of velocities there are none
-        position, orientation = shown_again(world, self._before, world.skeleton.first if self._still else 0)
+        if written is None:
+            # without simulated bodies only links move, and of velocities there are none
+            position, orientation = shown_again(world, self._before, world.skeleton.first if self._still else 0)
+            angles = world.posture.angle[world.hinges]
+        else:
+            position, orientation, angles = written.positions.copy(), written.orientations.copy(), written.angles.copy()
         linear, angular = self._still or (world.velocities.linear.copy(), world.velocities.angular.copy())
         shown = Snapshot(frames.time, position, orientation, linear, angular)
         # the state at the end is itself the frame's last sub-step; before it stand the steps and events of the loops
@@ -357,4 +364,4 @@ class AvatarsimEngine:
             # nothing has moved since the last step
             inside = inside[:-1]
         steps = (*inside, shown) if self._settings.record_inside else ()
-        return FrameRecord(shown, world.posture.angle[world.hinges], counts, statuses, frames.clock.ns, steps)
+        return FrameRecord(shown, angles, counts, statuses, frames.clock.ns, steps)

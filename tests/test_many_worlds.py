@@ -1,6 +1,6 @@
 """Many worlds in one call: the same bits as one by one, with any threads, and one that fails does not keep the others."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import cycle, islice
 
@@ -83,6 +83,25 @@ def test_many_worlds_are_to_the_bit_what_each_is_alone(threads: int | None) -> N
         assert one.snapshot() == other.snapshot() and one.stage_calls() == other.stage_calls(), k
         # and alone they go on from there
         assert same(one.advance(asked[k], DT), other.advance(asked[k], DT))
+
+
+@pytest.mark.parametrize("name", ["hand", "hand and ball", "humanoid", "no avatar"])
+def test_worlds_go_on_together_from_wherever_they_were_put(name: str) -> None:
+    scene = SCENES[name]
+    together, alone = (AvatarsimEngine() for _ in range(2))
+    for engine in (together, alone):
+        engine.load(scene, Settings(), DT)
+    turns: list[Callable[[AvatarsimEngine], object]] = [
+        lambda engine: engine.restore(kept), lambda engine: engine.change(scene), lambda engine: engine.reset(),
+    ]
+    frame = 0
+    for turn in turns:
+        kept = together.snapshot()
+        for _ in range(5):
+            frame += 1
+            (record,) = advance_many([together], [sample(scene, frame, 7)], DT)
+            assert same(record, alone.advance(sample(scene, frame, 7), DT))
+        turn(together), turn(alone)
 
 
 def hands(count: int) -> list[AvatarsimEngine]:

@@ -195,7 +195,7 @@ def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
 
 def words_at(place: int, count: int) -> Index:
     """The `count` words at an address, which must outlive what is returned: how a kernel is handed many arenas at once."""
-    return np.ctypeslib.as_array((c_int64 * count).from_address(place)) if count else np.zeros(0, dtype=np.int64)
+    return np.ctypeslib.as_array((c_int64 * int(count)).from_address(int(place))) if count else np.zeros(0, dtype=np.int64)
 
 
 if not config.DISABLE_JIT:
