@@ -11,16 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.grid import (
-    BORN,
-    CALM,
-    CANDIDATES,
     FARTHEST,
     FEW,
-    LISTED,
-    PRESENT,
     ROOM,
-    STALE,
-    SWEEP,
     Boxes,
     SweepMemory,
     boxes_meet,
@@ -94,18 +87,18 @@ def forget(memory: SweepMemory, b: int) -> None:
 @kernel
 def insert(memory: SweepMemory, b: int) -> None:
     """Mark slot b as taken from the next broad phase on; no effect if it is already."""
-    if memory.body[PRESENT, b] == 0:
-        memory.body[PRESENT, b] = 1
+    if memory.is_present[b] == 0:
+        memory.is_present[b] = 1
         forget(memory, b)
 
 
 @kernel
 def remove(memory: SweepMemory, b: int) -> None:
     """Mark slot b as free from the next broad phase on, so that its box is not read; no effect if it is already."""
-    if memory.body[PRESENT, b] == 1:
+    if memory.is_present[b] == 1:
         unlink(memory, b)
-        memory.body[PRESENT, b], memory.known[b] = 0, False
-        memory.used[STALE] = 1
+        memory.is_present[b], memory.known[b] = 0, False
+        memory.is_stale[0] = 1
         forget(memory, b)
 
 
@@ -150,18 +143,18 @@ def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
 
 
 @kernel
-def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
+def find_leavers(boxes: Boxes, fat: Boxes, is_present: Index, listed_out: Index) -> int:
     """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite.
 
     Takes arrays and not the whole memory, since passing that takes as long as testing twenty boxes.
     """
     count = 0
     for b in range(boxes.shape[0]):
-        if not holds(fat, boxes, b) and body_out[PRESENT, b] == 1:
+        if not holds(fat, boxes, b) and is_present[b] == 1:
             for k in range(6):
                 if not (abs(boxes[b, k]) < inf):
                     return -1
-            body_out[LISTED, count] = b
+            listed_out[count] = b
             count += 1
     return count
 
@@ -170,8 +163,8 @@ def find_leavers(boxes: Boxes, fat: Boxes, body_out: NDArray[np.int64]) -> int:
 def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
     """Make the fat box of body b anew, with room by its speed so far, mostly ahead; none for a new body, which may be at rest."""
     fat, lead = memory.fat, memory.lead
-    sweeps = memory.used[SWEEP] - memory.body[BORN, b]
-    memory.body[BORN, b] = memory.used[SWEEP]
+    sweeps = memory.sweep[0] - memory.born[b]
+    memory.born[b] = memory.sweep[0]
     length, far = 0.0, 0.0
     for k in range(3):
         low, high = boxes[b, k], boxes[b, k + 3]
@@ -203,7 +196,7 @@ def below(lead: float) -> float:
 def drop_candidates(memory: SweepMemory) -> int:
     """Keep only candidates of two known bodies; returns how many."""
     kept = 0
-    for c in range(memory.used[CANDIDATES]):
+    for c in range(memory.found[0]):
         key = memory.candidates[c]
         if memory.known[key >> 32] and memory.known[key & SECOND_HALF]:
             memory.candidates[kept] = key
@@ -215,44 +208,44 @@ def drop_candidates(memory: SweepMemory) -> int:
 def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leavers: int) -> bool:
     """Update the candidates of the bodies that left their fat boxes; False if there is no room for them."""
     for n in range(leavers):
-        b = memory.body[LISTED, n]
+        b = memory.listed[n]
         memory.known[b] = False
         fatten(boxes, memory, b)
         if boxes.shape[0] > FEW:
             link(memory, b)
     kept, fresh = drop_candidates(memory), 0
     for n in range(leavers):
-        b, before = memory.body[LISTED, n], fresh
+        b, before = memory.listed[n], fresh
         fresh = partners(memory.fat, wanted, memory, b, fresh)
-        if fresh - before <= LONELY and memory.used[SWEEP] >= memory.used[CALM]:
+        if fresh - before <= LONELY and memory.sweep[0] >= memory.calm[0]:
             memory.lead[b, ROOM] = min(2.0 * memory.lead[b, ROOM], WIDE)
         elif fresh - before > CROWD:
             memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
-    memory.used[CANDIDATES], memory.used[STALE] = kept, 0
+    memory.found[0], memory.is_stale[0] = kept, 0
     fits: bool = kept + fresh <= memory.candidates.shape[0]
     if fits:
         sort_ascending(memory.fresh, fresh)
         merge_ascending(memory.candidates, kept, memory.fresh, fresh)
-        memory.used[CANDIDATES] = kept + fresh
+        memory.found[0] = kept + fresh
     for n in range(leavers):
-        memory.known[memory.body[LISTED, n]] = True
+        memory.known[memory.listed[n]] = True
     return fits
 
 
 @kernel
 def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
     """All pairs without candidates, where these do not fit; the next call starts anew, with smaller fat boxes."""
-    memory.used[CANDIDATES], memory.used[CALM], found = 0, memory.used[SWEEP] + PATIENCE, 0
+    memory.found[0], memory.calm[0], found = 0, memory.sweep[0] + PATIENCE, 0
     memory.known[:] = False
     for b in range(boxes.shape[0]):
-        if memory.body[PRESENT, b] == 1:
+        if memory.is_present[b] == 1:
             found = partners(boxes, wanted, memory, b, found)
     written = min(found, memory.fresh.shape[0])
     sort_ascending(memory.fresh, written)
     for p in range(min(written, pairs_out.shape[0])):
         pairs_out[p, 0], pairs_out[p, 1] = memory.fresh[p] >> 32, memory.fresh[p] & SECOND_HALF
     for b in range(boxes.shape[0]):
-        if memory.body[PRESENT, b] == 1:
+        if memory.is_present[b] == 1:
             memory.lead[b, ROOM] = max(0.5 * memory.lead[b, ROOM], TIGHT)
             forget(memory, b)
     return (CONVERGED if found <= pairs_out.shape[0] else OUT_OF_ROOM), found
@@ -276,15 +269,15 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
         NOT_FINITE: a bound is nan or infinite, nothing was written.
     """
     wanted, memory = refer(wanted), refer(memory)
-    leavers = find_leavers(boxes, memory.fat, memory.body)
+    leavers = find_leavers(boxes, memory.fat, memory.is_present, memory.listed)
     if leavers < 0:
         return NOT_FINITE, 0
-    memory.used[SWEEP] += 1
-    if leavers > 0 or memory.used[STALE] > 0:
+    memory.sweep[0] += 1
+    if leavers > 0 or memory.is_stale[0] > 0:
         if not renew_candidates(boxes, wanted, memory, leavers):
             return search_everything(boxes, wanted, memory, pairs_out)
     count = 0
-    for c in range(memory.used[CANDIDATES]):
+    for c in range(memory.found[0]):
         key = memory.candidates[c]
         i, j = key >> 32, key & SECOND_HALF
         if boxes_meet(boxes, i, j):

@@ -37,16 +37,6 @@ BEYOND: Final = LEVELS
 NOWHERE: Final = -1
 """The level of a body that is in no cell."""
 
-LEVEL, KEY, BEHIND, AT, BORN, PRESENT, LISTED = range(7)
-"""Rows of `SweepMemory.body`: level of its cell; key of its cell; the next body of its chain, -1 if none; the one before it,
-or -1 - place in the table; the sweep in which it got its fat box; 1 if it is there. The last row is a list of its own:
-the bodies that left their fat boxes in this sweep."""
-
-CANDIDATES, SWEEP, STALE, CALM, LOWEST_USED, HIGHEST_USED, ON_LEVEL = range(7)
-"""Places in `SweepMemory.used`: number of candidates; sweeps so far; 1 if candidates of absent bodies are about; the sweep from
-which on bodies may get more room to move; the lowest and the highest level used so far; from here on the number of bodies on each
-level."""
-
 ROOM: Final = 3
 """Column of `SweepMemory.lead`: see there."""
 
@@ -60,39 +50,60 @@ class SweepMemory(NamedTuple):
     fat          (nb, 6) lowest and highest coordinates [m]; +inf, -inf for a body that has none yet
     lead         (nb, 4) by how much the fat box is wider than the box was, along each axis [m]: on the high side if positive,
                  else on the low one; then how much it may be, as a part of the box
-    body         (7, nb) see LEVEL: one after the other in a row, as a search reads one or two of the rows for many bodies
+    level, key   (nb) of the cell of each body; NOWHERE: in none
+    behind, at   (nb) the next body of its chain, -1 if none; the one before it, or -1 - place in the table
+    born         (nb) sweep in which it got its fat box
+    is_present   (nb) 1 if it is there
+    listed       (nb) a list: the bodies that left their fat boxes in this sweep
     known        (nb) bodies that are there and whose candidates are known
     head         (2^k + 1) first body of every chain, -1 if none; the last is the chain of the BEYOND ones
     looked       (LOOKED, 2) cells that are being looked into: key, first body of the chain
     candidates   (room) pairs i < k whose fat boxes meet, as i << 32 | k, in ascending order
     fresh        (room) those found in this sweep
-    used         (ON_LEVEL + LEVELS + 1) see CANDIDATES
+    found        (1) number of candidates
+    sweep        (1) sweeps so far
+    is_stale     (1) 1 if candidates of absent bodies are about
+    calm         (1) the sweep from which on bodies may get more room to move
+    lowest       (1) lowest level used so far, and highest (1) the highest one
+    on_level     (LEVELS + 1) number of bodies on each level
     """
 
     fat: Grid
     lead: Grid
-    body: IndexGrid
+    level: IndexLine
+    key: IndexLine
+    behind: IndexLine
+    at: IndexLine
+    born: IndexLine
+    is_present: IndexLine
+    listed: IndexLine
     known: FlagLine
     head: IndexLine
     looked: IndexGrid
     candidates: IndexLine
     fresh: IndexLine
-    used: IndexLine
+    found: IndexLine
+    sweep: IndexLine
+    is_stale: IndexLine
+    calm: IndexLine
+    lowest: IndexLine
+    highest: IndexLine
+    on_level: IndexLine
 
 
 def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:
     """Fresh memory for ``count`` bodies, all there or all absent, and ``room`` candidates."""
     table = 1 << max(count - 1, 1).bit_length()
-    body = np.zeros((7, count), np.int64)
-    body[LEVEL], body[PRESENT] = NOWHERE, int(present)
     fat = np.tile([np.inf] * 3 + [-np.inf] * 3, (count, 1))
     lead = np.zeros((count, 4))
     lead[:, ROOM] = 0.5
-    used = np.zeros(ON_LEVEL + LEVELS + 1, np.int64)
-    used[LOWEST_USED] = LEVELS + 1
+    key, behind, at, born, listed = (np.zeros(count, np.int64) for _ in range(5))
+    found, sweep, is_stale, calm, highest = (np.zeros(1, np.int64) for _ in range(5))
     return SweepMemory(
-        fat, lead, body, np.zeros(count, np.bool_), np.full(table + 1, -1), np.zeros((LOOKED, 2), np.int64),
-        np.zeros(room, np.int64), np.zeros(room, np.int64), used,
+        fat, lead, np.full(count, NOWHERE, np.int64), key, behind, at, born, np.full(count, int(present), np.int64), listed,
+        np.zeros(count, np.bool_), np.full(table + 1, -1), np.zeros((LOOKED, 2), np.int64), np.zeros(room, np.int64),
+        np.zeros(room, np.int64), found, sweep, is_stale, calm, np.full(1, LEVELS + 1, np.int64), highest,
+        np.zeros(LEVELS + 1, np.int64),
     )
 
 
@@ -152,42 +163,42 @@ def place_of(key: int, table: int) -> int:
 @kernel
 def unlink(memory: SweepMemory, b: int) -> None:
     """Take body b out of its cell, if it is in one."""
-    body, head = memory.body, memory.head
-    level = body[LEVEL, b]
+    head = memory.head
+    level = memory.level[b]
     if level == NOWHERE:
         return
-    after, before = body[BEHIND, b], body[AT, b]
+    after, before = memory.behind[b], memory.at[b]
     if before >= 0:
-        body[BEHIND, before] = after
+        memory.behind[before] = after
     else:
         head[-1 - before] = after
     if after >= 0:
-        body[AT, after] = before
-    memory.used[ON_LEVEL + level] -= 1
-    body[LEVEL, b] = NOWHERE
+        memory.at[after] = before
+    memory.on_level[level] -= 1
+    memory.level[b] = NOWHERE
 
 
 @kernel
 def link(memory: SweepMemory, b: int) -> None:
     """Put body b into the cell of its fat box, out of the one it is in."""
-    body, head, fat = memory.body, memory.head, memory.fat
+    head, fat = memory.head, memory.fat
     table = head.shape[0] - 1
     level = level_of(fat, b)
     key, place = -1, table
     if level != BEYOND:
         key = key_of(half_cell(fat[b, 0], level) >> 1, half_cell(fat[b, 1], level) >> 1, half_cell(fat[b, 2], level) >> 1, level)
         place = place_of(key, table)
-    if level == body[LEVEL, b] and key == body[KEY, b]:
+    if level == memory.level[b] and key == memory.key[b]:
         return
     unlink(memory, b)
     first = head[place]
-    body[LEVEL, b], body[KEY, b], body[BEHIND, b], body[AT, b] = level, key, first, -1 - place
+    memory.level[b], memory.key[b], memory.behind[b], memory.at[b] = level, key, first, -1 - place
     if first >= 0:
-        body[AT, first] = b
+        memory.at[first] = b
     head[place] = b
-    memory.used[ON_LEVEL + level] += 1
-    memory.used[LOWEST_USED] = min(memory.used[LOWEST_USED], level)
-    memory.used[HIGHEST_USED] = max(memory.used[HIGHEST_USED], level)
+    memory.on_level[level] += 1
+    memory.lowest[0] = min(memory.lowest[0], level)
+    memory.highest[0] = max(memory.highest[0], level)
 
 
 FEW = 64
@@ -242,8 +253,8 @@ def last_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
 def cells_around(boxes: Boxes, memory: SweepMemory, b: int) -> float:
     """Number of cells that a query of box b visits; inf if there are more than keys can distinguish."""
     cells = 0.0
-    for level in range(memory.used[LOWEST_USED], min(memory.used[HIGHEST_USED] + 1, LEVELS)):
-        if memory.used[ON_LEVEL + level] > 0:
+    for level in range(memory.lowest[0], min(memory.highest[0] + 1, LEVELS)):
+        if memory.on_level[level] > 0:
             block = 1.0
             for axis in range(3):
                 # as floats: these numbers can be as large as they like
@@ -265,8 +276,8 @@ def partners(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, foun
             found = consider(boxes, wanted, memory, b, k, found)
         return found
     table, looked, many = memory.head.shape[0] - 1, memory.looked, 0
-    for level in range(memory.used[LOWEST_USED], memory.used[HIGHEST_USED] + 1):
-        if memory.used[ON_LEVEL + level] == 0:
+    for level in range(memory.lowest[0], memory.highest[0] + 1):
+        if memory.on_level[level] == 0:
             continue
         if level == BEYOND:
             looked[many, 0], looked[many, 1] = ALL, memory.head[table]
@@ -295,7 +306,7 @@ def look(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, many: in
     for c in range(many):
         key, k = memory.looked[c, 0], memory.looked[c, 1]
         while k >= 0:
-            if memory.body[KEY, k] == key or key == ALL:
+            if memory.key[k] == key or key == ALL:
                 found = consider(boxes, wanted, memory, b, k, found)
-            k = memory.body[BEHIND, k]
+            k = memory.behind[k]
     return found
