@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 import avatarsim as av
-from avatarsim.ik.state import COUNT_NAMES
-from avatarsim.lower_loop import SAID
+from avatarsim.lower_loop import STATUS_PLACES
 from avatarsim.settings import PostureSettings
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,4 +52,4 @@ def test_options_are_settings_of_the_posture() -> None:
 
 
 def test_statuses_are_those_that_a_frame_says() -> None:
-    assert len(rows("Records")) > 3 and rows("Records") <= {COUNT_NAMES[place] for place in SAID}
+    assert len(rows("Records")) > 3 and rows("Records") <= {name for name, _ in STATUS_PLACES}
