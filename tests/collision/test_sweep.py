@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.collision.broad_phase import all_pairs, forget, insert, remove, sweep_and_prune
-from avatarsim.collision.grid import BORN, SWEEP, make_sweep_memory
+from avatarsim.collision.grid import make_sweep_memory
 from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.model.geometry import OPEN, pair_filter
 
@@ -76,7 +76,7 @@ def test_bodies_that_keep_to_their_boxes_are_not_searched_for():
     searched = np.zeros(80, int)
     for _ in range(200):
         both(boxes, pair_filter([OPEN] * 80), memory)
-        searched += memory.body[BORN] == memory.used[SWEEP]
+        searched += memory.born == memory.sweep[0]
         boxes[:40] += 0.001
     assert (searched[40:] == 1).all()
     assert (searched[:40] >= 2).all() and (searched[:40] < 10).all()
@@ -198,7 +198,7 @@ def test_a_fast_crowd_does_not_run_out_of_room_again_and_again():
     wanted, memory, searched, without = pair_filter([OPEN] * 64), make_sweep_memory(64, 64), 0, 0
     for k in range(400):
         both(rest + np.tile(way * np.sin(0.17 * k), 2), wanted, memory, 64)
-        searched += int((memory.body[BORN] == memory.used[SWEEP]).sum())
+        searched += int((memory.born == memory.sweep[0]).sum())
         without += not memory.known.any()
     assert without <= 4
     assert searched < 0.08 * 400 * 64

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from avatarsim.collision.broad_phase import all_pairs
-from avatarsim.collision.grid import SWEEP as SWEEPS
 from avatarsim.model.geometry import OPEN, pair_filter
 from reference.broad_phase import __main__ as broad_phase
 from reference.broad_phase.clock import KERNELS, NOTHING, SWEEP, course, frames_of, measure, swing_of
@@ -51,7 +50,7 @@ def test_moving_alone_moves_a_double_and_not_what_is_swept() -> None:
     one.seconds(NOTHING, 50)
     assert (one.swept[0] == one.field.boxes).all() and (one.moved[0] != one.field.boxes).any()
     one.seconds(SWEEP, 50)
-    assert (one.swept[0] == one.moved[0]).all() and one.memory.used[SWEEPS] == 50
+    assert (one.swept[0] == one.moved[0]).all() and one.memory.sweep[0] == 50
 
 
 def test_the_plain_sweep_finds_what_trying_all_finds() -> None:
