@@ -65,8 +65,9 @@ class Figure:
 
 @dataclass(frozen=True)
 class Ahead:
-    """An engine that is better than ours in one figure over `trials` trials that both have, which are of `cases` cases; `case`
-    is that of our largest value, "" for what has none."""
+    """An engine that is better than ours in one figure over `trials` trials, which are of `cases` cases: for a share those that
+    both have, for a value those that both survived. `case` is that of our largest value, `their_case` of theirs, "" for what has
+    none."""
 
     run: str
     theirs: float
@@ -74,6 +75,7 @@ class Ahead:
     trials: int
     cases: int
     case: str
+    their_case: str = ""
 
 
 @dataclass(frozen=True)
@@ -181,7 +183,9 @@ FIGURES = (
 
 def ahead(found: Stability, figure: Figure, kind: str = "") -> tuple[Ahead, ...]:
     """Engines that are better than ours in a figure over the trials that both have, under one kind of change or, without one,
-    under all; the best first. A trial in which theirs has no number is no part of it; one in which ours has none is."""
+    under all; the best first. A value (overlap, energy, spread) is compared over trials that both survived: what one that was
+    lost still shows is no merit, and the loss itself counts among the trials lost. One in which theirs has no number is no part
+    of it; one in which ours has none is."""
     made = []
     for run in found.runs:
         if run.startswith("avatarsim/"):
@@ -191,11 +195,13 @@ def ahead(found: Stability, figure: Figure, kind: str = "") -> tuple[Ahead, ...]
             # the plain end is what the others are held against, and no part of the spread
             pairs = [pair for pair in pairs if pair[0].kind != "plain"]
         if figure.each is not None:
-            pairs = [pair for pair in pairs if not math.isnan(figure.each(pair[1]))]
+            pairs = [pair for pair in pairs if all(trial.state == SURVIVED for trial in pair)
+                     and not math.isnan(figure.each(pair[1]))]
         ours, theirs = (figure.of(trials) for trials in (tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)))
         if not math.isnan(theirs) and not ours <= max(SLACK * theirs, figure.seen):
-            own = [pair[0] for pair in pairs]
-            made.append(Ahead(run, theirs, ours, len(own), len({trial.case for trial in own}), figure.worst(own)))
+            own, others = ([pair[side] for pair in pairs] for side in (0, 1))
+            made.append(Ahead(run, theirs, ours, len(own), len({trial.case for trial in own}), figure.worst(own),
+                              figure.worst(others)))
     return tuple(sorted(made, key=lambda one: (-one.trials, one.theirs)))
 
 
@@ -284,12 +290,16 @@ def _each(found: Stability, figure: Figure, better: Sequence[Ahead]) -> str:
 
 
 def _beside(found: Stability, figure: Figure, one: Ahead) -> str:
-    """"mujoco/tuned (69.5 mm against 248 mm in painleve)", and of how many cases where it has not all of ours."""
+    """"mujoco/tuned (69.5 mm in painleve against 248 mm in painleve, over 80 trials that both survived)", and of how many cases
+    where these are not all of ours. A share and a median are of no one case."""
     unit, cases = figure.unit, len({trial.case for trial in found.all_of(OURS)})
-    few = f", over the {one.cases} of {cases} cases that it has" if one.cases < cases else ""
-    ours = quantity(None if math.isnan(one.ours) else one.ours, unit)
-    where = f" in {one.case}" if one.case and figure.name != "end moved, median" else ""
-    return f"{one.run} ({quantity(one.theirs, unit)} against {ours}{where}{few})"
+    few = f", of {one.cases} of {cases} cases" if one.cases < cases else ""
+    both = "have" if figure.each is None else "survived"
+    named = figure.name != "end moved, median"
+    theirs, ours = (
+        f"{quantity(None if math.isnan(value) else value, unit)}{f' in {case}' if case and named else ''}"
+        for value, case in ((one.theirs, one.their_case), (one.ours, one.case)))
+    return f"{one.run} ({theirs} against {ours}, over {count(one.trials, 'trial')} that both {both}{few})"
 
 
 def step_said(found: Stability) -> str:

@@ -165,11 +165,25 @@ COMMON = HEAD + "".join(
 def test_engines_are_compared_over_the_trials_that_both_have_and_all_that_are_ahead_are_named(tmp_path: Path) -> None:
     made = found(tmp_path, COMMON)
     assert stability.behind(made)[-1:] == (
-        "less spread at most by mujoco/tuned (70.0 mm against 248 mm in painleve), "
-        "mujoco/default (87.0 mm against 248 mm in painleve)",), "sleeping has no trial of painleve and is worse in its own"
+        "less spread at most by mujoco/tuned (70.0 mm in painleve against 248 mm in painleve, over 2 trials that both survived), "
+        "mujoco/default (87.0 mm in painleve against 248 mm in painleve, over 2 trials that both survived)",
+    ), "sleeping has no trial of painleve and is worse in its own"
     assert stability.behind_by_kind(made)[-1:] == (
-        "start: less spread at most by mujoco/sleeping (100 µm against 300 µm in stack_ten, over the 1 of 2 cases that it has)",)
+        "start: less spread at most by mujoco/sleeping (100 µm in stack_ten against 300 µm in stack_ten, over 1 trial that both "
+        "survived, of 1 of 2 cases)",)
     assert "248 mm at most (painleve)." in stability.answer(made)
+
+
+def test_values_are_compared_over_trials_that_both_survived(tmp_path: Path) -> None:
+    lost = "painleve,mujoco/default,together,x,0,0,0,0.0166667,1,0,survived"
+    assert COMMON.count(lost) == 1
+    said = stability.behind(found(tmp_path, COMMON.replace(lost, lost.replace("survived", "lost"))))[-1]
+    assert "mujoco/default" not in said, "its end of a trial that it lost is no end that ours is behind of"
+    # theirs is largest in another case than ours, and both are named
+    apart = COMMON.replace("mujoco/tuned,together,x,0,0,0,0.0166667,1,0,survived,36,1e-7,0,0,0.01,",
+                           "mujoco/tuned,together,x,0,0,0,0.0166667,1,0,survived,36,1e-7,0,0,0.09,")
+    said = stability.behind(found(tmp_path, apart))[-1]
+    assert "mujoco/tuned (90.0 mm in stack_ten against 248 mm in painleve, over 2 trials that both survived)" in said
 
 
 def test_cases_that_an_engine_was_not_tried_in_stand_beside_its_count(tmp_path: Path) -> None:
