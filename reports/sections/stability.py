@@ -362,10 +362,11 @@ class Lost:
 
 
 def lost_trials(found: Stability) -> tuple[Lost, ...]:
-    """Case by case and engine by engine what was lost, ours first; empty where nothing was."""
+    """Case by case and engine by engine what was lost, ours first, under every kind of change, those that ours cannot be asked
+    among them; empty where nothing was."""
     made = []
     for run in found.runs:
-        own = found.all_of(run)
+        own = [trial for kind in found.kinds for trial in found.asked(run, kind)]
         for case in found.cases:
             tried_ = [trial for trial in own if trial.case == case]
             lost = [trial for trial in tried_ if trial.state != SURVIVED]
@@ -374,6 +375,16 @@ def lost_trials(found: Stability) -> tuple[Lost, ...]:
                 reasons = tuple(dict.fromkeys(": ".join(filter(None, (trial.state, trial.note))) for trial in lost))
                 made.append(Lost(case, run, len(lost), len(tried_), changes, reasons))
     return tuple(made)
+
+
+def worst_ends(found: Stability) -> tuple[str, ...]:
+    """Of each case the change that moves our end farthest, the farthest first: "painleve 248 mm (together, draw 2)"."""
+    made = []
+    for case in found.cases:
+        moved = [(trial.moved, f"{trial.kind}, {trial.level}") for trial in found.all_of(OURS)
+                 if trial.case == case and trial.kind != "plain" and not math.isnan(trial.moved)]
+        made += [(*max(moved), case)] if moved else []
+    return tuple(f"{case} {quantity(far, 'm')} ({change})" for far, change, case in sorted(made, reverse=True))
 
 
 def _told(line: Standing, name: str, unit: str) -> str:
@@ -418,6 +429,7 @@ def section(found: Stability) -> dict[str, object]:
         "stability_by_kind": behind_by_kind(found), "stability_step": step_said(found),
         "stability_cases": len({trial.case for trial in found.all_of(OURS)}),
         "stability_lost": lost_trials(found), "stability_little": little_said(found),
+        "stability_ends": "; ".join(worst_ends(found)),
         "stability_panels": panels(values, found.runs, found.kinds, units),
     }
 

@@ -132,6 +132,21 @@ def test_lost_trials_are_told_by_case_and_engine_with_their_reason(tmp_path: Pat
     assert stability.lost_trials(found(tmp_path, HEAD + row("avatarsim/default", "plain"))) == ()
 
 
+def test_trials_lost_under_a_change_that_ours_cannot_be_asked_are_named_too(tmp_path: Path) -> None:
+    lost = "heavy_on_light,mujoco/tuned,solver step,2 times,0,0,0,0.01,1,0,lost,36,0.2,0,0,0.1,0.2,outside in 26 frames,slice\n"
+    step = row("avatarsim/default", "solver step", "cannot say", "", "")
+    [_, one] = stability.lost_trials(found(tmp_path, ROWS + step + lost))
+    assert (one.case, one.run, one.lost, one.tried) == ("heavy_on_light", "mujoco/tuned", 1, 1)
+    assert one.changes == ("solver step 2 times",) and one.reasons == ("lost: outside in 26 frames",)
+
+
+def test_the_largest_spread_of_ours_is_told_case_by_case(tmp_path: Path) -> None:
+    ends = stability.worst_ends(found(tmp_path, COMMON))
+    assert ends == ("painleve 248 mm (together, x)", "stack_ten 300 µm (together, x)")
+    assert stability.section(found(tmp_path, COMMON))["stability_ends"] == "; ".join(ends)
+    assert stability.worst_ends(found(tmp_path, HEAD + row("avatarsim/default", "plain"))) == ()
+
+
 def test_to_survive_with_a_gain_of_energy_is_said_to_be_little(tmp_path: Path) -> None:
     gains = "painleve,avatarsim/paper,plain,x,0,0,0,0.0166667,1,0,survived,36,1e-7,491,0,0,0.2,,slice\n"
     said = stability.little_said(found(tmp_path, ROWS + gains))
