@@ -91,15 +91,24 @@ RANKED: dict[str, Ranked] = {
 KINDS: dict[str, tuple[str, ...]] = {
     "overlap": ("residual_overlap_max", "residual_overlap_p95", "residual_overlap_mean", "overlap_frames", "substep_overlap_max"),
     "distance from the user": (
-        "tracker_offset_rms_free", "tracker_offset_rms", "tracker_angle_rms_free", "tracker_angle_rms", "silent_offset_frames"),
+        "tracker_offset_rms_free", "tracker_offset_max", "tracker_offset_rms", "tracker_angle_rms_free", "tracker_angle_rms",
+        "silent_offset_frames"),
     "smoothness": (
-        "chatter_frames", "jitter_rms", "reversal_p95", "reversal_max", "jerk_ratio", "still_frames", "halted_frames",
-        "pose_jump_max", "root_jump_max", "link_jump_max"),
+        "chatter_frames", "jitter_rms", "reversal_p95", "reversal_max", "jerk_ratio", "still_frames", "pose_jump_max",
+        "root_jump_max", "link_jump_max"),
     "limits": ("joint_limit_excess_max", "reach_cone_excess_max", "joint_gap_max"),
+    "loose bodies (lift, energy that nothing explains, halts, drift, falls)": (
+        "lift_height_max", "energy_added_max", "halted_frames", "rest_energy_end", "drift_max", "towers_fallen"),
+    "conserved quantities": ("momentum_drift_max", "angular_momentum_drift_max", "energy_drift_max", "energy_gain_max"),
+    "closed forms": (
+        "restitution_error_max", "apex_error_max", "bounce_time_error_max", "zeno_end_error_max", "course_error_max",
+        "velocity_error_max", "spin_error_max", "stop_distance_error_max", "stop_direction_error_max", "flip_time_error_max",
+        "pivot_rate_error_max", "pivot_missing", "travel_missing"),
+    "right side, finite numbers": ("wrong_side_frames", "escaped_bodies", "not_finite_frames"),
     "time": ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max"),
 }
-"""Metrics that measure one thing in several ways. To lose one, or to win it, in five metrics is no more than once; what stands in
-no kind is a closed form, a conserved quantity, a gap or a side, each a thing of its own."""
+"""Every ranked metric in one kind, so that counts by kind add up to those of all. The metrics of the kinds of an avatar and of
+time measure one thing in several ways: to lose one, or to win it, in five of them is no more than once."""
 
 _RAW = "the same frames with the disturbances of a machine that does other things too; the least of all repeats is ranked"
 _OWN_WORDS = "an engine counts it of itself and the others do not: to be silent would win; what it leads to is ranked"

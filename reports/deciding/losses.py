@@ -93,14 +93,16 @@ def section(
 
 
 def kinds_sentence(found: Sequence[MetricLosses]) -> str:
-    """How many of the ranked metrics measure the same thing, and in how many of them another engine is better."""
+    """How many of the ranked metrics measure the same thing, and in how many of them another engine is better: kind by kind, with
+    the sum."""
     by_name = {one.metric: one for one in found}
     said = []
     for kind, metrics in KINDS.items():
         ranked = [by_name[metric] for metric in metrics if metric in by_name]
         if ranked:
             said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}")
-    return f"By what is measured, lost of ranked metrics: {'; '.join(said)}." if said else ""
+    total = f"; together {sum(bool(one.lost) for one in found)} of {len(found)}"
+    return f"By what is measured, lost of ranked metrics: {'; '.join(said)}{total}." if said else ""
 
 
 def silent_sentence(found: Compared) -> str:

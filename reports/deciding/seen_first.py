@@ -7,8 +7,8 @@ from runfiles.ranked import RANKED
 
 SEEN = (
     "not_finite_frames", "wrong_side_frames", "escaped_bodies", "towers_fallen", "residual_overlap_max", "link_jump_max",
-    "root_jump_max", "reversal_max", "chatter_frames", "pose_jump_max", "tracker_offset_max", "silent_offset_frames",
-    "still_frames", "halted_frames", "joint_limit_excess_max", "lift_height_max", "course_error_max",
+    "root_jump_max", "reversal_max", "lift_height_max", "chatter_frames", "pose_jump_max", "tracker_offset_max",
+    "silent_offset_frames", "still_frames", "halted_frames", "joint_limit_excess_max", "course_error_max",
 )
 """Ranked metrics that a screen shows in single frames; the others follow in the order of the registry."""
 

@@ -1,6 +1,7 @@
 """The table of losses: factors end, nothing is divided by zero, and every state of a scene has its tile."""
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -135,8 +136,23 @@ def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json
     found = load(run_dir(data))
     said = kinds_sentence(by_family(verdict(found).ranked, found.families))
     assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
-    assert all(metric in RANKED for metrics in KINDS.values() for metric in metrics)
     assert kinds_sentence(()) == ""
+
+
+def test_each_ranked_metric_is_of_one_kind_so_that_counts_add_up(run_dir: Write, results: Json) -> None:
+    assert sorted(metric for metrics in KINDS.values() for metric in metrics) == sorted(RANKED)
+    data = results
+    for metric in ("root_jump_max", "lift_height_max", "tracker_offset_max"):
+        for engine, value in (("avatarsim", 9.0), ("mujoco", 0.0)):
+            data = changed(data, engine=engine, metric=metric, value=value)
+    found = load(run_dir(data))
+    made = by_family(verdict(found).ranked, found.families)
+    said = kinds_sentence(made)
+    parts, total = said.removesuffix(".").split("; together ")
+    counts = [tuple(map(int, part)) for part in re.findall(r"(\d+) of (\d+)", parts)]
+    assert total == f"{sum(one.lost != () for one in made)} of {len(made)}"
+    assert f"{sum(lost for lost, _ in counts)} of {sum(of for _, of in counts)}" == total
+    assert "loose bodies (lift, energy that nothing explains, halts, drift, falls) 1 of 1" in said
 
 
 def test_times_stand_in_the_table_whatever_their_place(run_dir: Write, results: Json) -> None:

@@ -36,6 +36,10 @@ def test_what_a_screen_shows_stands_in_its_order_and_leads_to_its_moment(run_dir
         ("jump of a link in a frame beyond its target's 474 mm", "scenes/a.html#t=1.25", f"a; {THEIRS} 300 mm"),
         ("farthest from the user 500 mm", "scenes/a.html", f"a; {THEIRS} 100 mm"),
     ]
+    # a body that is lifted out of another moves on the screen: it stands before what shakes
+    rows = [*lost("a", "chatter_frames", 2.0, 0.0), *lost("stack_struck", "lift_height_max", 0.07, 0.0)]
+    found = load(run_dir(results | {"rows": rows, "series": {}}))
+    assert [one.beside for one in news(found, verdict(found).ranked, OURS, {})] == [f"stack_struck; {THEIRS} 0", f"a; {THEIRS} 0"]
     every = [one for metric in SEEN for one in lost("a", metric, 2.0, 1.0)]
     found = load(run_dir(results | {"rows": every, "series": {}}))
     assert len(news(found, verdict(found).ranked, OURS, {})) == MOST
