@@ -240,7 +240,8 @@ _LIMITS = (
     )),
     _excess("unseen_*", "mujoco/hinges", _adapter(
         "our adapter makes three hinges of each ball joint, and these are within some degrees of their ranges: "
-        "what is beyond is the difference of their angles from swing and twist, which the scene limits and the judge measures."
+        "what is beyond is the difference of their angles from swing and twist, which the scene limits and the judge measures.",
+        "adapter: angles of hinges are not swing and twist"
     )),
     _excess("*", "mujoco/tuned mujoco/sleeping", _adapter(
         "it is twist, which our adapter leaves unlimited: it makes MuJoCo ball joints, whose range limits the total turn; swing, "

@@ -275,8 +275,8 @@ def _worst(found: Unseen, metric: str, form: str) -> str:
 
 
 def smoother(found: Unseen) -> str:
-    """Which presets of other engines are smoother than ours, in how many rooms, each beside how far its own joints go beyond
-    their limits there and why: of each engine the one that is so most often, and the one whose joints go least far beyond."""
+    """Every preset of the other engines that is smoother than ours, by the roughness of the table, in how many rooms, and beside
+    it how far its own joints go beyond their limits there and why; the rule stands in the sentence."""
     rough = next(one for one in MEASURES if one.metric == ROUGH)
     runs: dict[str, list[Line]] = {}
     for line in found.lines:
@@ -285,12 +285,9 @@ def smoother(found: Unseen) -> str:
         aside = line.room not in found.asked or line.outside or engine_of(line.run) == engine_of(found.ours)
         if not aside and figure is not None and mine is not None and figure < mine - rough.same:
             runs.setdefault(line.run, []).append(line)
-    named = dict[str, None]()
-    for engine in dict.fromkeys(engine_of(run) for run in runs):
-        own_runs = [run for run in runs if engine_of(run) == engine]
-        named |= {max(own_runs, key=lambda run: len(runs[run])): None, min(own_runs, key=lambda run: _beyond(runs[run])): None}
-    order = sorted(named, key=lambda run: -len(runs[run]))
-    return f"Smoother than ours: {'; '.join(_smoother(found, run, runs[run]) for run in order)}." if order else ""
+    order = sorted(runs, key=lambda run: -len(runs[run]))
+    rule = f"Smoother than ours (roughness less by more than {rough.same:g}, in a room whose allowed side it does not leave)"
+    return f"{rule}: {'; '.join(_smoother(found, run, runs[run]) for run in order)}." if order else ""
 
 
 def _beyond(lines: Sequence[Line]) -> float:

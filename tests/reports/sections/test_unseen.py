@@ -1,5 +1,6 @@
 """The section on motions that nothing was tuned for: losses first, promises named, seeds and their origin stated."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from tests.reports.conftest import row, whole_run
 Json = dict[str, object]
 Write = Callable[[object], Path]
 OURS, TUNED, BULLET = "avatarsim/default", "mujoco/tuned", "pybullet/tuned"
+RULE = "Smoother than ours (roughness less by more than 0.05, in a room whose allowed side it does not leave)"
 SAID = "seed 77 of the unseen motions: the first 7 digits of commit 000004d1"
 FIGURES = {
     "residual_overlap_max": (0.0, 3e-3, 0.02), "chatter_frames": (9.0, 0.0, 1.0), "reversal_p95": (0.026, 0.0, 2e-3),
@@ -100,7 +102,7 @@ def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Wri
         f"stays on its side; but a link jumps in one frame by up to 500 mm more than its user's (wall; {TUNED} 30.0 mm), the "
         f"root jumps by up to 300 mm (wall; {TUNED} 20.0 mm), the largest displacement to and fro is 470 mm (wall; {TUNED} "
         f"10.0 mm), the farthest from the user 900 mm (wall; {TUNED} 800 mm), up to 15.0 % of the frames in contact shake "
-        f"(door; {TUNED} 0 %). Smoother than ours: {TUNED} in 2 of 2 rooms (joints up to 0.4° beyond their limits; adapter: "
+        f"(door; {TUNED} 0 %). {RULE}: {TUNED} in 2 of 2 rooms (joints up to 0.4° beyond their limits; adapter: "
         "twist unlimited)."
     )
     bad = replace(found, lines=tuple(replace(line, figures=(None,) * len(line.figures)) for line in found.lines))
@@ -152,11 +154,22 @@ def test_the_smoother_preset_stands_beside_its_own_limits_and_hinges_beside_it(r
     found = unseen.unseen(results, OURS)
     assert found is not None
     assert unseen.smoother(found) == (
-        "Smoother than ours: mujoco/default in 2 of 2 rooms (joints up to 150° beyond their limits; adapter: twist unlimited); "
-        "mujoco/hinges in 1 of 2 rooms (joints up to 0.1° beyond their limits).")
+        f"{RULE}: mujoco/default in 2 of 2 rooms (joints up to 150° beyond their limits; adapter: twist unlimited); "
+        "mujoco/hinges in 1 of 2 rooms (joints up to 0.1° beyond their limits; adapter: angles of hinges are not swing and "
+        "twist).")
     assert "door_90hz;" not in unseen.verdict_sentence(found), "figures are of the rooms that are counted and shown"
     short = unseen.section(results, OURS)["unseen_tables"][0][1]  # type: ignore[index]
     assert "mujoco/hinges" in {one["run"] for one in short} and "door_90hz" not in {one["room"] for one in short}
+
+
+def test_every_preset_that_is_smoother_is_named_by_the_roughness_of_the_table(run_dir: Write) -> None:
+    rows = rows_of("wall")
+    for preset, rough in (("default", 1.1), ("servos", 1.3), ("level", 11.96)):
+        rows.append(row("unseen_wall", f"mujoco/{preset}", "jerk_ratio", rough, "", seed=77))
+    found = unseen.unseen(run_with(run_dir, rows), OURS)
+    assert found is not None
+    named = set(re.findall(r"(\w+/\w+) in 1 of 1 room", unseen.smoother(found)))
+    assert named == {TUNED, "mujoco/default", "mujoco/servos"}, "level is within 0.05 of ours, and pybullet/tuned left the room"
 
 
 def test_the_table_says_from_which_frame_on_its_times_are(run_dir: Write) -> None:
