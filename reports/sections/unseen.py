@@ -31,12 +31,13 @@ class Measure:
 
 
 OVERLAP, CHATTER, REVERSAL, SLOWEST = "residual_overlap_max", "chatter_frames", "reversal_p95", "frame_time_max"
+JITTER = "jitter_rms"
 ROUGH, LIMITS, FARTHEST = "jerk_ratio", "joint_limit_excess_max", "tracker_offset_max"
 LINK_JUMP, ROOT_JUMP, TO_AND_FRO = "link_jump_max", "root_jump_max", "reversal_max"
 MEASURES = (
     Measure(OVERLAP, "deepest overlap shown", "m", 1e-6),
     Measure(CHATTER, "frames in contact that shake", "%", 0.05),
-    Measure("jitter_rms", "jitter in contact", "m", 1e-5),
+    Measure(JITTER, "jitter in contact", "m", 1e-5),
     Measure(REVERSAL, "displacement taken back, p95", "m", 1e-4),
     Measure(TO_AND_FRO, "largest to and fro", "m", 1e-3),
     Measure(LINK_JUMP, "jump of a link", "m", 1e-3),
@@ -51,8 +52,11 @@ MEASURES = (
 )
 SHAKES = MEASURES[1]
 WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
-         TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}"}
-"""Metrics whose largest figure stands at the top of the page, and how it is said there."""
+         TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}",
+         CHATTER: "up to {} of the frames in contact shake", JITTER: "links in contact jitter by up to {}"}
+"""Metrics whose largest figure stands at the top of the page unless it is 0, and how it is said there."""
+WHERE_BEHIND = (JITTER,)
+"""Those that stand there only where another engine has less, with our largest figure of such rooms."""
 BEST = ("/tuned", "/hinges")
 """How runs of other engines with tuned settings, and with hinges for ball joints, end: they stand beside ours, all else in a
 fold."""
@@ -249,8 +253,8 @@ def verdict_sentence(found: Unseen) -> str:
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
     said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
-    said += [sentence for sentence in (_worst(found, CHATTER, "up to {} of the frames in contact shake"),) if sentence]
-    return " ".join(filter(None, [f"{told}, {kept}; but {', '.join(said)}.", smoother(found)]))
+    but = f"; but {', '.join(said)}" if said else ""
+    return " ".join(filter(None, [f"{told}, {kept}{but}.", smoother(found)]))
 
 
 def _rooms(found: Unseen) -> str:
@@ -261,14 +265,17 @@ def _rooms(found: Unseen) -> str:
 
 def _worst(found: Unseen, metric: str, form: str) -> str:
     """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
-    the table; "" where there is none."""
+    the table; "" where there is none, or it is 0. Of a metric in WHERE_BEHIND only rooms in which another engine has less."""
     measure = next(one for one in MEASURES if one.metric == metric)
     shown = [(figure, line.room) for line in found.lines
              if line.run == found.ours and line.room in found.asked and (figure := line.of(metric)) is not None]
-    if not shown:
-        return ""
+    if metric in WHERE_BEHIND:
+        shown = [(figure, room) for figure, room in shown
+                 if (rival := found.best(room, measure)) is not None and not figure <= rival[0] + measure.same]
     # a figure that is no number is the worst
-    figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf)
+    figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf, default=(0.0, ""))
+    if figure == 0.0:
+        return ""
     best = found.best(room, measure)
     beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
     return f"{form.format(quantity(figure, measure.unit))} ({room}{beside})"
