@@ -23,8 +23,9 @@ LOOKS = (
     "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
 )
 """Metrics of how motion looks; where one has a bound, that says less than a promise does."""
-HARDLY = 0.5
-"""Share of the figures of how motion looks below which it is said beside the verdict that they have no bound."""
+MOSTLY = 0.5
+"""Share of the figures of how motion looks below which it is said beside the verdict how many have a bound, and which measures
+have none."""
 # Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
 # one that passed through what it should have met is passed over where that could win.
 KINDS = ("failed", "above bound", "behind")
@@ -54,7 +55,8 @@ class Verdict:
     """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
     and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended,
     `rivals` False when no other engine brought a number; `scenes` counts the scenes of the run by what became of the gated run in
-    them, one word each; `looks`: how many of our figures of how motion looks have a bound, and of how many."""
+    them, one word each; `looks`: how many of our figures of how motion looks have a bound, and of how many;
+    `unbounded`: measures of these that have one nowhere."""
 
     gated: str
     held: tuple[Row, ...]
@@ -70,6 +72,7 @@ class Verdict:
     finished: bool
     rivals: bool
     looks: tuple[int, int] = (0, 0)
+    unbounded: tuple[str, ...] = ()
 
     @property
     def word(self) -> str:
@@ -106,9 +109,14 @@ class Verdict:
 
     @property
     def but(self) -> str:
-        """That most figures of how motion looks have no bound; "" where most have one, or there are none."""
+        """That most figures of how motion looks have no bound, and which measures have none anywhere; "" where most have one, or
+        there are none."""
         bounded, of = self.looks
-        return f"; how motion looks is hardly bounded ({bounded} of {of:,} figures)" if bounded < HARDLY * of else ""
+        if not bounded < MOSTLY * of:
+            return ""
+        # names of measures hold commas
+        none = f", these measures nowhere ({'; '.join(map(words, self.unbounded))})" if self.unbounded else ""
+        return f"; of how motion looks {bounded} of {count(of, 'figure')} {'has' if bounded == 1 else 'have'} a bound{none}"
 
 
 def believed(row: Row, ours: str) -> str:
@@ -127,7 +135,7 @@ def believed(row: Row, ours: str) -> str:
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
-    ranked = compared(results.rows, ours, results.unsaid, results.scales, told(results))
+    ranked, looks = compared(results.rows, ours, results.unsaid, results.scales, told(results)), _looks(results, ours)
     by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
@@ -150,7 +158,8 @@ def verdict(results: Results) -> Verdict:
         _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
         _states(results, ours, failed, by_word["ceiling"]), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
-        (sum(row.bound is not None for row in _looks(results, ours)), len(_looks(results, ours))),
+        (sum(row.bound is not None for row in looks), len(looks)),
+        tuple(metric for metric in LOOKS if {row.bound for row in looks if row.metric == metric} == {None}),
     )
 
 
