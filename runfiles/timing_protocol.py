@@ -48,6 +48,17 @@ class Protocol:
         return f"{self.said}: fewer than {REPEATS} x {TAIL_FRAMES}"
 
 
+def repeats_of(note: str) -> int:
+    """How often the frames of a time were run, by the note of its row; 0 where it does not say."""
+    found = re.match(r"(\d+) x ", note)
+    return int(found[1]) if found else 0
+
+
+def least_of(repeats: int) -> str:
+    """What a figure of one frame is, in words that stand beside it: "each frame the least of 3 repeats"; "" where unknown."""
+    return "" if repeats < 1 else "each frame run once" if repeats == 1 else f"each frame the least of {repeats} repeats"
+
+
 def brief(note: str) -> str:
     """The words of a row without the warm-up, for a cell of a table."""
     return re.sub(r", \d+ warm-up frames?", "", note)

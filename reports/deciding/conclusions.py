@@ -12,6 +12,7 @@ from reports.reading.load import Array, Results, Series
 from reports.words.metric_words import words
 from reports.words.wording import MOST_FACTOR, count, limit, listed, quantity
 from runfiles.behind import MetricLosses
+from runfiles.timing_protocol import least_of
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
 OVERLAP_BOUND = 1e-6
@@ -120,22 +121,23 @@ def time_sentence(percentiles: Mapping[str, tuple[float, float, float]], aside: 
 
 def time_summary(
     panels: Mapping[str, Mapping[str, tuple[float, float, float]]], ours: str, counted: str = "",
-    slowest_frames: Mapping[str, float] = MappingProxyType({}), scenes: int = 0,
+    slowest_frames: Mapping[str, float] = MappingProxyType({}), scenes: int = 0, repeats: int = 0,
 ) -> str:
-    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many `scenes`);
+    """What all panels of frame time together say about our run, its slowest frame [us] by scene first (of so many `scenes`),
+    the least of so many `repeats`;
     `counted`: in how many families its p95 is best, as the losses count them."""
     own = {scene: runs for scene, runs in panels.items() if ours in runs and math.isfinite(runs[ours][1])}
     if not own:
         return f"No frame time of {ours} was measured."
     slowest = max(own, key=lambda scene: own[scene][ours][1])
-    text = slowest_sentence(slowest_frames, ours, scenes)
+    text = slowest_sentence(slowest_frames, ours, scenes, repeats)
     text += f"The highest p95 of {ours} is {quantity(own[slowest][ours][1], 'us')}, in {slowest}"
     return text + (f"; it is best or level in {counted}." if counted else ".")
 
 
-def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) -> str:
-    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, of so many, against what a headset
-    allows."""
+def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0, repeats: int = 0) -> str:
+    """The slowest frame [us] of ours over all scenes that were timed long enough to have one, of so many, each frame the least of
+    its `repeats` (0: not known), against what a headset allows."""
     if not frames:
         return ""
     worst = max(frames, key=lambda scene: frames[scene])
@@ -144,7 +146,8 @@ def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0) ->
     held = f"in each of the {len(frames)}{of} with such a figure every frame that was timed fits into"
     if over:
         held = f"in {over} of the {len(frames)}{of} with such a figure a frame takes longer than"
-    return f"The slowest frame of {ours} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
+    how = f" ({least_of(repeats)})" if repeats else ""
+    return f"The slowest frame of {ours}{how} takes {quantity(frames[worst], 'us')}, in {worst}; {held} the 11.1 ms of 90 Hz. "
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:

@@ -80,6 +80,7 @@ from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
 from runfiles.behind import by_family
 from runfiles.naming import COMPILED
+from runfiles.timing_protocol import repeats_of
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
 SHARED: Mapping[str, object] = {"moment_at": address, "quantity": quantity, "limit": limit, "count": count, "words_of": words}
@@ -210,10 +211,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         first_contact=first_contact.by_scene(splits), first_contact_said=first_contact.sentence(splits, verdict.gated),
         **unseen.section(results, verdict.gated),
         time_chart=summary_charts.times(percentiles, colours),
-        time_summary=time_summary(percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]), {
-            row.scenario: row.value for row in results.rows
-            if row.run == verdict.gated and row.metric == "frame_time_max" and row.value is not None
-        }, len({row.scenario for row in results.rows if row.run == verdict.gated})),
+        time_summary=_times(results, verdict, percentiles),
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
@@ -224,6 +222,16 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         disagreement=_disagreement(results, verdict), ratio=ratio, **SHARED,
         drawn=drawn(_sections(results, extras), _rendered, damage),
     )))
+
+
+def _times(results: Results, verdict: Verdict, percentiles: Mapping[str, Mapping[str, tuple[float, float, float]]]) -> str:
+    """What the panels of frame times say together, the slowest frame of ours and of how many repeats it is the least first."""
+    own = [row for row in results.rows if row.run == verdict.gated]
+    slowest = [row for row in own if row.metric == "frame_time_max" and row.value is not None]
+    return time_summary(
+        percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]),
+        {row.scenario: row.value for row in slowest if row.value is not None}, len({row.scenario for row in own}),
+        max((repeats_of(row.note) for row in slowest), default=0))
 
 
 def _sections(results: Results, extras: Extras) -> tuple[Section[Any], ...]:

@@ -31,6 +31,7 @@ from reports.replay.scene import MOST_FRAMES, counts_of, replay
 from reports.sections.your_project import grasped
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, quantity, ratio
+from runfiles.timing_protocol import repeats_of
 
 POINTS = MOST_FRAMES
 """Points of a line of a scene's own charts, as many as states are drawn beside them."""
@@ -66,7 +67,7 @@ class Kept:
     """What the page of a scene is made of: its file, its lines over time, the length of a frame [s], its replay, its picture, the
     settings in force; `damage` is a sentence for each file that could not be used, and is left out; `grasped` says where what
     hands close on ends, `cut` how much of the scene ran where it was cut short, `instants` when figures of our engine are
-    largest."""
+    largest, `repeats` how often the frames of its times were run, 0 where that is not known."""
 
     scene: Drawn | None
     lines: Mapping[str, list[Course]]
@@ -78,6 +79,7 @@ class Kept:
     grasped: str = ""
     cut: str = ""
     instants: Instants = Instants()
+    repeats: int = 0
 
 
 def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
@@ -90,6 +92,7 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
     depths = {run: one.overlap for run, one in series.items()}
     dt = next((float(one.times[1] - one.times[0]) for one in recorded if len(one.times) > 1), 1.0)
     settings, cut = as_run(run_dir, results, name, seed), scene_sentence(results, name)
+    repeats = max((repeats_of(row.note) for row in results.of(name) if row.metric == "frame_time_p50"), default=0)
     try:
         replayed = replay(scene, recorded, ours, depths) if scene else None
         # what cannot be written into the page is noticed here
@@ -99,8 +102,9 @@ def kept(run_dir: Path, name: str, results: Results, ours: str) -> Kept:
         times = instants(own, scene) if own else Instants()
     except UNDRAWABLE as error:
         said = f"what was recorded cannot be drawn ({type(error).__name__}: {error})"
-        return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said), cut=cut)
-    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)), cut, times)
+        return Kept(None, courses(series, (), None), dt, None, Picture("", 0.0), settings, (*damage, said), cut=cut,
+                    repeats=repeats)
+    return Kept(scene, lines, dt, replayed, picture, settings, damage, grasped(results.of(name)), cut, times, repeats)
 
 
 def _readable(run_dir: Path, name: str, runs: Sequence[str], seed: int) -> tuple[Drawn | None, list[Shown], tuple[str, ...]]:
@@ -146,7 +150,7 @@ def page(
         sources = [library, scripts.source("gif.js"), scripts.source("replay.js"), *sources]
     sources += [scripts.source("quantity.js")] if sources else []
     replayed = found.replay or {}
-    drawn_charts = charts(found.lines, found.dt, POINTS, int(str(replayed.get("stride", 0))))
+    drawn_charts = charts(found.lines, found.dt, POINTS, int(str(replayed.get("stride", 0))), found.repeats)
     gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
         block=block, damage=found.damage, grasped=found.grasped, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT,

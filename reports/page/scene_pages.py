@@ -44,5 +44,5 @@ def scene_pages(
         own = {run: stroke for run, stroke in colours.items() if any(line.run == run for line in block.lines)}
         found = kept(run_dir, block.scene, results, verdict.gated)
         text = page(block, found, verdict, own, around, (panels or {}).get(block.scene, ()))
-        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS), found.picture, found.damage,
+        yield Made(block.scene, text, charts(found.lines, found.dt, POINTS, repeats=found.repeats), found.picture, found.damage,
                    found.instants)

@@ -15,6 +15,7 @@ from reports.reading.kept import Array, Drawn, Shown
 from reports.reading.load import Results, Series
 from reports.replay import packed
 from reports.words.wording import count, quantity
+from runfiles.timing_protocol import least_of
 
 OVERLAP_FLOOR = 1e-9
 """Overlap [m] that is drawn on the floor of its chart, zero included."""
@@ -39,7 +40,8 @@ MEASURES = (
     Measure("energy", "Energy", "J", "Kinetic and potential energy of all simulated bodies, counted from where they began."),
     Measure("contacts", "Contacts", "", "Contacts as each engine counts them itself; where it has no count of them, near pairs."),
     Measure("iterations", "Iterations", "", "Passes of each engine's own solver; what a pass is differs from engine to engine."),
-    Measure("time", "Frame time", "us", "Time of a rendered frame in the timing pass, engine only, least over the repeats."),
+    Measure("time", "Frame time", "us", "Time of a rendered frame in the timing pass, engine only, over the repeats that every "
+            "engine of the scene had; the slowest frame of a table is over all repeats of its own engine."),
 )
 
 
@@ -98,8 +100,9 @@ def told(value: float, unit: str) -> str:
     return quantity(value, unit) if unit else f"{value:,.0f}"
 
 
-def sentence(key: str, lines: Sequence[Course]) -> str:
-    """Median and largest of each line, in words: the text in place of the picture."""
+def sentence(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
+    """Median and largest of each line, in words: the text in place of the picture. `repeats`: of the frames of times, 0 where
+    that is not known."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     said = []
     for line in lines:
@@ -111,11 +114,17 @@ def sentence(key: str, lines: Sequence[Course]) -> str:
         else:
             said.append(f"{line.run}: median {told(float(np.median(finite)), unit)}, "
                         f"largest {told(float(finite.max()), unit)}{broken}")
-    return "; ".join(said) + "."
+    return f"{'; '.join(said)}{_taken(key, repeats)}."
 
 
-def conclusion(key: str, lines: Sequence[Course]) -> str:
-    """What to conclude from one chart."""
+def _taken(key: str, repeats: int) -> str:
+    """How the times of a chart were taken, behind what is said of them; "" for all else."""
+    how = least_of(repeats) if key == "time" else ""
+    return f" ({how})" if how else ""
+
+
+def conclusion(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
+    """What to conclude from one chart; `repeats` as in `sentence`."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     top = {line.run: float(np.nanmax(line.values)) for line in lines if np.isfinite(line.values).any()}
     if not top:
@@ -129,7 +138,8 @@ def conclusion(key: str, lines: Sequence[Course]) -> str:
         gains = [run for run in start if run in top and top[run] > start[run] + max(1e-6, 0.01 * abs(start[run]))]
         return (f"Above the energy they began with, by a hundredth or more: {', '.join(gains)}; a driven hand may add it."
                 if gains else "No engine rises above the energy it began with by more than a hundredth.")
-    return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}."
+    taken = _taken(key, repeats)
+    return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}{taken}."
 
 
 def over_all(results: Results, ours: str) -> str:
@@ -152,9 +162,12 @@ def over_all(results: Results, ours: str) -> str:
     return f"{said}; where one does ({len(lower)}), ours reaches at most {quantity(lower[most], 'm')} ({most})."
 
 
-def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int, stride: int = 0) -> list[dict[str, object]]:
+def charts(
+    lines_of: Mapping[str, Sequence[Course]], dt: float, most: int, stride: int = 0, repeats: int = 0,
+) -> list[dict[str, object]]:
     """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames. Beside
-    a replay that draws one of every `stride` states no group reaches across two of these: so both always say the same."""
+    a replay that draws one of every `stride` states no group reaches across two of these: so both always say the same.
+    `repeats`: how often the frames of the times were run, 0 where that is not known."""
     made = []
     for measure in MEASURES:
         lines = lines_of.get(measure.key, ())
@@ -168,7 +181,8 @@ def charts(lines_of: Mapping[str, Sequence[Course]], dt: float, most: int, strid
         low, high = _range(finite, measure.key)
         made.append({
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
-            "shows": measure.shows, "concludes": conclusion(measure.key, lines), "text": sentence(measure.key, lines),
+            "shows": measure.shows, "concludes": conclusion(measure.key, lines, repeats),
+            "text": sentence(measure.key, lines, repeats),
             "lines": [_line(line, dt * (line.first + frames), _scaled(values, log, low)) for line, frames, values in points],
         })
     return made

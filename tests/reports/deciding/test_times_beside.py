@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reports import write_report
-from reports.deciding.conclusions import time_sentence
+from reports.deciding.conclusions import time_sentence, time_summary
 from reports.deciding.losses import aside_said, best_in
 from reports.deciding.tables import blocks
 from reports.deciding.verdict import verdict
@@ -89,3 +89,8 @@ def test_the_panel_of_a_scene_with_an_avatar_names_no_lowest(run_dir: Write, res
     assert panels["drop"].startswith("avatarsim/default has the lowest p95, 1.00 µs; mujoco/tuned takes 50 times as long")
     assert "times as long" not in panels["hand"] + panels["stack"]
     assert time_sentence({OURS: (1.0, 2.0, 3.0)}, "why") == "The p95 of avatarsim/default is 2.00 µs; it keeps 90 Hz at p99."
+
+
+def test_the_slowest_frame_of_the_summary_says_of_how_many_repeats_it_is_the_least() -> None:
+    said = time_summary({"maze": {OURS: (1.0, 2.0, 3.0)}}, OURS, "", {"maze": 3850.0}, 1, 3)
+    assert said.startswith(f"The slowest frame of {OURS} (each frame the least of 3 repeats) takes 3.85 ms, in maze;")

@@ -34,6 +34,17 @@ def test_frame_times_begin_with_the_first_frame_not_the_first_state() -> None:
     assert sentence("time", lines["time"]) == "a/default: median 20.0 µs, largest 40.0 µs."
 
 
+def test_times_say_of_how_many_repeats_they_are() -> None:
+    times = {run: Series(np.zeros(0), np.array([10.0, 20.0, most])) for run, most in (("a/default", 40.0), ("b/default", 50.0))}
+    [chart] = charts(courses(times, [], None), 0.01, 100, repeats=1)
+    assert chart["concludes"] == "Lowest peak: a/default, 40.0 µs; highest: b/default, 50.0 µs (each frame run once)."
+    assert str(chart["text"]).endswith("largest 50.0 µs (each frame run once).")
+    [chart] = charts(courses(times, [], None), 0.01, 100, repeats=3)
+    assert str(chart["text"]).endswith("largest 50.0 µs (each frame the least of 3 repeats).")
+    [chart] = charts({"overlap": [Course("a/default", 0, OVERLAP)]}, 0.01, 100, repeats=3)
+    assert "repeat" not in str(chart)
+
+
 def test_spikes_survive_fewer_points() -> None:
     values = np.zeros(1000)
     values[777] = 0.5
