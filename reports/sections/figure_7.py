@@ -15,6 +15,7 @@ from reports.drawing.picture import picture
 from reports.reading.load import Array, Results
 from reports.words.wording import quantity
 from runfiles.csv_rows import lines
+from runfiles.timing_protocol import least_of, repeats_of
 
 Flags = NDArray[np.bool_]
 
@@ -31,13 +32,15 @@ SEEN = 1e-6
 @dataclass(frozen=True, eq=False)
 class Trace:
     """One method's frames in the scene of Figure 7: time [us] (F,), whether the raw hand is inside something (F,), and the share
-    [%] of all its frames that each stage takes, empty where it was not measured; `first` frames before them were not timed."""
+    [%] of all its frames that each stage takes, empty where it was not measured; `first` frames before them were not timed; each
+    is the least of `repeats`, 0 where that is not known."""
 
     run: str
     us: Array
     contact: Flags
     stages: Mapping[str, float] = field(default_factory=dict)
     first: int = 0
+    repeats: int = 0
 
 
 def load(run_dir: Path) -> tuple[Trace, ...]:
@@ -56,6 +59,7 @@ def from_series(results: Results) -> tuple[Trace, ...]:
     """The same from the run's own timing pass, which is shorter."""
     runs = results.series.get(FIGURE_7, {})
     raw = next((series.overlap for run, series in runs.items() if run.startswith("tracker/")), np.zeros(0))
+    repeats = max((repeats_of(row.note) for row in results.of(FIGURE_7) if row.metric == "frame_time_p50"), default=0)
     found = []
     for run in METHODS:
         if run in runs and runs[run].frame_time.size:
@@ -65,7 +69,7 @@ def from_series(results: Results) -> tuple[Trace, ...]:
             # state k + 1 is what frame k has led to
             known = raw[first + 1 : first + times.size + 1]
             touches[: known.size] = ~(known <= SEEN)
-            found.append(Trace(run, times, touches, first=first))
+            found.append(Trace(run, times, touches, first=first, repeats=repeats))
     return tuple(found)
 
 
@@ -87,7 +91,8 @@ def _phases(trace: Trace) -> str:
     parts = [f"{quantity(float(np.median(own)), 'us')} {name}" for name, own in phases if own.size]
     frame = trace.first + int(np.nanargmax(times)) + 1
     slowest = f"slowest {quantity(float(np.nanmax(times)), 'us')} in frame {frame} of {trace.first + times.size}"
-    said = f"{run}: {', '.join(parts)}, {slowest}."
+    how = f" ({least_of(trace.repeats)})" if trace.repeats else ""
+    said = f"{run}: {', '.join(parts)}, {slowest}{how}."
     return said if busy.size else f"{said} No contact in these frames: `make bench` times all of the scene."
 
 

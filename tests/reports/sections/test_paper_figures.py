@@ -35,6 +35,11 @@ def test_figure_7_tells_idle_from_contact(run_dir: Write, results: Json) -> None
     [panel] = figure_7(from_series(load(run_dir(results))))
     assert panel.scene == "avatarsim/default" and 'role="img"' in panel.svg
     assert panel.conclusion == "avatarsim/default: 31.0 µs while idle, 31.0 µs in contact, slowest 74.4 µs in frame 6 of 200."
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    noted = [one | {"note": "1 x 200 frames, 30 warm-up frames"} if one["metric"] == "frame_time_p50" else one for one in rows]
+    [panel] = figure_7(from_series(load(run_dir(results | {"rows": noted}))))
+    assert panel.conclusion.endswith("slowest 74.4 µs in frame 6 of 200 (each frame run once).")
 
 
 def test_figure_7_from_its_own_file(tmp_path: Path) -> None:
