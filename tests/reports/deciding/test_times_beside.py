@@ -91,6 +91,6 @@ def test_the_panel_of_a_scene_with_an_avatar_names_no_lowest(run_dir: Write, res
     assert time_sentence({OURS: (1.0, 2.0, 3.0)}, "why") == "The p95 of avatarsim/default is 2.00 µs; it keeps 90 Hz at p99."
 
 
-def test_the_slowest_frame_of_the_summary_says_of_how_many_repeats_it_is_the_least() -> None:
+def test_the_slowest_frame_of_the_summary_says_of_how_many_repeats_it_is() -> None:
     said = time_summary({"maze": {OURS: (1.0, 2.0, 3.0)}}, OURS, "", {"maze": 3850.0}, 1, 3)
     assert said.startswith(f"The slowest frame of {OURS} (each frame the least of 3 repeats) takes 3.85 ms, in maze;")

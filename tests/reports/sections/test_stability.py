@@ -132,7 +132,7 @@ def test_lost_trials_are_told_by_case_and_engine_with_their_reason(tmp_path: Pat
     assert stability.lost_trials(found(tmp_path, HEAD + row("avatarsim/default", "plain"))) == ()
 
 
-def test_trials_lost_under_a_change_that_ours_cannot_be_asked_are_named_too(tmp_path: Path) -> None:
+def test_trials_lost_under_a_change_ours_cannot_be_asked_are_named(tmp_path: Path) -> None:
     lost = "heavy_on_light,mujoco/tuned,solver step,2 times,0,0,0,0.01,1,0,lost,36,0.2,0,0,0.1,0.2,outside in 26 frames,slice\n"
     step = row("avatarsim/default", "solver step", "cannot say", "", "")
     [_, one] = stability.lost_trials(found(tmp_path, ROWS + step + lost))

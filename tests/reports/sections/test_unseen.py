@@ -162,7 +162,7 @@ def test_the_smoother_preset_stands_beside_its_own_limits_and_hinges_beside_it(r
     assert "mujoco/hinges" in {one["run"] for one in short} and "door_90hz" not in {one["room"] for one in short}
 
 
-def test_what_is_zero_is_no_but_and_jitter_stands_there_where_ours_is_behind(run_dir: Write) -> None:
+def test_zero_is_no_but_and_jitter_stands_there_where_ours_is_behind(run_dir: Write) -> None:
     def said(ours: float, theirs: float) -> str:
         jitter = [row("unseen_wall", run, "jitter_rms", value, "m", seed=77) for run, value in ((OURS, ours), (TUNED, theirs))]
         found = unseen.unseen(run_with(run_dir, [*rows_of("wall", 0.0), *jitter]), OURS)
@@ -173,7 +173,7 @@ def test_what_is_zero_is_no_but_and_jitter_stands_there_where_ours_is_behind(run
     assert "jitter" not in said(3e-5, 3e-5) and "shake" not in said(3e-5, 3e-5)
 
 
-def test_every_preset_that_is_smoother_is_named_by_the_roughness_of_the_table(run_dir: Write) -> None:
+def test_every_preset_that_is_smoother_by_the_table_is_named(run_dir: Write) -> None:
     rows = rows_of("wall")
     for preset, rough in (("default", 1.1), ("servos", 1.3), ("level", 11.96)):
         rows.append(row("unseen_wall", f"mujoco/{preset}", "jerk_ratio", rough, "", seed=77))
