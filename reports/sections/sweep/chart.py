@@ -10,7 +10,7 @@ from reports.drawing.palette import MUTED, Stroke, strokes
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
 from reports.sections.sweep import beaten, ladders
-from reports.sections.sweep.cheapest import BASE, PROFILED, Block, Table, asleep, astray, at_level, silence, table
+from reports.sections.sweep.cheapest import BASE, CHEAPEST, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
 from reports.sections.sweep.performance_profile import Steps, profiles
 from reports.sections.sweep.performance_profile import sentence as profile_sentence
@@ -250,7 +250,7 @@ def one_line(block: Block) -> str:
         attempt = line.cells[index].attempt
         said.append(f"{line.engine}: {line.none}" if attempt is None else
                     f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
-    return f"at 1 mm, of so many: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
+    return f"at 1 mm, {CHEAPEST}: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
 def figure(value: object) -> str:
