@@ -138,7 +138,7 @@ def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float
             chart.cross(point.p50 if point.p50 > 0.0 else span[1], high, ink[point.family].light, tooltip(point))
     for point in sorted(usable, key=_rank):
         chart.label(point.p50, max(point.floored, floor), short_name(point), ink[point.family].light)
-    return chart.svg(f"{rivalry.scenario}. {rivalry.metric} against median frame time. {_front_words(rivalry)}")
+    return chart.svg(f"{rivalry.scenario}. {words(rivalry.metric)} against median frame time. {_front_words(rivalry)}")
 
 
 def is_beaten(point: Point, others: Sequence[Point]) -> bool:

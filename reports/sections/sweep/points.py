@@ -168,6 +168,12 @@ class Rivalry:
         return tuple(found)
 
     @property
+    def no_factor(self) -> str:
+        """Why an entry of `ratios` is not a number."""
+        asleep = basis_of(self.points) in (Basis.TAIL, Basis.SLOWEST)
+        return "no factor, since what rests sleeps in the median frame" if asleep else "no factor, since a time is missing"
+
+    @property
     def lost(self) -> bool:
         """Whether anything that is promised fails here; a promise without our own figure has failed."""
         short = any(entry and entry[1] < least for entry, (_, least) in zip(self.ratios, RATIOS, strict=False))

@@ -242,6 +242,19 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     assert "none of 1 setting measured here" in page and "ours is kinematic" in page
 
 
+def test_a_factor_that_is_none_has_a_reason_and_errors_have_words(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    (folder / sweep.ROWS).write_text(
+        HEAD.replace("note\n", "note,rests,p95,sleeps\n")
+        + "stack,avatarsim,default,residual_overlap_max,m,0,0.4,,measured,all,1e-06,,0.8,1500,1\n"
+        + "stack,mujoco,tuned,residual_overlap_max,m,0,400,,measured,own,1e-06,,0.8,700,0\n"
+    )
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "×nan" not in page and "mujoco/tuned: no factor, since what rests sleeps in the median frame" in page
+    assert ">residual_overlap_max<" not in page and "stack. deepest overlap shown against median frame time" in page
+
+
 def test_half_of_a_surrogate_pair_in_a_file_costs_a_sign_and_not_the_page(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     (folder / sweep.ROWS).write_text(HEAD + WON)
