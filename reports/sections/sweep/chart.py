@@ -94,7 +94,7 @@ def tooltip(point: Point) -> str:
     time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
-    copied = [text for text in (point.options, point.native) if text]
+    copied = [text for text in (point.options, point.settable) if text]
     hovers = f"; {point.hovers}" if point.hovers else ""
     return "\n".join([f"{point.run}: {error}{hovers}, {time}{state}", *copied])
 
