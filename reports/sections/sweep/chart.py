@@ -12,6 +12,7 @@ from reports.sections.page_paths import path_of
 from reports.sections.sweep import beaten, ladders
 from reports.sections.sweep.cheapest import BASE, CHEAPEST, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
+from reports.sections.sweep.elsewhere import elsewhere
 from reports.sections.sweep.performance_profile import Steps, profiles
 from reports.sections.sweep.performance_profile import sentence as profile_sentence
 from reports.sections.sweep.points import OURS, SEEN_GAP, Point, Rivalry, Sweep, conclusion
@@ -285,7 +286,8 @@ def at_other_rates(results: Results | None, point: Point, metrics: Sequence[str]
 
 
 def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
-    """What the section is made of; `results`: the run's own figures, for those of a scene's variants."""
+    """What the section is made of; `results`: the run's own figures, for those of a scene's variants and of
+    presets that the sweep has not."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
     said = [cheapest_sentence(found), conclusion(sweep)]
@@ -298,5 +300,5 @@ def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
         "rates_of": lambda block, point: at_other_rates(results, point, block.metrics),
-        "model_of": sweep.model, "path_of": path_of,
+        "elsewhere_of": lambda block: elsewhere(results, sweep, block), "model_of": sweep.model, "path_of": path_of,
     }

@@ -15,6 +15,7 @@ from reports.sections import convergence, law_map
 from reports.sections import law_map as law_map_chart
 from reports.sections.sweep import chart as sweep_chart
 from reports.sections.sweep import points as sweep
+from reports.sections.sweep.elsewhere import elsewhere
 from tests.reports.conftest import row
 from tests.reports.page.test_page import Tree
 
@@ -316,6 +317,21 @@ def test_what_changes_the_step_is_run_with_its_row(run_dir: Write, results: Json
     margin = replace(other, options="pybullet.x = {preset = 1, margin = 0.1}")
     assert margin.by_row == "more follows from it than one line says: run it with this row"
     assert not replace(margin, settable="x").by_row and not replace(margin, setting="tuned").by_row
+
+
+def test_a_preset_of_the_run_that_the_sweep_has_not_is_named_beside_the_cells(run_dir: Write, results: Json) -> None:
+    rows = [row("wall", run, metric, value, unit) for run, time in (("mujoco/tuned", 35.0), ("mujoco/sleeping", 20.0))
+            for metric, value, unit in (("frame_time_p50", time, "us"), ("residual_overlap_max", 1e-5, "m"))]
+    rows += [row("wall", run, "frame_time_p50", 1.0, "us") for run in ("tracker/default", "mujoco/default")]
+    folder = run_dir(results | {"rows": rows})
+    (folder / sweep.ROWS).write_text(HEAD + WON + line("wall", "mujoco/default", 1e-3, 40))
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert ("Presets that are no settings of this sweep, and so in no cell; medians of all frames by the run's own timing pass: "
+            "mujoco/sleeping 20.0 µs, leaves 10.0 µm.") in page.replace("&#39;", "'")
+    bare = loaded(folder, WON + line("wall", "mujoco/sleeping", 1e-5, 20))
+    block = sweep_chart.table(bare).blocks[0]
+    assert "sleeping" not in elsewhere(load(folder), bare, block) and elsewhere(None, bare, block) == ""
 
 
 def test_what_hovers_less_is_not_drawn_as_beaten_by_what_stays_off(tmp_path: Path) -> None:
