@@ -40,6 +40,11 @@ class Chosen:
 Preset = Mapping[str, Chosen]
 
 
+def cut_into(count: int) -> str:
+    """Why the step is what it is: a frame is cut into `count` of them."""
+    return f"{count} step{'' if count == 1 else 's'} per frame: the nearest whole number"
+
+
 def kind_of(scene: Scene) -> Kind:
     """Simulated bodies only (of pairs that bounce, or of none), driven ones only, or both."""
     if not scene.avatars:

@@ -22,7 +22,7 @@ from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES,
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import Chosen, in_force, kind_of, purpose
+from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 from runfiles.naming import COMPILED
 
@@ -53,7 +53,7 @@ class MujocoEngine:
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run |= EVERYWHERE
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
+        run["dt as run"] = (self._step, cut_into(self._count))
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
         return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
 

@@ -22,7 +22,7 @@ DEFAULT: Preset = {
     "tolerance": Chosen(1e-8, DOCUMENTED + " (gain of an iteration at which the solver ends, as a share of the mean inertia)"),
     "impratio": Chosen(1.0, DOCUMENTED + " (impedance of frictional over that of normal constraints)"),
     "noslip_iterations": Chosen(0, DOCUMENTED + " (passes that solve friction anew, the normal forces being known)"),
-    "contact": Chosen("soft", DOCUMENTED + "(spring and damper by time constant and damping ratio: nothing "
+    "contact": Chosen("soft", DOCUMENTED + " (spring and damper by time constant and damping ratio: nothing "
                                            "bounces)"),
     "contact_time": Chosen(0.02, DOCUMENTED + " (time constant [s] of soft contacts)"),
     "contact_steps": Chosen(0.0, "0: contact_time is used; else the time constant in steps"),

@@ -21,7 +21,7 @@ from reference.in_pybullet.factors import coefficients, fit, weights
 from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
-from reference.presets import Chosen, in_force, kind_of, purpose
+from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class PybulletEngine:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        run["dt as run"] = (self._step, f"{self._count} steps per frame: the nearest whole number")
+        run["dt as run"] = (self._step, cut_into(self._count))
         run["bodies outside the multibody solver"] = (len(self._world.maximal), "those whose inertia Bullet "
                                                                                 "finds by itself")
         return run

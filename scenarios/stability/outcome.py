@@ -166,7 +166,12 @@ def _judged(task: Task, scenario: Scenario, case: Varied, shown: _Shown) -> dict
     found["end"] = tuple(tuple(place) for place in recording.positions[-1, moving].tolist())
     astray = _value(wrong_side(recording, scenario, case.here).get("wrong_side_frames", 0.0))
     state = TOO_LATE if shown.late else LOST if astray else SURVIVED
-    return {**found, "state": state, "note": f"outside its region in {astray:.0f} frames" if astray else ""}
+    return {**found, "state": state, "note": outside_for(round(astray))}
+
+
+def outside_for(frames: int) -> str:
+    """In how many frames something was outside its region; "" for none."""
+    return f"outside its region in {frames} frame{'' if frames == 1 else 's'}" if frames else ""
 
 
 def _depths(case: Varied, recording: Recording) -> Array:

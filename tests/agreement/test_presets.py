@@ -155,6 +155,11 @@ def test_settings_are_read_back_with_their_reasons(engine: Engine) -> None:
     engine.close()
     assert run["dt"] == (1.0 / 480.0, "set by hand")
     assert run["dt as run"] == (pytest.approx(FRAME / 8), "8 steps per frame: the nearest whole number")
+    engine.load(ball_on_slab(), Settings("default", {"dt": FRAME}), FRAME)
+    run = engine.settings_as_run()
+    engine.close()
+    assert run["dt as run"] == (pytest.approx(FRAME), "1 step per frame: the nearest whole number")
+    assert all("default(" not in entry[1] for entry in run.values())
     assert all(isinstance(entry, tuple) and entry[1] for entry in run.values())
 
 

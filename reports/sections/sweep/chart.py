@@ -10,8 +10,9 @@ from reports.drawing.palette import MUTED, Stroke, strokes
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
 from reports.sections.sweep import beaten, ladders
-from reports.sections.sweep.cheapest import BASE, PROFILED, Block, Table, asleep, astray, at_level, silence, table
+from reports.sections.sweep.cheapest import BASE, CHEAPEST, PROFILED, Block, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
+from reports.sections.sweep.elsewhere import elsewhere
 from reports.sections.sweep.performance_profile import Steps, profiles
 from reports.sections.sweep.performance_profile import sentence as profile_sentence
 from reports.sections.sweep.points import OURS, SEEN_GAP, Point, Rivalry, Sweep, conclusion
@@ -94,7 +95,7 @@ def tooltip(point: Point) -> str:
     time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
-    copied = [text for text in (point.options, point.native) if text]
+    copied = [text for text in (point.options, point.settable) if text]
     hovers = f"; {point.hovers}" if point.hovers else ""
     return "\n".join([f"{point.run}: {error}{hovers}, {time}{state}", *copied])
 
@@ -138,7 +139,7 @@ def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float
             chart.cross(point.p50 if point.p50 > 0.0 else span[1], high, ink[point.family].light, tooltip(point))
     for point in sorted(usable, key=_rank):
         chart.label(point.p50, max(point.floored, floor), short_name(point), ink[point.family].light)
-    return chart.svg(f"{rivalry.scenario}. {rivalry.metric} against median frame time. {_front_words(rivalry)}")
+    return chart.svg(f"{rivalry.scenario}. {words(rivalry.metric)} against median frame time. {_front_words(rivalry)}")
 
 
 def is_beaten(point: Point, others: Sequence[Point]) -> bool:
@@ -250,7 +251,7 @@ def one_line(block: Block) -> str:
         attempt = line.cells[index].attempt
         said.append(f"{line.engine}: {line.none}" if attempt is None else
                     f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
-    return f"at 1 mm, of so many: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
+    return f"at 1 mm, {CHEAPEST}: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
 
 
 def figure(value: object) -> str:
@@ -285,7 +286,8 @@ def at_other_rates(results: Results | None, point: Point, metrics: Sequence[str]
 
 
 def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
-    """What the section is made of; `results`: the run's own figures, for those of a scene's variants."""
+    """What the section is made of; `results`: the run's own figures, for those of a scene's variants and of
+    presets that the sweep has not."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
     said = [cheapest_sentence(found), conclusion(sweep)]
@@ -298,5 +300,5 @@ def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
         "astray_said": astray(found)[0], "astray": astray(found)[1],
         "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
         "rates_of": lambda block, point: at_other_rates(results, point, block.metrics),
-        "model_of": sweep.model, "path_of": path_of,
+        "elsewhere_of": lambda block: elsewhere(results, sweep, block), "model_of": sweep.model, "path_of": path_of,
     }

@@ -325,7 +325,7 @@ def sentence(found: Table) -> str:
     unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
-                     f"does: of {_tried(alone)}.")
+                     f"does. In these scenes other engines have {_tried(alone)}, each a setting in a scene.")
     return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 

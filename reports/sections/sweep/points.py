@@ -1,6 +1,7 @@
 """Accuracy against time, from what `scenarios sweep` left in the run: points, fronts, and whether the promised ratios hold."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,6 +25,12 @@ SLEEPS = 0.5
 """Share of frames at rest from which on a median is the time of a frame at rest."""
 ALONE = "Taken for one kind of error alone, where the cases above and the table below count all errors of a scene at once, "
 """How what is said of single errors begins."""
+ROW, STEP = "{preset = ", ", dt = "
+"""Signs of a row for `--settings` in the options to copy, and of a row that changes the step."""
+SEED_AND_FORM = re.compile(r"\d+\.\w+\.gz")
+"""How the name of what an engine loaded goes on after scene, engine and setting."""
+FOLLOW = {"mujoco": "contact parameters follow the step"}
+"""Engine -> what else a change of its step changes."""
 SLEEPS_THROUGH = 0.95
 """The same share for a 95th percentile."""
 RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
@@ -34,10 +41,11 @@ RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 class Point:
     """One setting in one scene: `error` in `unit`, frame time [us] median and 99th percentile; nan with the reason in `note`.
     `reached`: the error that counts as none. `front`: all, own or empty. `base` is the preset beneath the setting, `options` its
-    text to copy, `native` the engine's own words for it, `repeats` and `frames` what its times stand on, 0 where the file does
-    not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and `at_rest` the median of either kind [us];
-    `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s]; `avatar`: whether the scene has one, which
-    is kinematic in ours and dynamic in the others; `slowest` frame [us]; `gap`: median [m] from an avatar to what it touches."""
+    text to copy, `settable` the engine's own words for it where nothing else follows from it, `repeats` and `frames` what its
+    times stand on, 0 where the file does not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and
+    `at_rest` the median of either kind [us]; `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s];
+    `avatar`: whether the scene has one, which is kinematic in ours and dynamic in the others; `slowest` frame [us]; `gap`: median
+    [m] from an avatar to what it touches."""
 
     scenario: str
     engine: str
@@ -55,7 +63,7 @@ class Point:
     options: str = ""
     repeats: int = 0
     frames: int = 0
-    native: str = ""
+    settable: str = ""
     p95: float = math.nan
     rests: float = math.nan
     moving: float = math.nan
@@ -75,6 +83,14 @@ class Point:
     def is_preset(self) -> bool:
         """Whether the setting is one of the engine's own presets."""
         return self.setting == (self.base or self.setting.partition(" ")[0])
+
+    @property
+    def by_row(self) -> str:
+        """Why a setting is run with its row instead of being set in the model of the preset; "" where it can be."""
+        if self.is_preset or self.settable or self.engine == OURS[0] or ROW not in self.options:
+            return ""
+        why = FOLLOW.get(self.engine, "how many steps a frame has, and what an avatar is told in them, follow the step")
+        return f"{why if STEP in self.options else 'more follows from it than one line says'}: run it with this row"
 
     @property
     def hovers(self) -> str:
@@ -168,6 +184,12 @@ class Rivalry:
         return tuple(found)
 
     @property
+    def no_factor(self) -> str:
+        """Why an entry of `ratios` is not a number."""
+        asleep = basis_of(self.points) in (Basis.TAIL, Basis.SLOWEST)
+        return "no factor, since what rests sleeps in the median frame" if asleep else "no factor, since a time is missing"
+
+    @property
     def lost(self) -> bool:
         """Whether anything that is promised fails here; a promise without our own figure has failed."""
         short = any(entry and entry[1] < least for entry, (_, least) in zip(self.ratios, RATIOS, strict=False))
@@ -212,10 +234,18 @@ class Sweep:
     models: tuple[str, ...] = ()
     """Names of the files in which engines left what they loaded, in their own words."""
 
-    def model(self, point: Point) -> str:
-        """Path, beside the page, of what the engine loaded in the scene with the preset beneath a setting; "" without."""
-        stem = f"{point.scenario}.{point.family.replace('/', '.')}."
-        name = next((name for name in self.models if name.startswith(stem) and name.endswith(".gz")), "")
+    def model(self, point: Point) -> tuple[str, str]:
+        """Path, beside the page, of what the engine loaded in the scene with a setting, and what that is: its own, or that of the
+        preset beneath if the setting can be set in it; ("", "") without."""
+        own = self._loaded(point.scenario, point.run)
+        if own:
+            return own, "model as compiled"
+        beneath = self._loaded(point.scenario, point.family) if point.settable else ""
+        return beneath, f"model as compiled of {point.base}, to set that in" if beneath else ""
+
+    def _loaded(self, scene: str, run: str) -> str:
+        stem = f"{scene}.{run.replace('/', '.', 1).replace('/', '_').replace(' ', '.')}."
+        name = next((name for name in self.models if name.startswith(stem) and SEED_AND_FORM.fullmatch(name[len(stem) :])), "")
         return f"{FOLDER}/{name}" if name else ""
 
     @cached_property
@@ -255,7 +285,7 @@ def _point(row: Mapping[str, str]) -> Point:
         row["scenario"], row["engine"], row["setting"], row["metric"], row["unit"], number(row["error"]), number(row["p50"]),
         number(row["p99"]), row["state"], row["front"], float(row["reached"]), row["note"],
         row.get("base") or "", row.get("options") or "", int(row.get("repeats") or 0), int(row.get("frames") or 0),
-        row.get("native") or "", sleeps=bool(int(row.get("sleeps") or 0)), avatar=bool(int(row.get("avatar") or 0)), **told,
+        row.get("settable") or "", sleeps=bool(int(row.get("sleeps") or 0)), avatar=bool(int(row.get("avatar") or 0)), **told,
     )
 
 

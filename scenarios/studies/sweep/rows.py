@@ -51,11 +51,11 @@ class Row:
     `state`: measured; wrong-side (the error is small because something went through a wall), not-finite, crashed, cannot-say,
     not-measured, refused. `front`: "all" on the front of all engines, "own" on that of its own engine only, else empty.
     `reached`: the error that counts as none. `base` is the preset beneath the setting, `options` the setting as text to copy,
-    `native` the same in the engine's own words, `repeats` and `frames` what its times stand on. `p95` [us]; `rests` is the share
-    of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind where both are many; `sleeps` 1 where
-    what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the scene has an avatar, which is
-    kinematic in ours and dynamic in the others; `slowest` is its slowest frame [us], `gap` the median [m] from an avatar
-    to what it touches, nan without one.
+    `settable` the same in the engine's own words where nothing else follows from it, `repeats` and `frames` what its times stand
+    on. `p95` [us]; `rests` is the share of frames in which nothing moves, `moving` and `at_rest` the median [us] of either kind
+    where both are many; `sleeps` 1 where what rests falls asleep; `step` is the engine's own time step [s]; `avatar` 1 where the
+    scene has an avatar, which is kinematic in ours and dynamic in the others; `slowest` is its slowest frame [us], `gap` the
+    median [m] from an avatar to what it touches, nan without one.
     """
 
     scenario: str
@@ -74,7 +74,7 @@ class Row:
     options: str = ""
     repeats: int = 0
     frames: int = 0
-    native: str = ""
+    settable: str = ""
     p95: float = math.nan
     rests: float = math.nan
     moving: float = math.nan

@@ -18,7 +18,7 @@ from runfiles import ladder
 from runfiles.accuracy import Reached, largest, missing
 from runfiles.csv_rows import csv_text
 from runfiles.files import write_json, write_text
-from runfiles.naming import BASELINE
+from runfiles.naming import BASELINE, stem
 from runfiles.sayable import unsaid
 from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios.job import Outcome
@@ -96,9 +96,10 @@ class Choice:
 
 
 def cells_of(request: Request) -> list[Cell]:
-    """Every setting of the short grid, and every row of the user's own, in every scene in which it changes anything, in the order
-    of the budget: first of each engine's list in all scenes, then the second, and so on. What only repeats its preset's step, or
-    has no words for an error of the scene, is left out: of such an engine the presets stand there and say so."""
+    """Every setting of the short grid, every row of the user's own, and every further preset that the run measured there, in
+    every scene in which it changes anything, in the order of the budget: first of each engine's list in all scenes, then the
+    second, and so on. What only repeats its preset's step, or has no words for an error of the scene, is left out: of such an
+    engine the presets stand there and say so."""
     own: dict[str, list[OwnSettings]] = {}
     for outcome in request.outcomes.values():
         job = outcome.job
@@ -113,12 +114,20 @@ def cells_of(request: Request) -> list[Cell]:
             if engine == BASELINE:
                 continue
             rows = own.get(name, ())
-            rank = {named: k for k, named in enumerate(SHORT.get(engine, presets))} | {row.name: 0 for row in rows}
-            for setting in settings_of(engine, presets, rows):
+            known, more = settings_of(engine, presets, rows), variants_of(name, engine, request)
+            rank = {named: k for k, named in enumerate(SHORT.get(engine, presets))} | {s.name: 0 for s in (*rows, *more)}
+            for setting in (*known, *more):
                 cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
                 if setting.name in rank and setting.base in presets and applicable(setting, scene) and _tells(cell, request):
                     ranked.append((_turn(cell, rank[setting.name], request), cell))
     return [cell for _, cell in sorted(ranked, key=lambda entry: entry[0])]
+
+
+def variants_of(scenario: str, engine: str, request: Request) -> tuple[Setting, ...]:
+    """Presets that the grid does not have and that the run measured in this scene: their times stand on the same page."""
+    known = {setting.name for setting in settings_of(engine, ())}
+    ran = [preset for preset in request.presets[engine] if stem(scenario, engine, preset, request.seed) in request.outcomes]
+    return tuple(Setting(engine, preset, preset) for preset in ran if known and preset not in known)
 
 
 class Turn(IntEnum):

@@ -17,6 +17,7 @@ from scenarios.stability.outcome import (
     Outcome,
     Task,
     outcome,
+    outside_for,
 )
 from scenarios.stability.plan import Trial
 from scenarios.stability.variation import Variation
@@ -33,6 +34,10 @@ def task(engine: str, case: str = "stack_ten", change: Variation | None = None, 
 def test_a_bad_engine_does_not_survive(site: Path, engine: str, state: str, said: str) -> None:
     found = outcome(task(engine))
     assert found.state == state and said in found.note
+
+
+def test_one_frame_outside_is_one_frame() -> None:
+    assert [outside_for(k) for k in range(3)] == ["", "outside its region in 1 frame", "outside its region in 2 frames"]
 
 
 def test_who_takes_too_long_is_late(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:

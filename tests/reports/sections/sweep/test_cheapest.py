@@ -215,7 +215,8 @@ def test_what_is_lost_is_said_first() -> None:
     assert said.startswith(first)
     assert "drop at 1 mm, 100 µm, 1 µm (mujoco/tuned 40.0 µs, ours does not reach it)" in said
     assert "×4.0 (drop at 10 mm, mujoco/tuned)" in said
-    assert "In 2 cases ours reaches an accuracy that none of the settings of other engines does: of 1 cell measured" in said
+    assert ("In 2 cases ours reaches an accuracy that none of the settings of other engines does. In these scenes other engines "
+            "have 1 cell measured here, each a setting in a scene.") in said
     assert "the time of avatarsim/default" in said
 
 

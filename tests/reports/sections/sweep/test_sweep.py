@@ -15,6 +15,7 @@ from reports.sections import convergence, law_map
 from reports.sections import law_map as law_map_chart
 from reports.sections.sweep import chart as sweep_chart
 from reports.sections.sweep import points as sweep
+from reports.sections.sweep.elsewhere import elsewhere
 from tests.reports.conftest import row
 from tests.reports.page.test_page import Tree
 
@@ -122,6 +123,12 @@ def test_a_panel_per_scene_and_the_other_errors_apart(tmp_path: Path) -> None:
     assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == ([], [])
 
 
+def test_the_heading_of_a_table_says_what_its_numbers_are(tmp_path: Path) -> None:
+    found = sweep_chart.table(loaded(tmp_path, WON))
+    said = sweep_chart.one_line(found.blocks[0])
+    assert said.startswith("at 1 mm, cheapest (measured of planned): avatarsim 10.0 µs (default, 1), mujoco 35.0 µs (tuned, 2)")
+
+
 def test_points_have_labels_and_tooltips_with_the_options(tmp_path: Path) -> None:
     (tmp_path / sweep.ROWS).write_text(
         HEAD.replace("note\n", "note,base,options,repeats,frames\n")
@@ -140,16 +147,16 @@ def test_points_have_labels_and_tooltips_with_the_options(tmp_path: Path) -> Non
 
 def test_all_that_is_drawn_stands_as_text_too_and_tooltips_have_the_engines_own_words(tmp_path: Path) -> None:
     (tmp_path / sweep.ROWS).write_text(
-        HEAD.replace("note\n", "note,base,options,repeats,frames,native,p95,rests,moving,at_rest,sleeps,step\n")
-        + "wall,mujoco,tuned dt=1/60,residual_overlap_max,m,0.002,8,,measured,,1e-06,,tuned,row,1,300,opt.timestep = 0.0167,"
+        HEAD.replace("note\n", "note,base,options,repeats,frames,settable,p95,rests,moving,at_rest,sleeps,step\n")
+        + "wall,mujoco,tuned iterations=9,residual_overlap_max,m,0.002,8,,measured,,1e-06,,tuned,row,1,300,opt.iterations = 9,"
         + "9,,,,1,0.0167\n"
         + "wall,mujoco,default,residual_overlap_max,m,,8,,cannot-say,,1e-06,no words,default,,1,300,,,,,,,\n"
     )
     found = sweep.load(tmp_path)
     assert found is not None and found.points[0].sleeps and not found.points[1].sleeps and found.points[0].p95 == 9.0
     (panel,), _ = sweep_chart.panels(found)
-    assert panel.points == (("mujoco/tuned dt=1/60", "2.00 mm", "8.00 µs"),) and "Crosses" not in panel.conclusion
-    assert "95th percentile 9.00 µs): " not in panel.svg and "opt.timestep = 0.0167</title>" in panel.svg
+    assert panel.points == (("mujoco/tuned iterations=9", "2.00 mm", "8.00 µs"),) and "Crosses" not in panel.conclusion
+    assert "95th percentile 9.00 µs): " not in panel.svg and "opt.iterations = 9</title>" in panel.svg
 
 
 def test_the_budget_of_90_hertz_is_said_as_it_is(tmp_path: Path) -> None:
@@ -236,6 +243,19 @@ def test_the_page_has_the_sections_only_when_their_files_are_there(run_dir: Writ
     assert "none of 1 setting measured here" in page and "ours is kinematic" in page
 
 
+def test_a_factor_that_is_none_has_a_reason_and_errors_have_words(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    (folder / sweep.ROWS).write_text(
+        HEAD.replace("note\n", "note,rests,p95,sleeps\n")
+        + "stack,avatarsim,default,residual_overlap_max,m,0,0.4,,measured,all,1e-06,,0.8,1500,1\n"
+        + "stack,mujoco,tuned,residual_overlap_max,m,0,400,,measured,own,1e-06,,0.8,700,0\n"
+    )
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "×nan" not in page and "mujoco/tuned: no factor, since what rests sleeps in the median frame" in page
+    assert ">residual_overlap_max<" not in page and "stack. deepest overlap shown against median frame time" in page
+
+
 def test_half_of_a_surrogate_pair_in_a_file_costs_a_sign_and_not_the_page(run_dir: Write, results: Json) -> None:
     folder = run_dir(results)
     (folder / sweep.ROWS).write_text(HEAD + WON)
@@ -259,15 +279,59 @@ def test_a_gap_is_said_beside_the_error_that_does_not_count_it(tmp_path: Path) -
     assert "hovers 4.00 mm" in sweep_chart.tooltip(replace(point, gap=4e-3))
 
 
-def test_the_model_of_a_setting_is_that_of_the_preset_beneath_if_it_is_there(tmp_path: Path) -> None:
-    turned = replace(loaded(tmp_path, WON).points[0], scenario="wall", engine="mujoco", setting="tuned dt=1/60", base="tuned")
+def test_the_model_of_a_setting_is_its_own_or_one_that_it_can_be_set_in(tmp_path: Path) -> None:
+    turned = replace(loaded(tmp_path, WON).points[0], scenario="wall", engine="mujoco", setting="tuned iterations=9",
+                     base="tuned", settable="opt.iterations = 9")
     (tmp_path / "native").mkdir()
-    assert sweep.load(tmp_path) is not None and sweep.Sweep((turned,)).model(turned) == ""
-    for name in ("wall.mujoco.tuned.0.xml.gz", "wall.mujoco.tuned.0.steps.npz", "wall_b.mujoco.tuned.0.xml.gz"):
+    assert sweep.load(tmp_path) is not None and sweep.Sweep((turned,)).model(turned) == ("", "")
+    names = ("tuned.0.xml.gz", "tuned.0.steps.npz", "tuned.dt=1_60.x.0.xml.gz", "mine.0.xml.gz")
+    for name in (*(f"wall.mujoco.{name}" for name in names), "wall_b.mujoco.tuned.0.xml.gz"):
         (tmp_path / "native" / name).write_bytes(b"")
     found = sweep.load(tmp_path)
-    assert found is not None and found.model(turned) == "native/wall.mujoco.tuned.0.xml.gz"
-    assert found.model(replace(turned, base="default", setting="default")) == ""
+    assert found is not None
+    tuned = "native/wall.mujoco.tuned.0.xml.gz"
+    assert found.model(turned) == (tuned, "model as compiled of tuned, to set that in")
+    assert found.model(replace(turned, setting="tuned", settable="")) == (tuned, "model as compiled")
+    assert found.model(replace(turned, setting="tuned dt=1/60", settable="")) == ("", "")
+    assert found.model(replace(turned, setting="mine", settable="")) == ("native/wall.mujoco.mine.0.xml.gz", "model as compiled")
+    assert found.model(replace(turned, base="default", setting="default", settable="")) == ("", "")
+
+
+def test_what_changes_the_step_is_run_with_its_row(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    row = '"mujoco.x = {preset = ""tuned"", dt = 0.1}"'
+    (folder / sweep.ROWS).write_text(
+        HEAD.replace("note\n", "note,base,options,native\n")
+        + "wall,avatarsim,default,residual_overlap_max,m,0,10,,measured,all,1e-06,,default,--engine avatarsim,\n"
+        + f"wall,mujoco,tuned dt=1/60,residual_overlap_max,m,0,8,,measured,all,1e-06,,tuned,{row},opt.timestep = 0.1\n"
+    )
+    (folder / "native").mkdir(exist_ok=True)
+    (folder / "native" / "wall.mujoco.tuned.0.xml.gz").write_bytes(b"")
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "contact parameters follow the step: run it with this row" in page and "opt.timestep" not in page
+    assert "to set that in" not in page and "wall.mujoco.tuned.0.xml.gz" not in page
+    (point,) = (p for p in loaded(folder, WON).points if p.setting == "tuned dt=1/60")
+    other = replace(point, options="pybullet.x = {preset = 1, dt = 0.1}", engine="pybullet", base="tuned")
+    assert other.by_row.endswith("what an avatar is told in them, follow the step: run it with this row")
+    margin = replace(other, options="pybullet.x = {preset = 1, margin = 0.1}")
+    assert margin.by_row == "more follows from it than one line says: run it with this row"
+    assert not replace(margin, settable="x").by_row and not replace(margin, setting="tuned").by_row
+
+
+def test_a_preset_of_the_run_that_the_sweep_has_not_is_named_beside_the_cells(run_dir: Write, results: Json) -> None:
+    rows = [row("wall", run, metric, value, unit) for run, time in (("mujoco/tuned", 35.0), ("mujoco/sleeping", 20.0))
+            for metric, value, unit in (("frame_time_p50", time, "us"), ("residual_overlap_max", 1e-5, "m"))]
+    rows += [row("wall", run, "frame_time_p50", 1.0, "us") for run in ("tracker/default", "mujoco/default")]
+    folder = run_dir(results | {"rows": rows})
+    (folder / sweep.ROWS).write_text(HEAD + WON + line("wall", "mujoco/default", 1e-3, 40))
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert ("Presets that are no settings of this sweep, and so in no cell; medians of all frames by the run's own timing pass: "
+            "mujoco/sleeping 20.0 µs, leaves 10.0 µm.") in page.replace("&#39;", "'")
+    bare = loaded(folder, WON + line("wall", "mujoco/sleeping", 1e-5, 20))
+    block = sweep_chart.table(bare).blocks[0]
+    assert "sleeping" not in elsewhere(load(folder), bare, block) and elsewhere(None, bare, block) == ""
 
 
 def test_what_hovers_less_is_not_drawn_as_beaten_by_what_stays_off(tmp_path: Path) -> None:

@@ -1,35 +1,71 @@
-"""Settings in the engines' own words: what is said is what the engine then has."""
+"""Settings in the engines' own words: set in what the preset loaded, they make what the row loads."""
+
+from collections.abc import Mapping
 
 import mujoco
+import numpy as np
 import pytest
 
-from scenarios.studies.sweep.grid import BY_ENGINE, Setting
+from avatarsim.engine import Settings
+from reference.in_mujoco.engine import MujocoEngine
+from scenarios import catalog
+from scenarios.studies.sweep.grid import BY_ENGINE, Setting, applicable
 from scenarios.studies.sweep.native import native
 
 
-def test_words_of_mujoco_name_what_its_model_has() -> None:
-    options = {"dt": 1 / 240, "cone": "PYRAMIDAL", "integrator": "DISCRETE", "iterations": 10}
-    said = native(Setting("mujoco", "x", "tuned", options))
-    assert said == ("opt.timestep = 0.004166666666666667; opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL; "
-                    "opt.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE; opt.iterations = 10")
-    assert hasattr(mujoco.mjtCone, "mjCONE_PYRAMIDAL") and hasattr(mujoco.mjtIntegrator, "mjINT_DISCRETE")
-    model = mujoco.MjSpec().compile()
-    names = ("timestep", "cone", "integrator", "iterations", "disableflags", "enableflags")
-    assert all(hasattr(model.opt, name) for name in names)
-    assert native(Setting("mujoco", "x", "tuned", {"sleep": True})) == "opt.enableflags |= mjENBL_SLEEP"
+def model_of(scene: str, preset: str, options: Mapping[str, object]) -> mujoco.MjModel:
+    """The model that a reader compiles from what a run leaves of a scene."""
+    scenario, engine = catalog.get(scene), MujocoEngine()
+    engine.load(scenario.as_run(False).build(), Settings(preset, options), scenario.dt)
+    return mujoco.MjModel.from_xml_string(engine.native()[1])
+
+
+def differs(one: object, other: object) -> list[str]:
+    """Names of numbers and arrays that differ."""
+    names = [name for name in dir(one) if not name.startswith("_") and name not in ("opt", "vis", "stat")]
+    both = [(name, getattr(one, name), getattr(other, name)) for name in names]
+    return [name for name, a, b in both if isinstance(a, int | float | np.ndarray) and not np.array_equal(a, b)]
+
+
+def all_that_differs(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
+    """The same of a model and of its options."""
+    return differs(one, other) + differs(one.opt, other.opt)
+
+
+SCENES = ("stop_distance", "stack_ten", "driven_10cm_wall")
+SAID = [setting for setting in BY_ENGINE["mujoco"] if native(setting)]
+
+
+@pytest.mark.parametrize("setting", SAID, ids=lambda setting: setting.run)
+def test_words_of_mujoco_make_the_model_of_the_row_of_the_presets(setting: Setting) -> None:
+    changed = False
+    for scene in (scene for scene in SCENES if applicable(setting, catalog.get(scene).as_run(False).build())):
+        told, row = model_of(scene, setting.base, {}), model_of(scene, setting.base, setting.options)
+        changed |= bool(all_that_differs(told, row))
+        exec(native(setting), {"opt": told.opt, "mujoco": mujoco})
+        assert all_that_differs(told, row) == []
+    assert changed
+
+
+def test_another_step_in_the_presets_model_is_not_the_model_of_the_row() -> None:
+    told, row = model_of("stack_ten", "tuned", {}), model_of("stack_ten", "tuned", {"dt": 1 / 480})
+    told.opt.timestep = row.opt.timestep
+    assert "geom_solref" in all_that_differs(told, row)
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_what_others_follow_from_has_no_words(engine: str) -> None:
+    follow = {"dt", "margin", "loose_margin", "weld_time", "contact_time", "contact_steps", "solimp", "contact_erp", "drive"}
+    assert not [setting.run for setting in BY_ENGINE[engine] if native(setting) and not follow.isdisjoint(setting.options)]
+    assert [setting.run for setting in BY_ENGINE[engine] if native(setting)]
 
 
 def test_words_of_pybullet_are_its_calls() -> None:
-    said = native(Setting("pybullet", "x", "tuned", {"dt": 0.001, "solver_iterations": 10, "collision_margin": 0.001}))
-    assert said == ("setPhysicsEngineParameter(fixedTimeStep=0.001); setPhysicsEngineParameter(numSolverIterations=10); "
-                    "changeDynamics(collisionMargin=0.001)")
+    said = native(Setting("pybullet", "x", "tuned", {"solver_iterations": 10, "collision_margin": 0.001}))
+    assert said == "setPhysicsEngineParameter(numSolverIterations=10); changeDynamics(collisionMargin=0.001)"
 
 
 def test_a_preset_and_what_only_the_adapter_knows_have_none() -> None:
     assert native(Setting("mujoco", "tuned", "tuned")) == native(Setting("mujoco", "x", "tuned", {"kappa": 0.02})) == ""
+    assert native(Setting("mujoco", "x", "tuned", {"iterations": 10, "kappa": 0.02})) == ""
     assert native(Setting("avatarsim", "x", "default", {"steps": 1})) == ""
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_every_finer_step_has_words(engine: str) -> None:
-    assert all(native(setting) for setting in BY_ENGINE[engine] if "dt" in setting.options)

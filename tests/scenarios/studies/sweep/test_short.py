@@ -157,6 +157,20 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     assert about(tmp_path)["form"] == "short" and about(tmp_path)["reused"] == 1
 
 
+def test_a_preset_beside_the_grid_takes_part_where_it_ran_with_the_times_of_the_run(tmp_path: Path, fakes: Fakes) -> None:
+    known, frames = outcome("stack_ten", "sleeping"), catalog.get("stack_ten").as_run(False).frames
+    repeats = phenomena.repeats_of(frames)
+    timed = {known.job.stem: Clocked(known.job, Timed(np.full((repeats, frames), 7000, dtype=np.int64)))}
+    scenes = ("stop_distance", "stack_ten")
+    ran = replace(request(tmp_path, scenes, [known], timed), presets={"mujoco": ("default", "tuned", "sleeping")})
+    assert "sleeping" in [cell.setting.name for cell in short.cells_of(ran)[:6]], "among the presets, which come first"
+    short.ShortSweep(ran, now=lambda: 0.0).ask()
+    found = [row for row in rows(tmp_path) if row["setting"] == "sleeping"]
+    assert {(row["scenario"], row["p50"], row["sleeps"], row["options"]) for row in found} == {
+        ("stack_ten", "7", "1", "--engine mujoco --preset sleeping")}
+    assert "stack_ten sleeping" not in fakes.asked + fakes.timed
+
+
 def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -> None:
     known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
     short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
