@@ -210,7 +210,7 @@ def side_by_side(
     """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other.
     Tasks of which `tidy` says that they leave nothing behind share processes.
 
-    When somebody stops the loop, what still runs is ended. Raises InvalidInput for fewer workers than none.
+    When the loop is stopped, what still runs is ended. Raises InvalidInput for fewer workers than none.
     """
     if workers < 0:
         raise InvalidInput("--jobs", workers, "0 at least")
