@@ -50,6 +50,7 @@ MEASURES = (
     Measure("frame_time_p50", "frame time p50", "us", 0.0, stays_inside=False),
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
+ROUGHNESS = next(one for one in MEASURES if one.metric == ROUGH)
 SHAKES = MEASURES[1]
 WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
          TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}",
@@ -254,7 +255,7 @@ def verdict_sentence(found: Unseen) -> str:
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
     said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
     but = f"; but {', '.join(said)}" if said else ""
-    return " ".join(filter(None, [f"{told}, {kept}{but}.", smoother(found)]))
+    return " ".join(filter(None, [f"{told}, {kept}{but}.", smoother_in_short(found)]))
 
 
 def _rooms(found: Unseen) -> str:
@@ -284,17 +285,31 @@ def _worst(found: Unseen, metric: str, form: str) -> str:
 def smoother(found: Unseen) -> str:
     """Every preset of the other engines that is smoother than ours, by the roughness of the table, in how many rooms, and beside
     it how far its own joints go beyond their limits there and why; the rule stands in the sentence."""
-    rough = next(one for one in MEASURES if one.metric == ROUGH)
+    runs = _smoother_runs(found)
+    rule = f"Smoother than ours (roughness less by more than {ROUGHNESS.same:g}, in a room whose allowed side it does not leave)"
+    return f"{rule}: {'; '.join(_smoother(found, run, lines) for run, lines in runs.items())}." if runs else ""
+
+
+def smoother_in_short(found: Unseen) -> str:
+    """The same in one sentence: how many presets of the other engines are smoother, and the most that their joints go beyond."""
+    runs = _smoother_runs(found)
+    if not runs:
+        return ""
+    beyond = max(_beyond(lines) for lines in runs.values())
+    most = f" (with joints up to {quantity(beyond, 'deg')} beyond their limits)" if beyond > 0.0 else ""
+    return f"Smoother than ours in a room at least: {count(len(runs), 'preset')} of the other engines{most}."
+
+
+def _smoother_runs(found: Unseen) -> dict[str, list[Line]]:
+    """Preset -> its lines in which it is smoother than ours, in the most rooms first."""
     runs: dict[str, list[Line]] = {}
     for line in found.lines:
         own, figure = found.line(line.room, found.ours), line.of(ROUGH)
         mine = own.of(ROUGH) if own else None
         aside = line.room not in found.asked or line.outside or engine_of(line.run) == engine_of(found.ours)
-        if not aside and figure is not None and mine is not None and figure < mine - rough.same:
+        if not aside and figure is not None and mine is not None and figure < mine - ROUGHNESS.same:
             runs.setdefault(line.run, []).append(line)
-    order = sorted(runs, key=lambda run: -len(runs[run]))
-    rule = f"Smoother than ours (roughness less by more than {rough.same:g}, in a room whose allowed side it does not leave)"
-    return f"{rule}: {'; '.join(_smoother(found, run, runs[run]) for run in order)}." if order else ""
+    return dict(sorted(runs.items(), key=lambda entry: -len(entry[1])))
 
 
 def _beyond(lines: Sequence[Line]) -> float:
@@ -344,7 +359,7 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     ordered = worst_first(found)
     return {
         "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
-        "unseen_limits": limits_sentence(results, ours),
+        "unseen_smoother": smoother(found), "unseen_limits": limits_sentence(results, ours),
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (

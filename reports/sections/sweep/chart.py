@@ -10,12 +10,12 @@ from reports.drawing.palette import MUTED, Stroke, strokes
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
 from reports.sections.sweep import beaten, ladders
-from reports.sections.sweep.cheapest import BASE, CHEAPEST, PROFILED, Block, Table, asleep, astray, at_level, silence, table
+from reports.sections.sweep.cheapest import BASE, PROFILED, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
 from reports.sections.sweep.elsewhere import elsewhere
 from reports.sections.sweep.performance_profile import Steps, profiles
 from reports.sections.sweep.performance_profile import sentence as profile_sentence
-from reports.sections.sweep.points import OURS, SEEN_GAP, Point, Rivalry, Sweep, conclusion
+from reports.sections.sweep.points import OURS, SEEN_GAP, Point, Rivalry, Sweep, alone_heading, conclusion
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity
 from runfiles.accuracy import LEVELS, counts
@@ -244,16 +244,6 @@ def budget_sentence(sweep: Sweep) -> str:
             f"{quantity(most.p50, 'us')}, {most.scenario} {most.run}{said}.")
 
 
-def one_line(block: Block) -> str:
-    """A scene of the table at a glance: the cheapest setting of every engine at 1 mm."""
-    index, said = LEVELS.index(1e-3), []
-    for line in block.lines:
-        attempt = line.cells[index].attempt
-        said.append(f"{line.engine}: {line.none}" if attempt is None else
-                    f"{line.engine} {quantity(attempt.time, 'us')} ({attempt.any_point.setting}, {line.of})")
-    return f"at 1 mm, {CHEAPEST}: {', '.join([*said, *(f'{engine} has no words' for engine in block.silent)])}"
-
-
 def figure(value: object) -> str:
     """A number of the file without idle digits."""
     return f"{value:g}" if isinstance(value, int | float) else str(value)
@@ -290,15 +280,15 @@ def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
     presets that the sweep has not."""
     lost, found = sum(r.lost for r in sweep.rivalries), table(sweep)
     first, other = panels(sweep, found)
-    said = [cheapest_sentence(found), conclusion(sweep)]
     return {
-        "sweep_said": said, "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
+        "sweep_said": cheapest_sentence(found), "alone_said": conclusion(sweep), "alone_head": alone_heading(sweep),
+        "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
         "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],
-        "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn), "summary_of": one_line,
+        "beaten": (worn := beaten.beaten(sweep)), "beaten_said": beaten.sentence(worn),
         "rates_of": lambda block, point: at_other_rates(results, point, block.metrics),
         "elsewhere_of": lambda block: elsewhere(results, sweep, block), "model_of": sweep.model, "path_of": path_of,
     }

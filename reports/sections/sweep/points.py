@@ -289,6 +289,13 @@ def _point(row: Mapping[str, str]) -> Point:
     )
 
 
+def alone_heading(sweep: Sweep) -> str:
+    """In how many rows of one scene and one kind of error a setting of another engine is both as fast and as accurate as ours."""
+    known = [r for r in sweep.rivalries if r.ours is not None and not r.avatar]
+    beaten = sum(bool(r.better) for r in known)
+    return f"One kind of error at a time: another engine is as fast and as accurate in {beaten} of {len(known)}"
+
+
 def conclusion(sweep: Sweep) -> str:
     """Whether the ratios of speed hold, error by error, what fails first, and that this is not all errors of a scene at once as
     in the table. Of scenes with an avatar nothing is said but what they are."""

@@ -123,10 +123,8 @@ def test_a_panel_per_scene_and_the_other_errors_apart(tmp_path: Path) -> None:
     assert sweep_chart.panels(loaded(tmp_path, line("wall", "avatarsim/default", 0, ""))) == ([], [])
 
 
-def test_the_heading_of_a_table_says_what_its_numbers_are(tmp_path: Path) -> None:
-    found = sweep_chart.table(loaded(tmp_path, WON))
-    said = sweep_chart.one_line(found.blocks[0])
-    assert said.startswith("at 1 mm, cheapest (measured of planned): avatarsim 10.0 µs (default, 1), mujoco 35.0 µs (tuned, 2)")
+def test_the_heading_of_what_single_errors_say_counts_what_is_lost(tmp_path: Path) -> None:
+    assert sweep.alone_heading(loaded(tmp_path, WON + SHORT + BEATEN)).endswith("is as fast and as accurate in 1 of 3")
 
 
 def test_points_have_labels_and_tooltips_with_the_options(tmp_path: Path) -> None:
