@@ -83,7 +83,7 @@ from typing import TYPE_CHECKING
 from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
-    from avatarsim.assets import pieces_of_mesh
+    from avatarsim.assets.meshes import pieces_of_mesh
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -106,7 +106,7 @@ __all__ = [
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
-    "assets": ("pieces_of_mesh",),
+    "assets.meshes": ("pieces_of_mesh",),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),

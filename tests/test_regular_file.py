@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.assets import cache
+from avatarsim.assets.meshes import cache
 from avatarsim.errors import InvalidFile
 from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report

@@ -1,5 +1,1 @@
-"""Approximate convex decomposition of meshes: `pieces_of_mesh`."""
-
-from avatarsim.assets.convex_pieces import Pieces, pieces_of_mesh
-
-__all__ = ["Pieces", "pieces_of_mesh"]
+"""What comes from files: meshes, avatars, rooms and motions, as the types of `scene` and nothing else."""

@@ -47,8 +47,8 @@ def not_for() -> str:
 def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[Answer, ...]:
     """All questions, in the order in which they are asked."""
     return (
-        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.assets MESH makes them and "
-               "bounds how far pieces and mesh are apart."),
+        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.assets.meshes MESH makes them "
+               "and bounds how far pieces and mesh are apart."),
         Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
                "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),

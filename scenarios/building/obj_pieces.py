@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from avatarsim.assets.mesh import groups
+from avatarsim.assets.meshes.mesh import groups
 from avatarsim.scene.shape import ConvexHull, Piece
 
 __all__ = ["convex_pieces", "groups"]
@@ -14,7 +14,7 @@ def convex_pieces(path: Path, scale: float, y_up: bool) -> tuple[Piece, ...]:
     """One hull per group, `scale` metres per unit; the body frame is below the middle of the object's box, z up.
 
     The groups are taken to be convex, as their author decomposed them: the hull of a group is the group. A test says so
-    for every mesh of the gallery; `avatarsim.assets.pieces_of_mesh` tests it at every call.
+    for every mesh of the gallery; `avatarsim.assets.meshes.pieces_of_mesh` tests it at every call.
     """
     hulls = []
     for vertices, _ in groups(path):

@@ -17,8 +17,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
-from avatarsim.assets import pieces_of_mesh
-from avatarsim.assets.decompose import Wishes
+from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.engine import Settings
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
@@ -170,7 +170,7 @@ def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: 
 
 def mesh_doors() -> list[SearchStrategy[Asked]]:
     """Meshes as arrays, with all wishes; one hull, since to decompose takes seconds."""
-    from tests.assets.solids import cube, ell
+    from tests.assets.meshes.solids import cube, ell
 
     meshes = st.sampled_from((cube(), ell()))
     wishes = {"threshold": st.floats(0.01, 1.0), "seed": v.seeds, "most_vertices": st.integers(8, 64), "most_pieces": st.none(),

@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from avatarsim.assets import cache, pieces_of_mesh
-from avatarsim.assets.mesh import read_mesh
-from avatarsim.assets.repairs import finite as finite_mesh
+from avatarsim.assets.meshes import cache, pieces_of_mesh
+from avatarsim.assets.meshes.mesh import read_mesh
+from avatarsim.assets.meshes.repairs import finite as finite_mesh
 from avatarsim.scene.avatar import Avatar
 from reports import write_report
 from reports.reading import kept

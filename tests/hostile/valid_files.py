@@ -14,7 +14,7 @@ import numpy as np
 
 from runfiles import array_file, overlapping, record
 from scenarios import catalog
-from tests.assets.solids import cube, ell, torus
+from tests.assets.meshes.solids import cube, ell, torus
 from tests.reports import recorded
 from tests.reports.conftest import whole_run
 from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
@@ -225,8 +225,8 @@ def cache_in(folder: Path) -> Iterator[None]:
 @cache
 def pieces() -> Files:
     """What the cache of convex pieces keeps of one mesh."""
-    from avatarsim.assets import cache as kept_pieces
-    from avatarsim.assets.hausdorff import Deviation
+    from avatarsim.assets.meshes import cache as kept_pieces
+    from avatarsim.assets.meshes.hausdorff import Deviation
 
     hulls = tuple(np.asarray(points, dtype=np.float64) for points in (cube()[0], ell()[0]))
     answer = kept_pieces.Answer(hulls, "decomposed", Deviation(0.1, 0.2, 0.05), ("a repair",))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-from avatarsim.assets import __main__ as pieces
+from avatarsim.assets.meshes import __main__ as pieces
 from reports import __main__ as reports
 from scenarios import __main__ as scenarios
 from tests.hostile import valid_files as valid

@@ -34,7 +34,7 @@ LONGEST = 900.0
 
 EXTRA = """
 from avatarsim.errors import MissingPackage
-from avatarsim.assets import pieces_of_mesh
+from avatarsim.assets.meshes import pieces_of_mesh
 open("some.stl", "wb").write(bytes(134))
 try:
     pieces_of_mesh("some.stl")
@@ -184,8 +184,8 @@ def answer(python: str, wheel: Path, folder: Path) -> Answer:
     command = told.partition("pip install ")[2]
     if not (command and "trimesh" in command and "[" not in command and str(ROOT) not in command):
         faults.append(f"a missing extra is not named with a command that works: {told}")
-    if "usage" not in run([inside, "-m", "avatarsim.assets", "--help"], **alone):
-        faults.append("python -m avatarsim.assets --help prints no usage")
+    if "usage" not in run([inside, "-m", "avatarsim.assets.meshes", "--help"], **alone):
+        faults.append("python -m avatarsim.assets.meshes --help prints no usage")
     return Answer(version, install, seconds[0], seconds[1], tuple(faults))
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from avatarsim.assets import cache
-from avatarsim.assets.decompose import Wishes, decomposed
-from avatarsim.assets.hausdorff import Deviation, deviation
-from avatarsim.assets.hulls import Hull, depth_below, hull_of, reduced
-from avatarsim.assets.mesh import Array, Mesh, groups_of, read_mesh, signed_volume
-from avatarsim.assets.repairs import Sound, finite, mended
+from avatarsim.assets.meshes import cache
+from avatarsim.assets.meshes.decompose import Wishes, decomposed
+from avatarsim.assets.meshes.hausdorff import Deviation, deviation
+from avatarsim.assets.meshes.hulls import Hull, depth_below, hull_of, reduced
+from avatarsim.assets.meshes.mesh import Array, Mesh, groups_of, read_mesh, signed_volume
+from avatarsim.assets.meshes.repairs import Sound, finite, mended
 from avatarsim.errors import InvalidShape
 from avatarsim.scene.checks import finite_array, positive
 from avatarsim.scene.shape import ConvexHull, Piece

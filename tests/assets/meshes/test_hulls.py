@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.hulls import depth_below, hull_of, reduced
-from avatarsim.assets.mesh_queries import point_triangle
+from avatarsim.assets.meshes.hulls import depth_below, hull_of, reduced
+from avatarsim.assets.meshes.mesh_queries import point_triangle
 from avatarsim.errors import InvalidShape
-from tests.assets.solids import channel, cube, ell, torus
+from tests.assets.meshes.solids import channel, cube, ell, torus
 
 CLOUD = np.array([[1.0, 2.0, 0.5] * p / np.linalg.norm(p) for p in np.random.default_rng(5).normal(size=(200, 3))])
 

@@ -15,7 +15,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from avatarsim.assets.mesh import Array, Mesh
+from avatarsim.assets.meshes.mesh import Array, Mesh
 from avatarsim.console import Progress
 from avatarsim.errors import InvalidInput, InvalidShape, MissingPackage, UnknownName
 from avatarsim.scene.checks import within
@@ -54,7 +54,7 @@ def whole(thing: str, value: object, low: int, high: int) -> int:
     return value
 
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 """The folder that the package lies in, from which the process can import it."""
 
 REMESH_RESOLUTION = 50
@@ -87,7 +87,7 @@ def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO 
         }
         np.savez(source, **given)
         with Progress(f"decomposing {name}", stream) as progress:
-            command = [sys.executable, "-m", "avatarsim.assets.coacd_process", str(source), str(target)]
+            command = [sys.executable, "-m", "avatarsim.assets.meshes.coacd_process", str(source), str(target)]
             said, code = _run(command, len(meshes), progress)
         hulls = []
         if code == 0 and target.is_file():

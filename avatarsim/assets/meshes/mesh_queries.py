@@ -6,7 +6,7 @@ Point-in-mesh test: ray crossings for closed surfaces, generalised winding numbe
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.mesh import Array, Indices
+from avatarsim.assets.meshes.mesh import Array, Indices
 from avatarsim.spatial import rotation
 
 FINENESS = 40.0

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.assets.mesh_queries import Surface, finer, halves, point_triangle
-from tests.assets.solids import ell, torus
+from avatarsim.assets.meshes.mesh_queries import Surface, finer, halves, point_triangle
+from tests.assets.meshes.solids import ell, torus
 
 WEIGHTS = np.array([(i, j, 60 - i - j) for i in range(61) for j in range(61 - i)]) / 60.0
 """Barycentric coordinates of a fine grid over a triangle."""

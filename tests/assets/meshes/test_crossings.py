@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets import repairs as crossings
-from avatarsim.assets.repairs import crossing_pairs
-from tests.assets.solids import cube, ell, together, torus
+from avatarsim.assets.meshes import repairs as crossings
+from avatarsim.assets.meshes.repairs import crossing_pairs
+from tests.assets.meshes.solids import cube, ell, together, torus
 
 
 def crossing(*triangles: list[tuple[float, float, float]]) -> int:

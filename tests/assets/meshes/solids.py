@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.mesh import Mesh
+from avatarsim.assets.meshes.mesh import Mesh
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

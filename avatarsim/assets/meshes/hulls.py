@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from avatarsim.assets.mesh import Array, Indices
-from avatarsim.assets.mesh_queries import point_triangle
+from avatarsim.assets.meshes.mesh import Array, Indices
+from avatarsim.assets.meshes.mesh_queries import point_triangle
 from avatarsim.errors import InvalidShape
 from avatarsim.scene.shape import FLATTEST_HULL
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.assets import pieces_of_mesh
-from avatarsim.assets.mesh import read_mesh
-from avatarsim.assets.repairs import mended
+from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.mesh import read_mesh
+from avatarsim.assets.meshes.repairs import mended
 from avatarsim.errors import InvalidShape
 from avatarsim.scene.shape import ConvexHull
 from scenarios.building.gallery import MESHES

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.assets import cache
-from avatarsim.assets.cache import Answer, key_of, load, store
-from avatarsim.assets.decompose import Wishes
-from avatarsim.assets.hausdorff import Deviation
-from tests.assets.solids import cube, ell, mesh
+from avatarsim.assets.meshes import cache
+from avatarsim.assets.meshes.cache import Answer, key_of, load, store
+from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.hausdorff import Deviation
+from tests.assets.meshes.solids import cube, ell, mesh
 
 RNG = np.random.default_rng(0)
 ANSWER = Answer((RNG.normal(size=(8, 3)), RNG.normal(size=(5, 3))), "decomposed", Deviation(0.1, 0.2, 0.15), ("one thing",))
@@ -80,10 +80,10 @@ def test_a_write_that_is_stopped_leaves_nothing(cache_folder: Path, monkeypatch:
 
 def test_writers_and_readers_at_once_see_whole_entries_only() -> None:
     script = (
-        "from tests.assets.test_cache import ANSWER, same\nfrom avatarsim.assets.cache import load, store\n"
+        "from tests.assets.meshes.test_cache import ANSWER, same\nfrom avatarsim.assets.meshes.cache import load, store\n"
         "for _ in range(60):\n    store('k', ANSWER)\n    assert same(load('k')[0], ANSWER)\n"
     )
-    house = Path(__file__).resolve().parents[2]
+    house = Path(__file__).resolve().parents[3]
     children = [subprocess.Popen([sys.executable, "-c", script], cwd=house, stderr=subprocess.PIPE) for _ in range(2)]
     for child in children:
         complaint = child.communicate(timeout=120)[1]

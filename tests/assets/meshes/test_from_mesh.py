@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from avatarsim.assets import convex_pieces as from_mesh
-from avatarsim.assets import pieces_of_mesh
-from avatarsim.assets.convex_pieces import Pieces
-from avatarsim.assets.decompose import Wishes
+from avatarsim.assets.meshes import convex_pieces as from_mesh
+from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.convex_pieces import Pieces
+from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidShape, UnknownName
 from avatarsim.scene.body import volume
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
-from tests.assets.solids import Soup, cube, ell, obj_text, surface_points, together, torus
+from tests.assets.meshes.solids import Soup, cube, ell, obj_text, surface_points, together, torus
 
 Array = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ def test_a_mesh_that_is_not_convex_is_decomposed_and_kept(cache_folder: Path) ->
 
 
 def test_pieces_hold_the_mesh_within_the_bound() -> None:
-    from avatarsim.assets.hulls import hull_of
+    from avatarsim.assets.meshes.hulls import hull_of
 
     soup = torus(around=16, across=8)
     found = pieces_of_mesh(soup, threshold=0.3, quiet=True, kept=False)

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.assets import decompose
-from avatarsim.assets.decompose import Wishes, decomposed
+from avatarsim.assets.meshes import decompose
+from avatarsim.assets.meshes.decompose import Wishes, decomposed
 from avatarsim.console import Progress
 from avatarsim.errors import InvalidShape, MissingPackage
-from tests.assets.solids import ell, mesh
+from tests.assets.meshes.solids import ell, mesh
 
 ELL = mesh(ell(), "ell.obj")
 

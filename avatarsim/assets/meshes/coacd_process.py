@@ -1,4 +1,4 @@
-"""Worker process of CoACD, the only module that imports it: `python -m avatarsim.assets.coacd_process IN.npz OUT.npz`.
+"""Worker process of CoACD, the only module that imports it: `python -m avatarsim.assets.meshes.coacd_process IN.npz OUT.npz`.
 
 A process of its own, because CoACD writes to the standard output, ignores Ctrl-C, and may crash on a bad mesh.
 """

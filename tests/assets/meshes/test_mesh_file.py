@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from avatarsim.assets.mesh import BY_TRIMESH, groups_of, read_mesh, signed_volume
-from avatarsim.assets.repairs import mended
+from avatarsim.assets.meshes.mesh import BY_TRIMESH, groups_of, read_mesh, signed_volume
+from avatarsim.assets.meshes.repairs import mended
 from avatarsim.errors import InvalidFile, MissingPackage
-from tests.assets.solids import cube, ell, obj_text
+from tests.assets.meshes.solids import cube, ell, obj_text
 
 
 @pytest.mark.parametrize("ending", [".obj", *BY_TRIMESH])

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.mesh import Array, Indices, Mesh, signed_volume
-from avatarsim.assets.mesh_queries import inside_closed, ragged
+from avatarsim.assets.meshes.mesh import Array, Indices, Mesh, signed_volume
+from avatarsim.assets.meshes.mesh_queries import inside_closed, ragged
 from avatarsim.errors import InvalidShape
 
 

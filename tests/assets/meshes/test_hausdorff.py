@@ -6,12 +6,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from avatarsim.assets import hausdorff as added
-from avatarsim.assets import hausdorff as uncovered
-from avatarsim.assets.hausdorff import RESOLUTION, Deviation, deviation
-from avatarsim.assets.hulls import Hull, hull_of
-from avatarsim.assets.mesh_queries import inside_closed, point_triangle
-from tests.assets.solids import Soup, cube, ell, prism, surface_points, together, torus
+from avatarsim.assets.meshes import hausdorff as added
+from avatarsim.assets.meshes import hausdorff as uncovered
+from avatarsim.assets.meshes.hausdorff import RESOLUTION, Deviation, deviation
+from avatarsim.assets.meshes.hulls import Hull, hull_of
+from avatarsim.assets.meshes.mesh_queries import inside_closed, point_triangle
+from tests.assets.meshes.solids import Soup, cube, ell, prism, surface_points, together, torus
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.hulls import Hull
-from avatarsim.assets.mesh import Array, Indices, areas
-from avatarsim.assets.mesh_queries import Surface, finer, halves, inside_closed, inside_open
+from avatarsim.assets.meshes.hulls import Hull
+from avatarsim.assets.meshes.mesh import Array, Indices, areas
+from avatarsim.assets.meshes.mesh_queries import Surface, finer, halves, inside_closed, inside_open
 
 MOST_BOXES = 60_000
 """Boxes at once beyond which refinement stops; the bound then is looser, never wrong. More: seconds."""

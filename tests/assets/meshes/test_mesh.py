@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.mesh import areas, signed_volume
-from tests.assets.solids import cube, ell, mesh, together
+from avatarsim.assets.meshes.mesh import areas, signed_volume
+from tests.assets.meshes.solids import cube, ell, mesh, together
 
 
 def test_area_volume_and_size() -> None:

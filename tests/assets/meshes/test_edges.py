@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from avatarsim.assets.repairs import edges_of, parts, to_flip
-from tests.assets.solids import cube, ell, together
+from avatarsim.assets.meshes.repairs import edges_of, parts, to_flip
+from tests.assets.meshes.solids import cube, ell, together
 
 
 def test_a_closed_surface_has_no_border_and_is_balanced() -> None:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.assets import __main__ as command
-from avatarsim.assets.__main__ import main
-from tests.assets.solids import cube, ell, obj_text
+from avatarsim.assets.meshes import __main__ as command
+from avatarsim.assets.meshes.__main__ import main
+from tests.assets.meshes.solids import cube, ell, obj_text
 
-HOUSE = Path(__file__).resolve().parents[2]
+HOUSE = Path(__file__).resolve().parents[3]
 
 
 def files(folder: Path) -> tuple[str, str]:
@@ -53,14 +53,14 @@ def test_a_stop_by_the_user_is_said(monkeypatch: pytest.MonkeyPatch, capsys: pyt
 
 
 def test_help_names_every_option() -> None:
-    asked = [sys.executable, "-m", "avatarsim.assets", "--help"]
+    asked = [sys.executable, "-m", "avatarsim.assets.meshes", "--help"]
     done = subprocess.run(asked, cwd=HOUSE, capture_output=True, text=True, check=True)
     for word in ("--scale", "--threshold", "--seed", "--hull", "--repair", "--json", "--no-cache", "Hausdorff"):
         assert word in done.stdout
 
 
 def test_importing_the_room_loads_nothing_heavy() -> None:
-    script = "import avatarsim.assets, sys\nprint(*sys.modules)"
+    script = "import avatarsim.assets.meshes, sys\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], cwd=HOUSE, capture_output=True, text=True, check=True)
     assert not set(done.stdout.split()) & {"trimesh", "coacd", "numba", "scipy", "pandas"}
 
@@ -68,4 +68,4 @@ def test_importing_the_room_loads_nothing_heavy() -> None:
 @pytest.mark.parametrize("package", ["trimesh", "coacd"])
 def test_one_file_imports_each_reader(package: str) -> None:
     room = HOUSE / "avatarsim" / "assets"
-    assert sum(f"    import {package}\n" in file.read_text(encoding="utf-8") for file in room.glob("*.py")) == 1
+    assert sum(f"    import {package}\n" in file.read_text(encoding="utf-8") for file in room.rglob("*.py")) == 1

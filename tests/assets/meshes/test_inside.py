@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from avatarsim.assets.mesh_queries import inside_closed, inside_open, ragged
-from tests.assets.solids import cube, ell, together, torus
+from avatarsim.assets.meshes.mesh_queries import inside_closed, inside_open, ragged
+from tests.assets.meshes.solids import cube, ell, together, torus
 
 POINTS = np.random.default_rng(0).uniform(-1.5, 3.5, (4000, 3))
 

@@ -1,11 +1,11 @@
-"""Command line of the convex decomposition, `python -m avatarsim.assets MESH ...`: pieces of mesh files, with error bounds."""
+"""Command line of the convex decomposition, `python -m avatarsim.assets.meshes MESH ...`: pieces of meshes, with error bounds."""
 
 import argparse
 import json
 import sys
 
-from avatarsim.assets.convex_pieces import Pieces, pieces_of_mesh
-from avatarsim.assets.decompose import REPAIRS
+from avatarsim.assets.meshes.convex_pieces import Pieces, pieces_of_mesh
+from avatarsim.assets.meshes.decompose import REPAIRS
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError
 
@@ -20,7 +20,7 @@ HEAD = f"{'mesh':24} {'source':13} pieces vertices most  Hausdorff of size secon
 def parser() -> argparse.ArgumentParser:
     """The options; each is one argument of `pieces_of_mesh`."""
     options = argparse.ArgumentParser(
-        prog="python -m avatarsim.assets",
+        prog="python -m avatarsim.assets.meshes",
         description="Convex pieces of mesh files, with a bound of their Hausdorff distance; kept in the cache folder.",
     )
     options.add_argument("meshes", nargs="+", metavar="MESH", help=".obj .stl .ply .off .glb .gltf")

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.mesh import Mesh, signed_volume
-from avatarsim.assets.repairs import finite, mended
+from avatarsim.assets.meshes.mesh import Mesh, signed_volume
+from avatarsim.assets.meshes.repairs import finite, mended
 from avatarsim.errors import InvalidShape
-from tests.assets.solids import Soup, cube, ell, mesh, together, torus
+from tests.assets.meshes.solids import Soup, cube, ell, mesh, together, torus
 
 
 def test_a_sound_mesh_is_left_alone() -> None:

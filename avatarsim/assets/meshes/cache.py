@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from avatarsim.assets.decompose import Wishes
-from avatarsim.assets.hausdorff import RESOLUTION, Deviation
-from avatarsim.assets.mesh import Array, Mesh
+from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.meshes.hausdorff import RESOLUTION, Deviation
+from avatarsim.assets.meshes.mesh import Array, Mesh
 from avatarsim.errors import InvalidFile
 from avatarsim.files import Damaged, bases, is_readable, is_writable, parsed_json, read_entry, write_entry
 

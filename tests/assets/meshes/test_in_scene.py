@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets import pieces_of_mesh
+from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.engine import Settings
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.simulator import AvatarsimEngine
 from reference.judging.judge import Judge
-from tests.assets.solids import Soup, channel, ell
+from tests.assets.meshes.solids import Soup, channel, ell
 
 
 @pytest.mark.parametrize(("soup", "pieces"), [(ell(), 2), (channel(), 3)])

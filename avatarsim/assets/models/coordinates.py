@@ -1,0 +1,94 @@
+"""Generalized coordinates of an avatar, in the order of the file it comes from, as in MuJoCo's qpos."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+WIDTHS = {"free": 7, "ball": 4, "hinge": 1}
+"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad]."""
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge which of the avatar's
+    `hinge` angles it is, and the number `rest` that the file adds to that angle (a model's reference)."""
+
+    name: str
+    kind: str
+    link: int
+    hinge: int = -1
+    rest: float = 0.0
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """The joints of an avatar with `links` links and `hinges` hinge angles, in the file's order."""
+
+    slots: tuple[Slot, ...]
+    links: int
+    hinges: int
+
+    @property
+    def width(self) -> int:
+        """How many numbers a posture has."""
+        return sum(WIDTHS[slot.kind] for slot in self.slots)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The joint of each slot."""
+        return tuple(slot.name for slot in self.slots)
+
+    def motion(self, q: Array, times: Array) -> Motion:
+        """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones.
+
+        Raises InvalidInput for other shapes, numbers that are not finite and quaternions without length."""
+        q = np.asarray(q, dtype=np.float64)
+        if q.ndim != 2 or q.shape[1] != self.width:
+            raise InvalidInput("shape of generalized coordinates", q.shape, f"(frames, {self.width}): {', '.join(self.names)}")
+        bad = ~np.isfinite(q)
+        if bad.any():
+            frame, column = (int(k) for k in np.argwhere(bad)[0])
+            raise InvalidInput(f"column {column} of frame {frame}", float(q[frame, column]), "a finite number")
+        frames = len(q)
+        positions = np.zeros((frames, self.links, 3))
+        rotations = np.tile(np.array(rotation.IDENTITY), (frames, self.links, 1))
+        angles = np.zeros((frames, self.hinges))
+        first = 0
+        for slot in self.slots:
+            if slot.kind == "hinge":
+                angles[:, slot.hinge] = q[:, first] - slot.rest
+            else:
+                end = first + WIDTHS[slot.kind]
+                rotations[:, slot.link] = _unit(slot.name, q[:, end - 4 : end])
+                if slot.kind == "free":
+                    positions[:, slot.link] = q[:, first : first + 3]
+            first += WIDTHS[slot.kind]
+        return Motion(times, positions, rotations, angles)
+
+    def rows(self, motion: Motion) -> Array:
+        """The rows (F, width) of a motion: the inverse of `motion`."""
+        columns: list[Array] = []
+        for slot in self.slots:
+            if slot.kind == "hinge":
+                columns.append(motion.angles[:, slot.hinge, None] + slot.rest)
+                continue
+            if slot.kind == "free":
+                columns.append(motion.positions[:, slot.link])
+            columns.append(motion.rotations[:, slot.link])
+        return np.concatenate([np.zeros((len(motion), 0)), *columns], axis=1)
+
+
+def _unit(name: str, quaternions: Array) -> Array:
+    """Quaternions (F, 4) made unit ones; InvalidInput for one without length. Those of length 1 stay as they are, to the bit."""
+    lengths = np.linalg.norm(quaternions, axis=1)
+    if not (lengths > 1e-3).all():
+        frame = int(np.argmin(lengths))
+        raise InvalidInput(f"quaternion of {name} in frame {frame}", quaternions[frame].tolist(), "a quaternion of length 1")
+    return np.where((np.abs(lengths - 1.0) < 1e-12)[:, None], quaternions, quaternions / lengths[:, None])

@@ -1,0 +1,27 @@
+"""What every reader of motion files gives: the motion for an avatar, and the same file with another motion."""
+
+from typing import Protocol
+
+from avatarsim.assets.models.model import Model
+from avatarsim.scene.motion import Motion
+
+
+class MotionFile(Protocol):
+    """A file that was read whole and checked."""
+
+    @property
+    def format(self) -> str:
+        """"bvh", "amc", "npz", "csv" or "deepmimic"."""
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """Sentences for the user: units guessed, columns left alone."""
+
+    def model(self) -> Model | None:
+        """The avatar that the file brings itself (a skeleton); None where it needs a model."""
+
+    def motion(self, model: Model) -> Motion:
+        """The motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
+
+    def written(self, motion: Motion, model: Model) -> bytes:
+        """The file again with this motion instead of its own, in the same format, to the last digit that float64 has."""

@@ -1,0 +1,96 @@
+"""A recorded motion of one avatar: postures at known times, interpolated as rigid joints are (slerp, Shoemake 1985)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SAME_INSTANT = 1e-9
+"""Share of a step by which an instant may miss a recorded one and still be that one: what sums of steps lose to rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """F postures of one avatar.
+
+    times      (F,) [s], ascending from 0
+    positions  (F, links, 3) [m], as in TrackerSample: the root's place, used for a `Free` root only
+    rotations  (F, links, 4), as in TrackerSample: of a `Free` root in the world, of a `Ball` link against its rest orientation
+    angles     (F, hinges) [rad], link by link
+
+    Raises InvalidInput where lengths differ, a number is not finite or the times do not ascend."""
+
+    times: Array
+    positions: Array
+    rotations: Array
+    angles: Array
+
+    def __post_init__(self) -> None:
+        for name in ("times", "positions", "rotations", "angles"):
+            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            object.__setattr__(self, name, array)
+            if len(array) != len(self.times) or len(array) == 0:
+                raise InvalidInput(f"frames in the {name} of a motion", len(array), f"{max(1, len(self.times))}, as in its times")
+            bad = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1)
+            if bad.any():
+                frame = int(np.argmax(bad))
+                raise InvalidInput(f"{name} of frame {frame} of a motion", array[frame].tolist(), "finite numbers")
+        if self.times.ndim != 1 or not (np.diff(self.times) > 0.0).all():
+            raise InvalidInput("times of a motion [s]", "not ascending", "a row of numbers, each above the one before")
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @property
+    def rate(self) -> float:
+        """Mean number of frames a second [1/s]; nan for a single frame."""
+        return (len(self) - 1) / float(self.times[-1] - self.times[0]) if len(self) > 1 else float("nan")
+
+    def sample(self, frame: int) -> TrackerSample:
+        """The posture of a frame."""
+        return TrackerSample(float(self.times[frame]), self.positions[frame], self.rotations[frame], self.angles[frame])
+
+    def between(self, frame: int, share: float) -> TrackerSample:
+        """The posture at `share` (0 to 1) of the way from a frame to the next: what a player shows between frames."""
+        a, b = frame, min(frame + 1, len(self) - 1)
+        shares = np.full(self.rotations.shape[1], share)
+        return TrackerSample(
+            float(self.times[a] + share * (self.times[b] - self.times[a])),
+            self.positions[a] + share * (self.positions[b] - self.positions[a]),
+            rotation.normalised(rotation.slerp(self.rotations[a], self.rotations[b], shares)),
+            self.angles[a] + share * (self.angles[b] - self.angles[a]),
+        )
+
+    def resampled(self, rate: float) -> "Motion":
+        """The motion at `rate` [1/s]: rotations on the great circle between their neighbours, the rest on a straight line.
+
+        A frame that falls on a recorded one is that one, bit for bit. The last one is at or before the recorded end."""
+        if not (np.isfinite(rate) and rate > 0.0):
+            raise InvalidInput("frames a second [1/s]", rate, "a finite number above 0")
+        if len(self) == 1:
+            return self
+        duration = float(self.times[-1] - self.times[0])
+        instants = self.times[0] + np.arange(int(duration * rate + SAME_INSTANT) + 1) / rate
+        after = np.clip(np.searchsorted(self.times, instants, side="right"), 1, len(self) - 1)
+        before = after - 1
+        share = (instants - self.times[before]) / (self.times[after] - self.times[before])
+        share = np.where(share < SAME_INSTANT, 0.0, np.where(share > 1.0 - SAME_INSTANT, 1.0, share))
+
+        def kept(values: Array, blended: Array) -> Array:
+            shape = (-1,) + (1,) * (values.ndim - 1)
+            at_next = np.where((share == 1.0).reshape(shape), values[after], blended)
+            return np.where((share == 0.0).reshape(shape), values[before], at_next)
+
+        def on_line(values: Array) -> Array:
+            u = share.reshape((-1,) + (1,) * (values.ndim - 1))
+            return kept(values, values[before] + u * (values[after] - values[before]))
+
+        shares = np.repeat(share[:, None], self.rotations.shape[1], axis=1)
+        turned = rotation.normalised(rotation.slerp(self.rotations[before], self.rotations[after], shares))
+        return Motion(instants, on_line(self.positions), kept(self.rotations, turned), on_line(self.angles))
