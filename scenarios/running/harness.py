@@ -23,7 +23,7 @@ from scenarios.results.machine import Meter, load_average
 from scenarios.results.results import Results, Row
 from scenarios.running.glance import MANY, PATIENCE, glance
 from scenarios.running.phenomena import errors_of, repeats_of
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import Died, Workers, side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy, described
 from scenarios.running.seat import Seats
@@ -85,7 +85,7 @@ def tidy(job: Job) -> bool:
     return job.engine in TIDY
 
 
-def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcome]:
+def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:
     """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
     the other."""
     for job, answer in side_by_side(partial(accuracy, folder=folder), jobs, workers, tidy):
@@ -112,7 +112,7 @@ class Run:
         self.clocked: dict[str, Clocked] = {}
         self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
-    def measure(self, ready: Sequence[Outcome], workers: int) -> None:
+    def measure(self, ready: Sequence[Outcome], workers: Workers) -> None:
         """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
         for outcome in ready:
             self.outcomes[outcome.job.stem] = outcome

@@ -18,14 +18,19 @@ from itertools import count, islice
 from multiprocessing import active_children, forkserver, popen_forkserver, resource_tracker
 from multiprocessing.context import ForkServerContext, ForkServerProcess
 from multiprocessing.process import BaseProcess
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, Union
 
 from pebble import ProcessExpired, ProcessPool, concurrent
 
 from avatarsim.errors import InvalidInput
 
+if TYPE_CHECKING:
+    from scenarios.running.cluster import Cluster
+
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
+Workers = Union[int, "Cluster"]
+"""So many processes side by side, or the machines of a cluster."""
 
 PRELOADED = ("numpy", "numba", "scipy.spatial", "scenarios.running.preloaded")
 """What the fork server imports once. No engine is among it, so that each process begins with a fresh one."""
@@ -148,15 +153,19 @@ def alone(task: object) -> bool:
 
 
 def side_by_side(
-    function: Callable[[Task], Answer], tasks: Sequence[Task], workers: int, tidy: Callable[[Task], bool] = alone,
+    function: Callable[[Task], Answer], tasks: Sequence[Task], workers: Workers, tidy: Callable[[Task], bool] = alone,
     patience: float = PATIENCE,
 ) -> Iterator[tuple[Task, Answer | Died]]:
-    """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other.
+    """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other; on a
+    cluster, each in a process of its own.
 
     Tasks of which `tidy` says that they leave nothing behind share processes, each until one of its tasks fails. No task takes
     longer than `patience` [s]. Where the loop is left early, what still runs is ended. Raises InvalidInput for fewer workers than
     none.
     """
+    if not isinstance(workers, int):
+        yield from workers.results(function, tasks, patience)
+        return
     if workers < 0:
         raise InvalidInput("--jobs", workers, "0 at least")
     if workers == 0:
