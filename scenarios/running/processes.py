@@ -49,7 +49,7 @@ class Died(Exception):
 
 class Told(popen_forkserver.Popen):
     """A process whose end is read by one thread at a time. The fork server tells it once, each start of a process asks after all
-    others, and Pebble has a thread for each: without this, one end in forty would be told as code 255."""
+    others, and Pebble has a thread for each: without this, one end in seventy would be told as code 255."""
 
     def __init__(self, process: BaseProcess) -> None:
         self.asking = threading.Lock()

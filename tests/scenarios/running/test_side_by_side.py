@@ -32,7 +32,7 @@ def test_each_task_has_its_answer(workers: int) -> None:
 
 
 def test_everyone_who_dies_is_told_how() -> None:
-    """Threads that look after processes would lose the news of one end in forty: each start of one asks after all others."""
+    """Threads that look after processes would lose the news of one end in seventy: each start of one asks after all others."""
     before = threading.active_count()
     for _, how in side_by_side(killed, range(24), 4):
         assert isinstance(how, Died) and "signal 9" in str(how)
