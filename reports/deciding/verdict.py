@@ -114,8 +114,7 @@ class Verdict:
         bounded, of = self.looks
         if not bounded < MOSTLY * of:
             return ""
-        # names of measures hold commas
-        none = f", these measures nowhere ({'; '.join(map(words, self.unbounded))})" if self.unbounded else ""
+        none = f", {count(len(self.unbounded), 'measure')} nowhere" if self.unbounded else ""
         return f"; of how motion looks {bounded} of {count(of, 'figure')} {'has' if bounded == 1 else 'have'} a bound{none}"
 
 

@@ -453,7 +453,7 @@ def shade(value: float, worst: float, unit: str) -> float:
 
 
 def panels(values: Values, runs: Sequence[str], kinds: Sequence[str], units: Mapping[str, str]) -> list[Panel]:
-    """A panel for each figure that anybody has."""
+    """A panel for each figure that any engine has."""
     made: list[Panel] = []
     for figure, unit in units.items():
         cells = {(kind, run): v for kind in kinds for run in runs if (v := values.get((figure, kind, run), math.nan)) == v}

@@ -66,7 +66,7 @@ Fault = tuple[str, object, str]
 def fault(job: Job) -> Fault | None:
     """What the engine of `job` says against its settings when it loads the scene. Only what it calls invalid: whatever else goes
     wrong is a result, and the run has it."""
-    # a name that nobody has, a scene that overlaps, an engine that falls over: the run says so
+    # a name of no engine, a scene that overlaps, an engine that falls over: the run says so
     with suppress(Exception), closing(opened(job.engine)) as engine:
         scenario, scene, _ = job.asked()
         try:

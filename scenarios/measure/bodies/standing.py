@@ -37,7 +37,7 @@ def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
 
 STANDS = 1e-3
 """Distance [m] from its place up to which a body stands: a landing may shift it by micrometres, a spring yield by a tenth of a
-millimetre; who sinks or slides farther does not carry what it should."""
+millimetre; a body that sinks or slides farther does not carry what it should."""
 
 
 def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:

@@ -17,7 +17,7 @@ from scenarios.studies.sweep.grid import sleeps
 from scenarios.studies.sweep.native import native
 
 Point = tuple[float, float]
-"""Time and error; a point that is not finite is on no front and beats nobody."""
+"""Time and error; a point that is not finite is on no front and beats no point."""
 
 
 def beats(a: Point, b: Point) -> bool:
@@ -26,7 +26,7 @@ def beats(a: Point, b: Point) -> bool:
 
 
 def front(points: Sequence[Point]) -> list[bool]:
-    """For each point whether nobody beats it, in one pass over the points sorted by time."""
+    """For each point whether no other beats it, in one pass over the points sorted by time."""
     found = [False] * len(points)
     usable = [k for k, (time, error) in enumerate(points) if isfinite(time) and isfinite(error)]
     least, best = float("inf"), (float("nan"), float("nan"))

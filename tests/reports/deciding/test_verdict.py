@@ -43,8 +43,8 @@ def test_all_held(run_dir: Write, results: Json) -> None:
     found = verdict(load(run_dir(only(results, "arm_wall"))))
     assert (found.word, found.exit_code, found.losses) == ("held", 0, ())
     assert found.sentence == (
-        "The one bound held; of how motion looks 0 of 1 figure have a bound, these measures nowhere "
-        f"({words('tracker_offset_rms_free')}).")
+        "The one bound held; of how motion looks 0 of 1 figure have a bound, 1 measure nowhere.")
+    assert found.unbounded == ("tracker_offset_rms_free",)
 
 
 def test_a_ceiling_is_said_and_comes_before_any_comparison(run_dir: Write, results: Json) -> None:
@@ -144,8 +144,8 @@ def test_a_run_in_which_most_figures_of_looks_have_no_bound_says_so_in_its_headl
                 ("hall", "root_jump_max", 0.5), ("hall", "jitter_rms", 0.001), ("door", "jitter_rms", 0.004))]
     found = load(run_dir(results | {"rows": [*rows, *free], "exit_code": 0}))
     assert verdict(found).sentence.endswith(
-        "no overlap; of how motion looks 1 of 5 figures has a bound, these measures nowhere "
-        f"({words('jitter_rms')}; {words('tracker_offset_rms_free')})."), "the jump of the root has a bound somewhere"
+        "no overlap; of how motion looks 1 of 5 figures has a bound, 2 measures nowhere.")
+    assert verdict(found).unbounded == ("jitter_rms", "tracker_offset_rms_free"), "the jump of the root has a bound somewhere"
     assert loosest(found, verdict(found)) == (
         f"{words('root_jump_max')}: bounded in 1 of 3 scenes with an avatar, by 10 mm at most, largest there 2.00 mm (arm_wall); "
         "largest without a bound 500 mm (hall)",
