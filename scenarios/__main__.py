@@ -12,7 +12,7 @@ from runfiles.files import OUT
 from scenarios.cli import ablate, commands, comparison, listing, sweep
 from scenarios.results.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.results.resume import stoppable
-from scenarios.running import own_settings
+from scenarios.running import cluster, own_settings
 from scenarios.stability import __main__ as stability
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
@@ -52,11 +52,13 @@ def parser() -> argparse.ArgumentParser:
     chosen.add_parser("metrics", help="what each figure means", parents=[shared])
     run = chosen.add_parser("run", help="one scene, quickly, and its table", parents=[shared])
     run.add_argument("scene", nargs="?", help="name of the scene")
-    chosen.add_parser("compare", help="every scene in every engine, accuracy and time, with a report", parents=[shared])
+    compare = chosen.add_parser("compare", help="every scene in every engine, accuracy and time, with a report", parents=[shared])
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     chosen.add_parser("ablate", help="what each effect of a scene costs, and what leaving it out changes", parents=[shared])
-    chosen.add_parser("sweep", help="accuracy against time over every engine's own settings, resumable", parents=[shared])
+    sweep = chosen.add_parser("sweep", help="accuracy against time over every engine's own settings, resumable", parents=[shared])
+    for many in (compare, sweep):
+        many.add_argument(cluster.OPTION, metavar="ADDRESS", help=cluster.HELP)
     chosen.add_parser(STABILITY, help="hard cases under other starts, frame times, sizes and places; options of its own")
     return top
 

@@ -22,6 +22,7 @@ from scenarios.results.provenance import provenance
 from scenarios.results.results import Row, is_time
 from scenarios.results.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
 from scenarios.running import offered as scenes_offered
+from scenarios.running.cluster import workers_of
 from scenarios.running.harness import Run, offers
 from scenarios.running.offered import filtered, unmatched
 from scenarios.running.own_settings import OwnSettings, read, tried
@@ -222,7 +223,7 @@ def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_leng
     """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or that somebody stopped it, and what
     is known is written either way."""
     try:
-        ran.measure(made.ready, asked.jobs)
+        ran.measure(made.ready, workers_of(asked, ran.folder))
         if timed:
             ran.clock(asked.full, at_length)
         code = ran.code()

@@ -15,9 +15,10 @@ from scenarios.cli.commands import nothing, say_last
 from scenarios.engines import known
 from scenarios.results.gate import INCOMPLETE, STOPPED
 from scenarios.results.store import Entry, Store
+from scenarios.running.cluster import workers_of
 from scenarios.running.harness import Offer, offers
 from scenarios.running.own_settings import OwnSettings, read
-from scenarios.running.processes import side_by_side
+from scenarios.running.processes import Workers, side_by_side
 from scenarios.running.progress import Estimate
 from scenarios.running.seat import Seats
 from scenarios.running.telling import errors_of, swept, swept_engines
@@ -65,7 +66,7 @@ class Sweep:
         self.kept = len(self.times)
         """Settings whose times were known before, kept by the hash of the code and the processor."""
 
-    def measure(self, workers: int) -> None:
+    def measure(self, workers: Workers) -> None:
         """Find the errors that are not known."""
         todo = {cell.job.stem: cell for cell in self.cells if cell not in self.errors}
         said = Estimate("errors", len(todo), sys.stderr)
@@ -121,7 +122,7 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
     ran = Sweep(cells_of(scenes, there, own, asked), store)
     code, limits = 0, list[limit.Row]()
     try:
-        ran.measure(asked.jobs)
+        ran.measure(workers_of(asked))
         ran.clock()
         presets = {name: offer.chosen(asked.preset) for name, offer in there.items()}
         limits = converge([n for n in limit.SCENES if n in scenes], presets, store, asked.jobs, asked.full, asked.frames)

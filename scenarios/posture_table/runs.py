@@ -19,7 +19,7 @@ from scenarios.results.fingerprint import find, key_of, sources
 from scenarios.results.store import Store
 from scenarios.running.asked import asked
 from scenarios.running.harness import tidy
-from scenarios.running.processes import Died, Pool
+from scenarios.running.processes import Died, side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy
 from scenarios.running.seat import repeat
@@ -108,7 +108,7 @@ def recorded(jobs: Sequence[Job], folder: Path, clips: Path | None, workers: int
     """Every job run, as many side by side as there are `workers`, in the order in which they end."""
     work = partial(seen, folder=folder, clips=clips)
     with Progress("postures", len(jobs), stream) as progress:
-        for job, answer in Pool(work, workers, tidy=tidy).results(jobs):
+        for job, answer in side_by_side(work, jobs, workers, tidy):
             found = Seen(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
             progress.step(f"{found.where} {job.run} {found.state}")
             yield found
@@ -119,7 +119,7 @@ def clocked(runs: Sequence[Seen], repeats: int, clips: Path | None, stream: Text
     by_job = {run.job.stem: run for run in runs if run.state == "measured"}
     work = partial(timed, repeats=repeats, clips=clips)
     with Progress("times", len(by_job), stream) as progress:
-        for job, answer in Pool(work, 1, tidy=tidy).results([run.job for run in by_job.values()]):
+        for job, answer in side_by_side(work, [run.job for run in by_job.values()], 1, tidy):
             run = by_job[job.stem]
             if isinstance(answer, Died):
                 by_job[job.stem] = replace(run, note=f"not timed: {answer}")

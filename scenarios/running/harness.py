@@ -23,7 +23,7 @@ from scenarios.results.machine import Meter, load_average
 from scenarios.results.results import Results, Row
 from scenarios.running.glance import MANY, PATIENCE, glance
 from scenarios.running.phenomena import errors_of, repeats_of
-from scenarios.running.processes import Died, Pool
+from scenarios.running.processes import Died, Workers, side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy, described
 from scenarios.running.seat import Seats
@@ -74,10 +74,8 @@ def offer(name: str) -> Offer:
 
 def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     """What each engine offers, asked in processes of their own: importing an engine may print, leak or crash."""
-    if workers == 0:
-        return {name: offer(name) for name in names}
     found = {}
-    for name, answer in Pool(offer, workers).results(names):
+    for name, answer in side_by_side(offer, names, workers):
         found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
     return {name: found[name] for name in names}
 
@@ -87,14 +85,10 @@ def tidy(job: Job) -> bool:
     return job.engine in TIDY
 
 
-def outcomes(jobs: Sequence[Job], folder: Path, workers: int) -> Iterator[Outcome]:
+def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:
     """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
     the other."""
-    if workers == 0:
-        for job in jobs:
-            yield accuracy(job, folder)
-        return
-    for job, answer in Pool(partial(accuracy, folder=folder), workers, tidy=tidy).results(jobs):
+    for job, answer in side_by_side(partial(accuracy, folder=folder), jobs, workers, tidy):
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 
@@ -118,7 +112,7 @@ class Run:
         self.clocked: dict[str, Clocked] = {}
         self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
-    def measure(self, ready: Sequence[Outcome], workers: int) -> None:
+    def measure(self, ready: Sequence[Outcome], workers: Workers) -> None:
         """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
         for outcome in ready:
             self.outcomes[outcome.job.stem] = outcome

@@ -10,7 +10,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.files import read_toml
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.running.processes import Died, Pool
+from scenarios.running.processes import Died, side_by_side
 
 EXAMPLE = "scenarios/settings_example.toml"
 """A file that every engine takes as it is, from the folder of the checkout."""
@@ -80,12 +80,7 @@ def tried(rows: Iterable[OwnSettings], scene: str, path: Path, workers: int) -> 
     """Load `scene` once with each of `rows`, which came from `path`. Raises InvalidInput with what an engine does not take."""
     jobs = [Job(scene, row.engine, row.name, base=row.base, options=row.options, frames=1) for row in rows]
     # in the order of the file, whichever answers first
-    for job, found in sorted(answers(jobs, workers), key=lambda answer: jobs.index(answer[0])):
+    for job, found in sorted(side_by_side(fault, jobs, workers), key=lambda answer: jobs.index(answer[0])):
         if found is not None and not isinstance(found, Died):
             thing, value, valid = found
             raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", value, valid)
-
-
-def answers(jobs: Sequence[Job], workers: int) -> Iterable[tuple[Job, Fault | Died | None]]:
-    """Each job with what its engine says, in a process of its own unless there are to be none."""
-    return [(job, fault(job)) for job in jobs] if workers == 0 else Pool(fault, workers).results(jobs)

@@ -1,144 +1,150 @@
-"""Worker processes: each job in one of its own, as many side by side as processors; one that dies takes no other along."""
+"""Process isolation of jobs by Pebble: each in a fresh process with a time limit, as many side by side as processors.
+
+https://pebble.readthedocs.io. A job that crashes, hangs or is killed is that job's result and no other's: its answer has a pipe
+of its own. Tidy jobs follow each other in processes that stay, pools of one worker each: the workers of a larger pool share a
+pipe and its lock, which a worker that is killed while it sends would take along. Beside Pebble stand here the fork server that
+processes come from, and that the end of each process is read once.
+"""
 
 import gc
-import multiprocessing
 import os
 import signal
 import sys
-import time
+import threading
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection, wait
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from itertools import count, islice
+from multiprocessing import active_children, forkserver, popen_forkserver, resource_tracker
+from multiprocessing.context import ForkServerContext, ForkServerProcess
 from multiprocessing.process import BaseProcess
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, Union
+
+from pebble import ProcessExpired, ProcessPool, concurrent
 
 from avatarsim.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from multiprocessing.context import ForkServerContext, SpawnContext
+    from scenarios.running.cluster import Cluster
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
+Workers = Union[int, "Cluster"]
+"""So many processes side by side, or the machines of a cluster."""
 
 PRELOADED = ("numpy", "numba", "scipy.spatial", "scenarios.running.preloaded")
-"""What the mother of all children imports once. No engine is among it, so that each child begins with a fresh one."""
+"""What the fork server imports once. No engine is among it, so that each process begins with a fresh one."""
 PATIENCE = 1800.0
 """Longest a job may take [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
-LAST_WORDS = 30.0
-"""Longest [s] to wait for how a child ended once its connection has; shorter, and a busy machine would leave that untold."""
+LOOK = 1.0
+"""Time [s] after which it is looked for pools that have given up, while no job ends."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""Set to 1 in every child: as many jobs as processors run side by side, and the timing pass promises one thread."""
+"""Set to 1 in every worker: as many jobs as processors run side by side, and the timing pass promises one thread."""
+_numbers, _starting = count(), threading.Lock()
 
 
 class Died(Exception):
-    """A child ended without an answer; the text says how."""
+    """A job ended without an answer; the text says how."""
 
 
-def context() -> "ForkServerContext | SpawnContext":
-    """Children forked from a clean, small process where the system can (10 ms each), else started anew (0.6 s each)."""
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    server = multiprocessing.get_context("forkserver")
-    server.set_forkserver_preload(list(PRELOADED))
-    return server
+class Told(popen_forkserver.Popen):
+    """A process whose end is read by one thread at a time. The fork server tells it once, each start of a process asks after all
+    others, and Pebble has a thread for each: without this, one end in seventy would be told as code 255."""
+
+    def __init__(self, process: BaseProcess) -> None:
+        self.asking = threading.Lock()
+        super().__init__(process)
+
+    def poll(self, flag: int = os.WNOHANG) -> int | None:
+        """The exit code, once there is one."""
+        with self.asking:
+            return super().poll(flag)
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """The environment that children inherit, for the time in which they are started."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
+class Forked(ForkServerProcess):
+    """A process of the fork server."""
+
+    @staticmethod
+    def _Popen(process_obj: BaseProcess) -> Told:
+        return Told(process_obj)
+
+
+class Forking(ForkServerContext):
+    """What processes are started by."""
+
+    Process = Forked
+
+
+def context() -> Forking:
+    """Processes forked from a clean, small one that has loaded what they need (10 ms each, in place of 0.6 s). It runs on one
+    thread, and is deaf to Ctrl-C, which a terminal sends to all and the parent alone answers; both are inherited."""
+    forking = Forking()
+    forking.set_forkserver_preload(list(PRELOADED))
+    with _starting:
+        # started within, it would lift the block
+        resource_tracker.ensure_running()
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        kept = {name: os.environ[name] for name in THREADS if name in os.environ}
+        os.environ.update(dict.fromkeys(THREADS, "1"))
+        try:
+            forkserver.ensure_running()
+        finally:
+            for name in THREADS:
                 del os.environ[name]
-            else:
-                os.environ[name] = value
+            os.environ.update(kept)
+            # what came meanwhile reaches the parent here
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+    return forking
 
 
-@contextmanager
-def deaf() -> Iterator[None]:
-    """No Ctrl-C while children are started, who inherit it: the terminal sends it to all, and only the parent may answer it."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    # it would lift the block if it were started within
-    resource_tracker.ensure_running()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        # what came meanwhile reaches the parent here
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def begin(target: Callable[..., None], *arguments: object) -> tuple[BaseProcess, Connection]:
-    """Start `target(connection, *arguments)` in a process of its own; returns it and this end of the connection."""
-    here, there = multiprocessing.Pipe()
-    with one_thread(), deaf():
-        child = context().Process(target=target, args=(there, *arguments), daemon=True)
-        child.start()
-    there.close()
-    return child, here
-
-
-def spare_the_collector() -> None:
-    """Keep Python's collector away from what the mother of this child loaded, and nobody here can free: going through all of it
-    again and again is a seventh of what a short run costs, and would count as time of whichever engine runs just then."""
-    gc.freeze()
-
-
-def quiet() -> None:
-    """Drop what this process prints: some engines greet from C on import, and tables belong to the parent. Errors stay.
-
-    Ctrl-C is left to the parent, which ends its children itself."""
+def settled() -> None:
+    """What each process begins with. What it prints is dropped: some engines greet from C on import, and tables belong to the
+    parent; errors stay. Ctrl-C is the parent's. Python's collector is kept away from what the fork server loaded: going through
+    all of it again and again is a seventh of what a short run costs, and would count as time of the engine."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
+    gc.freeze()
 
 
-def ended(child: BaseProcess) -> str:
-    """How a child that gave no answer came to its end."""
-    child.join(timeout=LAST_WORDS)
-    code = child.exitcode
-    if code is None:
-        child.kill()
-        return f"its process left without an answer, and had not ended {LAST_WORDS:g} s later"
+def ended(code: int) -> str:
+    """How a process that gave no answer came to its end."""
     return f"its process was killed by signal {-code}" if code < 0 else f"its process ended with code {code}"
 
 
-def _work(connection: Connection, function: Callable[[Task], Answer]) -> None:
-    """Life of a child: one task after another for as long as it is told to stay, and none after a fault."""
-    quiet()
-    spare_the_collector()
-    stays = True
-    while stays:
-        try:
-            task, stays = connection.recv()
-        except (EOFError, ConnectionError):
-            # the parent needs no more
-            return
-        said: tuple[str, object]
-        try:
-            said = "answer", function(task)
-        except Exception as error:
-            where = traceback.extract_tb(error.__traceback__)[-1]
-            said, stays = ("raised", f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})"), False
-        try:
-            connection.send(said)
-        except ConnectionError:
-            # the parent has gone, and nobody is left to tell
-            return
-        except Exception as error:
-            with suppress(ConnectionError):
-                connection.send(("raised", f"{type(error).__name__}: {error} (its answer cannot travel)"))
-            return
+def attempt(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
+    """The answer, or what was raised, in words: an exception of an engine's own class need not travel."""
+    try:
+        return function(task)
+    except Exception as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        return Died(f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})")
+
+
+def only(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
+    """The life of a process that has one job."""
+    settled()
+    return attempt(function, task)
+
+
+def heard(future: Future[Any], patience: float) -> Any:
+    """The answer of a job that is over, or how it died."""
+    error = future.exception() if future.done() else RuntimeError("its process gave up before it had begun")
+    if isinstance(error, ProcessExpired):
+        return Died(ended(error.exitcode))
+    if isinstance(error, TimeoutError):
+        return Died(f"no answer within {patience:g} s")
+    return future.result() if error is None else Died(f"{type(error).__name__}: {error}")
+
+
+def stopped(pools: Sequence[ProcessPool]) -> None:
+    """End their processes, in the middle of their work if need be."""
+    for pool in pools:
+        pool.stop()
+    for pool in pools:
+        pool.join()
 
 
 def alone(task: object) -> bool:
@@ -146,76 +152,57 @@ def alone(task: object) -> bool:
     return False
 
 
-Child = tuple[BaseProcess, Connection]
-
-
-class Pool(Generic[Task, Answer]):
-    """Runs `function` on tasks, at most `workers` at a time, each in a process of its own; those of which `tidy` says that they
-    leave nothing behind share a few."""
-
-    def __init__(self, function: Callable[[Task], Answer], workers: int, patience: float = PATIENCE,
-                 tidy: Callable[[Task], bool] = alone) -> None:
-        self.function, self.workers, self.patience, self.tidy = function, workers, patience, tidy
-
-    def results(self, tasks: Iterable[Task]) -> Iterator[tuple[Task, Answer | Died]]:
-        """Each task with its answer, or with how it died, in the order in which they end."""
-        waiting = list(tasks)
-        running: dict[Connection, tuple[Task, BaseProcess, float]] = {}
-        idle: list[Child] = []
-        try:
-            while waiting or running:
-                while waiting and len(running) < self.workers:
-                    task = waiting.pop(0)
-                    stays = self.tidy(task)
-                    child, connection = idle.pop() if stays and idle else begin(_work, self.function)
-                    with suppress(ConnectionError):
-                        # one that has died meanwhile is heard of below
-                        connection.send((task, stays))
-                    running[connection] = (task, child, time.monotonic())
-                ready = [end for end in wait(list(running), timeout=1.0) if isinstance(end, Connection)]
-                late = [end for end, (_, _, since) in running.items() if time.monotonic() - since > self.patience]
-                for connection in ready or late:
-                    task, child, _ = running.pop(connection)
-                    answer = self._answer(connection, child)
-                    if self.tidy(task) and not isinstance(answer, Died):
-                        idle.append((child, connection))
-                    else:
-                        connection.close()
-                        child.join()
-                    yield task, answer
-        finally:
-            for connection, (_, child, _) in running.items():
-                child.terminate()
-                child.join()
-                connection.close()
-            for child, connection in idle:
-                # the end of its connection is the end of its work
-                connection.close()
-                child.join()
-
-    def _answer(self, connection: Connection, child: BaseProcess) -> Answer | Died:
-        try:
-            if not connection.poll():
-                child.kill()
-                return Died(f"no answer within {self.patience:g} s")
-            kind, answer = connection.recv()
-        except (EOFError, ConnectionError):
-            return Died(ended(child))
-        return answer if kind == "answer" else Died(str(answer))
-
-
 def side_by_side(
-    function: Callable[[Task], Answer], tasks: Sequence[Task], workers: int, tidy: Callable[[Task], bool] = alone
+    function: Callable[[Task], Answer], tasks: Sequence[Task], workers: Workers, tidy: Callable[[Task], bool] = alone,
+    patience: float = PATIENCE,
 ) -> Iterator[tuple[Task, Answer | Died]]:
-    """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other.
-    Tasks of which `tidy` says that they leave nothing behind share processes.
+    """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other; on a
+    cluster, each in a process of its own.
 
-    When the loop is stopped, what still runs is ended. Raises InvalidInput for fewer workers than none.
+    Tasks of which `tidy` says that they leave nothing behind share processes, each until one of its tasks fails. No task takes
+    longer than `patience` [s]. Where the loop is left early, what still runs is ended. Raises InvalidInput for fewer workers than
+    none.
     """
+    if not isinstance(workers, int):
+        yield from workers.results(function, tasks, patience)
+        return
     if workers < 0:
         raise InvalidInput("--jobs", workers, "0 at least")
     if workers == 0:
         yield from ((task, function(task)) for task in tasks)
-    else:
-        # from one thread: where two look after children, either may read how the other's ended, which can be read but once
-        yield from Pool(function, workers, tidy=tidy).results(tasks)
+        return
+    waiting, name, forking = iter(tasks), f"jobs-{next(_numbers)}", context()
+    # the overloads say mp_context, what they stand for takes context
+    fresh = concurrent.process(name=name, timeout=patience, context=forking)(only)  # type: ignore[call-overload]
+    running: dict[Future[Any], tuple[Task, ProcessPool | None]] = {}
+    idle: list[ProcessPool] = []
+    try:
+        while True:
+            idle = [pool for pool in idle if pool.active]
+            for task in islice(waiting, workers - len(running)):
+                if tidy(task):
+                    pool = idle.pop() if idle else ProcessPool(1, initializer=settled, context=forking)
+                    running[pool.schedule(attempt, (function, task), timeout=patience)] = task, pool
+                else:
+                    running[fresh(function, task)] = task, None
+            if not running:
+                return
+            done, _ = wait(running, LOOK, FIRST_COMPLETED)
+            for future in done or [each for each, (_, pool) in running.items() if pool and not pool.active]:
+                task, stays = running.pop(future)
+                answer = heard(future, patience)
+                if stays and isinstance(answer, Died):
+                    stopped([stays])
+                elif stays:
+                    idle.append(stays)
+                yield task, answer
+    finally:
+        for child in active_children():
+            if child.name == name:
+                # Pebble's own way to call a job off fails where its answer comes at that moment
+                child.kill()
+        stopped([*idle, *(stays for _, stays in running.values() if stays)])
+        for thread in threading.enumerate():
+            if thread.name == name:
+                # it is over once its process is
+                thread.join()

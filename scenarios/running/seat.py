@@ -1,9 +1,13 @@
-"""Timed worker processes: one engine in a process of its own, which loads and runs when it is told to, job after job."""
+"""Timed worker processes: one engine in a process of its own, which loads and runs when it is told to, job after job.
 
+A conversation over a pipe: between order and answer the parent sleeps. Pebble, which runs all other jobs, has threads that look
+ten times a second: for ten engines 200 wake-ups a second, a hundredth of a processor, beside the frames that are being timed.
+"""
+
+import multiprocessing
 import time
 from contextlib import suppress
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import Self
 
@@ -11,11 +15,13 @@ from avatarsim.engine import Engine
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.running.asked import asked
-from scenarios.running.processes import begin, ended, quiet, spare_the_collector
+from scenarios.running.processes import context, ended, settled
 from scenarios.running.run import described
 
 PATIENCE = 300.0
 """Longest one repeat may take [s]."""
+LAST_WORDS = 30.0
+"""Longest [s] to wait for how a process ends once its pipe has; shorter, and a busy machine would leave that untold."""
 GO = "go"
 """The order to run what is loaded."""
 
@@ -60,8 +66,7 @@ def repeat(job: Job, frames: int) -> Repeat:
 def _serve(connection: Connection) -> None:
     """Life of one timed engine: for each job that comes in, a load, and once it is told to go, its frames; each is answered with
     the seconds it took. None ends it."""
-    quiet()
-    spare_the_collector()
+    settled()
     try:
         while (order := connection.recv()) is not None:
             begun = time.perf_counter()
@@ -84,8 +89,10 @@ class Seat:
     """One engine's place at the table: its process, and what has been asked of it. It answers one thing at a time."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
-        self.child: BaseProcess
-        self.child, self.end = begin(_serve)
+        self.end, there = multiprocessing.Pipe()
+        self.child = context().Process(target=_serve, args=(there,), daemon=True)
+        self.child.start()
+        there.close()
         self.patience, self.gone = patience, False
 
     def prepare(self, job: Job, frames: int, first: int = 0) -> None:
@@ -112,7 +119,10 @@ class Seat:
                 self.child.kill()
                 answer = f"no answer within {self.patience:g} s"
         except (EOFError, ConnectionError):
-            answer = ended(self.child)
+            self.child.join(LAST_WORDS)
+            self.child.kill()
+            self.child.join()
+            answer = ended(self.child.exitcode or 0)
         self.gone = True
         return answer
 

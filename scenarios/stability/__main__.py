@@ -18,8 +18,10 @@ from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.results.gate import NOTHING
 from scenarios.results.resume import stoppable
+from scenarios.running.cluster import HELP, OPTION, workers_of
 from scenarios.running.harness import offers
 from scenarios.running.offered import filtered, unmatched
+from scenarios.running.processes import Workers
 from scenarios.running.progress import Progress
 from scenarios.stability.finished import NAME as FINISHED
 from scenarios.stability.finished import Finished, stamp
@@ -41,12 +43,12 @@ def tasks_of(presets: dict[str, tuple[str, ...]], pattern: str, draws: int) -> l
     ]
 
 
-def swept(tasks: Sequence[Task], folder: Path, jobs: int) -> dict[Task, Outcome]:
+def swept(tasks: Sequence[Task], folder: Path, workers: Workers) -> dict[Task, Outcome]:
     """Every task with its outcome, those that were finished earlier among them."""
     kept = Finished(folder / FINISHED, stamp())
     missing = kept.missing(tasks)
     with Progress("stability", len(missing), sys.stderr) as progress:
-        for task, done in answers(missing, jobs):
+        for task, done in answers(missing, workers):
             kept.add(task, done)
             progress.step(f"{task.case} {task.run} {task.trial.kind} {task.trial.level} {done.state}")
     return {task: kept.of(task) for task in tasks}
@@ -69,6 +71,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--filter", default="*", metavar="GLOB,...", help="cases (default: all)")
     parser.add_argument("--draws", type=int, default=TOGETHER, metavar="N", help=f"changes of all at once ({TOGETHER})")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="trials side by side; 0: here")
+    parser.add_argument(OPTION, metavar="ADDRESS", help=HELP)
     asked = parser.parse_args(argv)
     try:
         if asked.draws < 0 or asked.jobs < 0:
@@ -81,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return NOTHING
         presets = {name: offer.presets for name, offer in offers(asked.engine, 1).items() if not offer.trouble}
         with stoppable():
-            done = swept(tasks_of(presets, asked.filter, asked.draws), asked.kept, asked.jobs)
+            done = swept(tasks_of(presets, asked.filter, asked.draws), asked.kept, workers_of(asked))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

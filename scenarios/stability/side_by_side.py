@@ -3,19 +3,16 @@
 from collections.abc import Iterator, Sequence
 
 from scenarios.engines import TIDY
-from scenarios.running.processes import Died, Pool
+from scenarios.running.processes import Died, Workers, side_by_side
 from scenarios.stability.outcome import CRASHED, LATE, TOO_LATE, Outcome, Task, outcome
 
 PATIENCE = 3.0 * LATE
 """Longest [s] without an answer: an engine that never comes back from a frame is an endless loop."""
 
 
-def answers(tasks: Sequence[Task], workers: int) -> Iterator[tuple[Task, Outcome]]:
+def answers(tasks: Sequence[Task], workers: Workers) -> Iterator[tuple[Task, Outcome]]:
     """All tasks, in the order in which they end; with 0 workers here, one after the other. A process that dies costs its task."""
-    if workers == 0:
-        yield from ((task, outcome(task)) for task in tasks)
-        return
-    for task, answer in Pool(outcome, workers, PATIENCE, tidy=leaves_nothing).results(tasks):
+    for task, answer in side_by_side(outcome, tasks, workers, leaves_nothing, PATIENCE):
         yield task, died(answer) if isinstance(answer, Died) else answer
 
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from scenarios.results.gate import FAILED, HELD, INCOMPLETE, USAGE
-from scenarios.running.processes import Died, Pool
+from scenarios.running.processes import Died, side_by_side
 from scenarios.running.progress import Progress
 from scenarios.studies.unseen_motions import Seen, broken, jobs, seen, table
 from scenarios.unseen import seeds
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows, troubles = list[Seen](), list[str]()
     todo = jobs(asked.motions, first, asked.frames)
     with tempfile.TemporaryDirectory() as folder, Progress("unseen", len(todo), sys.stderr) as progress:
-        for job, answer in Pool(partial(seen, folder=Path(folder)), asked.jobs, tidy=lambda job: True).results(todo):
+        for job, answer in side_by_side(partial(seen, folder=Path(folder)), todo, asked.jobs, lambda job: True):
             if isinstance(answer, Died):
                 troubles.append(f"{job.scenario} --seed {job.seed}: {answer}")
             elif answer.outcome.state != "measured":

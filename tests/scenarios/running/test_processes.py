@@ -1,13 +1,25 @@
-"""Children that answer, raise, die and dawdle."""
+"""Processes of jobs that answer, raise, die, dawdle and hang, while they work or while they send."""
 
 import gc
+import itertools
+import multiprocessing
 import os
 import signal
+import subprocess
+import sys
+import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
-from scenarios.running.processes import THREADS, Died, Pool
+from scenarios.running.processes import THREADS, Died, alone, side_by_side
+
+ROOT = Path(__file__).resolve().parents[3]
+LARGE = 40_000_000
+"""Bytes of an answer that takes a while to send."""
+
 
 
 def act(word: str) -> str:
@@ -19,6 +31,12 @@ def act(word: str) -> str:
         os._exit(7)
     if word == "dawdle":
         time.sleep(60.0)
+    if word == "hang":
+        # in C, holding Python's lock: no signal handler of Python's runs
+        sum(itertools.repeat(0))
+    if word == "half":
+        threading.Timer(0.015, os.kill, (os.getpid(), signal.SIGKILL)).start()
+        return "x" * LARGE
     if word == "print":
         print("SPOKEN")
     if word == "collector":
@@ -37,7 +55,7 @@ def found() -> dict[str, str | Died]:
     from tests.scenarios.running import test_processes
 
     words = ["one", "raise", "die", "two", "leave", "print", "threads", "collector", "dawdle"]
-    return dict(Pool(test_processes.act, 3, patience=8.0).results(words))
+    return dict(side_by_side(test_processes.act, words, 3, patience=8.0))
 
 
 def test_each_answer_comes_from_a_process_of_its_own(found: dict[str, str | Died]) -> None:
@@ -61,24 +79,79 @@ def test_children_do_not_collect_what_their_mother_loaded(found: dict[str, str |
     assert found["collector"] == "True"
 
 
+def tidy(word: str) -> bool:
+    return word[0] != "b"
+
+
 def test_tidy_tasks_share_processes_until_one_fails() -> None:
     from tests.scenarios.running import test_processes
 
     words = ["a1", "a2", "raise", "a3", "die", "a4", "b1", "a5"]
-    pool = Pool(test_processes.act, 1, tidy=lambda word: word[0] != "b")
-    found = dict(pool.results(words))
+    found = dict(side_by_side(test_processes.act, words, 1, tidy))
     pid = {word: str(answer).split()[-1] for word, answer in found.items() if not isinstance(answer, Died)}
     assert pid["a1"] == pid["a2"] != pid["a3"] and pid["a4"] == pid["a5"] not in (pid["a1"], pid["a3"], pid["b1"])
     assert isinstance(found["raise"], Died) and "killed by signal 9" in str(found["die"])
 
 
-def test_nobody_is_left_when_the_results_are_left_early() -> None:
-    import multiprocessing
+@pytest.mark.parametrize("shared", [alone, tidy])
+def test_a_process_that_is_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
+    from tests.scenarios.running import test_processes
 
+    words = ["half", "one", "half ", "two", "three"]
+    found = dict(side_by_side(test_processes.act, words, 2, shared, patience=20.0))
+    assert isinstance(found["half"], Died) and "killed by signal 9" in str(found["half"])
+    assert [str(found[word]).split()[0] for word in ("one", "two", "three")] == ["one", "two", "three"]
+
+
+@pytest.mark.parametrize("shared", [alone, tidy])
+def test_a_hang_in_compiled_code_is_ended(shared: Callable[[str], bool]) -> None:
     from tests.scenarios.running import test_processes
 
     before = {child.pid for child in multiprocessing.active_children()}
-    several = Pool(test_processes.act, 2, tidy=lambda word: True).results(["one", "two", "three", "four"])
+    [(_, how)] = side_by_side(test_processes.act, ["hang"], 1, shared, patience=0.5)
+    assert str(how) == "no answer within 0.5 s"
+    assert {child.pid for child in multiprocessing.active_children()} <= before
+
+
+@pytest.mark.parametrize("shared", [alone, tidy])
+def test_no_process_is_left_when_the_results_are_left_early(shared: Callable[[str], bool]) -> None:
+    from tests.scenarios.running import test_processes
+
+    before = {child.pid for child in multiprocessing.active_children()}
+    several = side_by_side(test_processes.act, ["one", "dawdle", "two", "three"], 2, shared)
     next(several)
     several.close()
     assert {child.pid for child in multiprocessing.active_children()} <= before
+
+
+PARENT = """
+import time
+from contextlib import closing
+from scenarios.running.processes import side_by_side
+from tests.scenarios.running import test_processes
+with closing(side_by_side(test_processes.act, ["one", "two"], 2, test_processes.tidy)) as work:
+    print(next(work)[1], next(work)[1], flush=True)
+    # in pieces: a signal between the print and the sleep is handled when the piece is over, not after a minute
+    for _ in range(600):
+        time.sleep(0.1)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_idle_processes_end_with_their_parent_however_it_ends(number: signal.Signals) -> None:
+    line = [sys.executable, "-c", PARENT]
+    with subprocess.Popen(
+        line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as running:
+        assert running.stdout is not None
+        left = {int(word) for word in running.stdout.readline().split() if word.isdigit()}
+        assert len(left) == 2
+        running.send_signal(number)
+        assert running.wait(timeout=60.0) == -number
+        deadline = time.monotonic() + 30.0
+        while left and time.monotonic() < deadline:
+            time.sleep(0.05)
+            left = {pid for pid in left if (Path("/proc") / str(pid)).exists()}
+        assert not left

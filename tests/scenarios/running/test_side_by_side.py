@@ -32,11 +32,11 @@ def test_each_task_has_its_answer(workers: int) -> None:
 
 
 def test_everyone_who_dies_is_told_how() -> None:
-    """Two threads that look after children lose the news of one end in forty: whoever starts one asks after all of them."""
+    """Threads that look after processes would lose the news of one end in seventy: each start of one asks after all others."""
     before = threading.active_count()
     for _, how in side_by_side(killed, range(24), 4):
         assert isinstance(how, Died) and "signal 9" in str(how)
-        assert threading.active_count() == before
+    assert threading.active_count() == before
 
 
 def test_who_stops_leaves_no_child_behind() -> None:

@@ -1,0 +1,117 @@
+"""Jobs on a Dask cluster of two workers on this machine: the same bytes, deaths that are told, and clusters that are refused."""
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import dask
+import pytest
+from distributed import LocalCluster
+
+from avatarsim.errors import InvalidInput
+from scenarios.__main__ import main
+from scenarios.results.provenance import provenance
+from scenarios.running import cluster as module
+from scenarios.running.cluster import Cluster
+from scenarios.running.processes import THREADS, Died, side_by_side
+from scenarios.stability.finished import NAME as FINISHED
+from tests.scenarios.killed import differing, of_run, of_sweep, run_of
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def act(word: str) -> str:
+    if word == "die":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if word == "raise":
+        raise ValueError("no such luck")
+    if word == "threads":
+        return ",".join(os.environ.get(name, "-") for name in THREADS)
+    return f"{word} {os.getpid()}"
+
+
+# workers find the function by its module, which is this file under the name that pytest gave it
+act.__module__ = "tests.scenarios.running.test_cluster"
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """Loopback alone; what a nanny looks after may start processes of its own only by this setting."""
+    with dask.config.set({"distributed.worker.daemon": False}), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
+        with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local:
+            yield str(local.scheduler_address)
+
+
+def test_each_task_has_its_answer_and_a_death_is_told(address: str) -> None:
+    from tests.scenarios.running import test_cluster
+
+    words = ["one", "die", "two", "raise", "one", "threads"]
+    found = list(side_by_side(test_cluster.act, words, Cluster(address)))
+    assert sorted(word for word, _ in found) == sorted(words)
+    said = {word: str(answer) for word, answer in found}
+    assert said["die"] == "its process was killed by signal 9" and said["raise"].startswith("ValueError: no such luck")
+    assert said["threads"] == ",".join("1" for _ in THREADS)
+    pids = {str(answer).split()[-1] for word, answer in found if word in ("one", "two")}
+    assert len(pids) == 3 and all(isinstance(dict(found)[word], Died) for word in ("die", "raise"))
+
+
+def test_what_is_left_early_leaves_the_cluster_to_the_next(address: str) -> None:
+    from tests.scenarios.running import test_cluster
+
+    work = side_by_side(test_cluster.act, ["one"] * 8, Cluster(address))
+    next(work)
+    work.close()
+    assert len(list(side_by_side(test_cluster.act, ["two"] * 3, Cluster(address)))) == 3
+
+
+def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    words = ["compare", "--engine", "avatarsim", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
+    here, there = tmp_path / "here", tmp_path / "there"
+    codes = [main([*words, "--out", str(here), "--jobs", "2"]), main([*words, "--out", str(there), "--scheduler", address])]
+    assert codes[0] == codes[1] and len(list(run_of(there).glob("recordings/*.npz"))) == 2
+    assert differing(of_run(run_of(here), False), of_run(run_of(there), False)) == []
+    assert json.loads((run_of(there) / "results.json").read_text())["provenance"]["timing"]["seconds"] > 0.0
+
+
+def test_sweep_and_stability_on_a_cluster_find_the_same(address: str, tmp_path: Path) -> None:
+    sweep = ["sweep", "--engine", "mujoco", "--preset", "default", "--filter", "ball_drop", "--frames", "2", "--jobs", "2"]
+    stability = ["stability", "--engine", "tracker", "--filter", "stack_ten", "--draws", "0", "--jobs", "2"]
+    found = []
+    for name, more in (("here", []), ("there", ["--scheduler", address])):
+        folder = tmp_path / name
+        assert main([*sweep, *more, "--out", str(folder)]) in (0, 3)
+        main([*stability, *more, "--run", str(folder), "--kept", str(folder)])
+        ends = [json.loads(line) for line in (folder / FINISHED).read_text().splitlines()]
+        for end in ends:
+            del end["outcome"]["seconds"]
+        found.append((of_sweep(folder), sorted(map(str, ends))))
+    assert differing(found[0][0], found[1][0]) == [] and found[0][1] == found[1][1] != []
+
+
+def test_a_cluster_that_runs_other_sources_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "provenance", lambda words: {**provenance(words), "code": "0123456789abcdef"})
+    with pytest.raises(InvalidInput, match="--scheduler .*workers of the same code"):
+        next(side_by_side(str, [1], Cluster(address)))
+
+
+@pytest.mark.parametrize(("told", "said"), [
+    ({}, "a scheduler with workers"), ({"w": ModuleNotFoundError("no scenarios")}, "know this project .*no scenarios"),
+    ({"w": {"daemon": True}}, "may start processes"), ({"w": {"folder": (Path("run"), None)}}, "workers of the same folder"),
+    ({"v": {}, "w": {"python": "3.10.0"}}, "workers of the same python: w has 3.10.0"),
+])
+def test_workers_that_would_find_something_else_are_refused(told: dict[str, object], said: str) -> None:
+    here = {**module.about(None), "folder": (Path("run"), 12)}
+    found = {worker: {**here, **about} if isinstance(about, dict) else about for worker, about in told.items()}
+    with pytest.raises(InvalidInput, match=said):
+        Cluster("tcp://127.0.0.1:8786").same(here, found)
+
+
+def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "ANSWERS_WITHIN", 0.5)
+    for wrong in ("tcp://127.0.0.1:1", "nowhere://", "tcp://127.0.0.1"):
+        with pytest.raises(InvalidInput, match="--scheduler"):
+            next(side_by_side(str, [1], Cluster(wrong)))
