@@ -27,11 +27,12 @@ from avatarsim.console import Progress
 from avatarsim.engine import Settings
 from avatarsim.files import VARIABLE, make_private
 from avatarsim.jit import places
-from avatarsim.jit.cache import SUFFIX, Cpu, compiled_for, usable
+from avatarsim.jit.cache import SUFFIX
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
 from avatarsim.jit.linking import KernelDispatcher
 from avatarsim.jit.places import NAME, CannotKeep, Places
+from avatarsim.jit.processor import Cpu, compiled_for, usable
 from avatarsim.many_worlds import advance_many
 from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link

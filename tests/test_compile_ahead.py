@@ -20,9 +20,9 @@ from avatarsim.compile_ahead import (
     stamp_name,
 )
 from avatarsim.jit import linking, places
-from avatarsim.jit.cache import compiled_for, usable
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import NAME, CannotKeep, Places
+from avatarsim.jit.processor import compiled_for, usable
 
 
 @pytest.fixture

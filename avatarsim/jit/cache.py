@@ -6,12 +6,9 @@ wrong, names files by absolute paths, and reads from nothing that it cannot writ
 Everything that shapes the machine code is in the name of the entry: the digest of the sources (which names the folder), the
 kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the package or
 the cache lies, so both may be moved.
-
-Processor part of the cache key: for which processor is machine code compiled, and which of it may be loaded here?
 """
 
 import fcntl
-import functools
 import hashlib
 import os
 import pickle
@@ -19,50 +16,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
-
-import llvmlite.binding as llvm
-import numba
-from numba.core.codegen import get_host_cpu_features
+from typing import Any
 
 from avatarsim.console import say_once
 from avatarsim.files import Damaged, Distrusted, make_private, read_entry, say_distrust, write_entry
-from avatarsim.jit import baseline, places
+from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import SHIPPED
-
-
-class Cpu(NamedTuple):
-    """A processor to compile for, in LLVM's words: target triple, name, features."""
-
-    triple: str
-    name: str
-    features: str
-
-
-@functools.cache
-def compiled_for() -> Cpu:
-    """The processor for which numba compiles in this process."""
-    name, features = numba.config.CPU_NAME, numba.config.CPU_FEATURES
-    return Cpu(
-        llvm.get_process_triple(),
-        llvm.get_host_cpu_name() if name is None else name,
-        get_host_cpu_features() if features is None else features,
-    )
-
-
-@functools.cache
-def usable() -> tuple[Cpu, ...]:
-    """Processors whose machine code may be loaded here, best first: the one compiled for, and the baseline of `jit/baseline.py`.
-
-    The latter is left out if numba was told a processor, or not to use vector code.
-    """
-    own, config = compiled_for(), numba.config
-    asked = config.CPU_NAME is not None or config.CPU_FEATURES is not None or not config.ENABLE_AVX
-    if asked or not baseline.runs_baseline():
-        return (own,)
-    return own, Cpu(own.triple, baseline.NAME, baseline.LISTED)
-
+from avatarsim.jit.processor import Cpu, compiled_for, usable
 
 SUFFIX = ".kernel"
 """How the names of entries end."""

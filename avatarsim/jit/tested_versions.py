@@ -15,15 +15,13 @@ TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
 
 
 PRIVATE = {
-    "numba.core": ("cgutils", "compiler", "sigutils", "typed_passes", "types", "untyped_passes"),
+    "numba.core": ("cgutils", "compiler", "sigutils", "types"),
     "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
     "numba.core.compiler": ("CompileResult", "compile_result"),
     "numba.core.compiler_lock": ("global_compiler_lock",),
-    "numba.core.compiler_machinery": ("AnalysisPass", "PassManager", "register_pass"),
     "numba.core.datamodel": ("models",),
     "numba.core.datamodel.models": ("RecordModel",),
     "numba.core.datamodel.registry": ("register_default",),
-    "numba.core.errors": ("new_error_context",),
     "numba.core.extending": ("intrinsic",),
     "numba.core.imputils": ("lower_getattr_generic",),
     "numba.core.registry": ("CPUDispatcher",),
