@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 
@@ -92,3 +94,19 @@ def _unit(name: str, quaternions: Array) -> Array:
         frame = int(np.argmin(lengths))
         raise InvalidInput(f"quaternion of {name} in frame {frame}", quaternions[frame].tolist(), "a quaternion of length 1")
     return np.where((np.abs(lengths - 1.0) < 1e-12)[:, None], quaternions, quaternions / lengths[:, None])
+
+
+def coordinates_of(avatar: Avatar) -> Coordinates:
+    """The coordinates of an avatar that comes from no file: its joints link by link, named by the link that they move; of several
+    hinges of a link `link.0`, `link.1` and so on."""
+    slots: list[Slot] = []
+    hinge = 0
+    for index, link in enumerate(avatar.links):
+        if isinstance(link.joint, Free | Ball):
+            slots.append(Slot(link.name, "free" if isinstance(link.joint, Free) else "ball", index))
+        elif isinstance(link.joint, Hinges):
+            several = len(link.joint.hinges) > 1
+            for k in range(len(link.joint.hinges)):
+                slots.append(Slot(f"{link.name}.{k}" if several else link.name, "hinge", index, hinge))
+                hinge += 1
+    return Coordinates(tuple(slots), len(avatar.links), hinge)

@@ -1,71 +1,89 @@
-"""Recorded skeletons: the kinematic tree of bones that motion capture formats share (BVH, ASF, SMPL), without flesh.
-
-At rest all frames of bones are parallel to the world's, as in BVH: a bone's frame stands at its joint, and the pose of a skeleton
-is the rotation of each joint against that rest. Metres, z up."""
+"""A recorded skeleton: a tree of bones with joints, as BVH and ASF describe it, in metres and with z up."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.errors import InvalidInput
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.spatial import rotation
 
-Vector = tuple[float, float, float]
 Array = NDArray[np.float64]
+Limits = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Bone:
     """One joint and what it carries.
 
-    name    unique in its skeleton
-    parent  index of the bone that carries it, which comes before it; -1 for the root, the first bone
-    offset  its joint in the parent's frame [m]; of the root, where it stands at rest
-    ends    points in its own frame up to which it reaches where no bone follows [m]; () for a bone that only carries others
-    axes    unit axes of its hinges in its own frame, in the order in which they turn; () for a ball joint
-    """
+    parent   number of the bone that it hangs on, an earlier one; -1 for the root
+    offset   the joint's centre in the parent's frame [m]
+    turn     the bone's frame in the parent's while the joint is at zero, (w, x, y, z)
+    axes     axes of its turns in the bone's frame, the first one nearest the parent; none for a joint that does not turn
+    turns    what the file calls each of them
+    tips     points in the bone's frame [m] where it ends without another joint
+    limits   the file's own limits of each turn [rad]; none where it states none"""
 
     name: str
     parent: int
     offset: Vector
-    ends: tuple[Vector, ...] = ()
+    turn: Quaternion = rotation.IDENTITY
     axes: tuple[Vector, ...] = ()
+    turns: tuple[str, ...] = ()
+    tips: tuple[Vector, ...] = ()
+    limits: tuple[Limits, ...] = ()
 
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Bones, each after its parent. Raises InvalidInput for an order, a name or a number that says something else."""
+    """Bones, parents before children, of a recorded human or animal called `name`."""
 
+    name: str
     bones: tuple[Bone, ...]
 
-    def __post_init__(self) -> None:
-        seen: set[str] = set()
-        for index, bone in enumerate(self.bones):
-            if bone.name in seen:
-                raise InvalidInput("name of a bone", bone.name, "a name that no bone before it has")
-            seen.add(bone.name)
-            if (bone.parent != -1) if index == 0 else not 0 <= bone.parent < index:
-                raise InvalidInput(f"parent of bone {bone.name}", bone.parent, "-1 for the first, of others a bone before it")
-            vectors = np.array([bone.offset, *bone.ends, *bone.axes], dtype=np.float64)
-            if vectors.shape[1:] != (3,) or not np.isfinite(vectors).all():
-                raise InvalidInput(f"offset, ends and axes of bone {bone.name}", vectors.tolist(), "rows of 3 finite numbers")
-        if not self.bones:
-            raise InvalidInput("bones of a skeleton", 0, "at least 1")
+    @cached_property
+    def children(self) -> tuple[tuple[int, ...], ...]:
+        """The bones that hang on each one."""
+        found: list[list[int]] = [[] for _ in self.bones]
+        for k, bone in enumerate(self.bones):
+            if bone.parent >= 0:
+                found[bone.parent].append(k)
+        return tuple(tuple(each) for each in found)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The bones' names, in order."""
-        return tuple(bone.name for bone in self.bones)
+    def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
+        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: every bone's joint, then the tips bone by bone."""
+        shape = np.shape(positions)
+        places, turned = np.zeros(shape), np.zeros((*shape[:-1], 4))
+        hinge = 0
+        for k, bone in enumerate(self.bones):
+            if bone.parent < 0:
+                places[..., k, :], turned[..., k, :] = positions[..., k, :], rotations[..., k, :]
+                continue
+            places[..., k, :] = places[..., bone.parent, :] + rotation.rotate(turned[..., bone.parent, :], bone.offset)
+            own = rotation.multiply(turned[..., bone.parent, :], bone.turn)
+            if len(bone.axes) == 3:
+                own = rotation.multiply(own, rotations[..., k, :])
+            else:
+                for axis in bone.axes:
+                    own = rotation.multiply(own, rotation.from_axis_angle(axis, angles[..., hinge]))
+                    hinge += 1
+            turned[..., k, :] = own
+        tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
+        return np.concatenate([places, np.stack(tips, axis=-2)], axis=-2) if tips else places
 
-    def children(self, index: int) -> tuple[int, ...]:
-        """The bones that a bone carries."""
-        return tuple(k for k, bone in enumerate(self.bones) if bone.parent == index)
-
+    @cached_property
     def rest(self) -> Array:
-        """Where the joints stand at rest (bones, 3) [m]."""
-        places = np.zeros((len(self.bones), 3))
-        for index, bone in enumerate(self.bones):
-            places[index] = bone.offset
-            if index > 0:
-                places[index] += places[bone.parent]
-        return places
+        """Joints and tips (points, 3) [m] with every joint at zero and the root at the origin."""
+        hinges = sum(len(bone.axes) for bone in self.bones[1:] if len(bone.axes) < 3)
+        still = np.tile(np.array(rotation.IDENTITY), (len(self.bones), 1))
+        return self.points(np.zeros((len(self.bones), 3)), still, np.zeros(hinges))
+
+    @cached_property
+    def owners(self) -> tuple[int, ...]:
+        """The bone of each of the `points`."""
+        return (*range(len(self.bones)), *(k for k, bone in enumerate(self.bones) for _ in bone.tips))
+
+    def ends(self, k: int) -> tuple[Vector, ...]:
+        """Where bone k ends, in its own frame [m]: the joints that hang on it, then its tips."""
+        return tuple(self.bones[child].offset for child in self.children[k]) + self.bones[k].tips
