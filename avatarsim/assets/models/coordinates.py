@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.checks import real_array
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
@@ -51,7 +52,10 @@ class Coordinates:
         """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones.
 
         Raises InvalidInput for other shapes, numbers that are not finite and quaternions without length."""
-        q = np.asarray(q, dtype=np.float64)
+        try:
+            q = q if type(q) is np.ndarray and q.dtype == np.float64 else real_array(q)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InvalidInput("generalized coordinates", str(error), "an array of real numbers") from error
         if q.ndim != 2 or q.shape[1] != self.width:
             raise InvalidInput("shape of generalized coordinates", q.shape, f"(frames, {self.width}): {', '.join(self.names)}")
         bad = ~np.isfinite(q)
@@ -75,7 +79,10 @@ class Coordinates:
         return Motion(times, positions, rotations, angles)
 
     def rows(self, motion: Motion) -> Array:
-        """The rows (F, width) of a motion: the inverse of `motion`."""
+        """The rows (F, width) of a motion: the inverse of `motion`. Raises InvalidInput for that of another avatar."""
+        shapes = motion.positions.shape[1], motion.angles.shape[1]
+        if shapes != (self.links, self.hinges):
+            raise InvalidInput("links and hinges of a motion", shapes, f"{(self.links, self.hinges)}, as these coordinates have")
         columns: list[Array] = []
         for slot in self.slots:
             if slot.kind == "hinge":
