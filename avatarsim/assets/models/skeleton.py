@@ -52,7 +52,7 @@ class Skeleton:
         return tuple(tuple(each) for each in found)
 
     def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
-        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: every bone's joint, then the tips bone by bone."""
+        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
         shape = np.shape(positions)
         places, turned = np.zeros(shape), np.zeros((*shape[:-1], 4))
         hinge = 0
@@ -69,7 +69,8 @@ class Skeleton:
                     own = rotation.multiply(own, rotation.from_axis_angle(axis, angles[..., hinge]))
                     hinge += 1
             turned[..., k, :] = own
-        tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
+        carried = [(k, tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
+        tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, tip in carried]
         return np.concatenate([places, np.stack(tips, axis=-2)], axis=-2) if tips else places
 
     @cached_property

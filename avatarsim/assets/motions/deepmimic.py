@@ -81,10 +81,10 @@ def y_up(vector: ArrayLike) -> Array:
 
 def read_clip(path: Path) -> Clip:
     """Read one clip file; InvalidFile names the file, what is wrong with it and what is valid."""
-    return read(path).clip
+    return read_deepmimic(path).clip
 
 
-def read(path: Path) -> "DeepMimic":
+def read_deepmimic(path: Path) -> "DeepMimic":
     """The clip file whole. Raises InvalidFile."""
     frames, content = _frames(path)
     rows = {}

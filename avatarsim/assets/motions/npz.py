@@ -8,8 +8,8 @@ from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.errors import InvalidFile
 
 
-def read(
-    path: Path, *, rate: float | None = None, quaternion: str | None = None, joints: str | Sequence[str] | None = None,
+def read_npz(
+    path: str | Path, *, rate: float | None = None, quaternion: str | None = None, joints: str | Sequence[str] | None = None,
     offsets: str | Path | None = None, up: str | None = None, stature: float | None = None,
 ) -> MotionFile:
     """The motion in an archive. Raises InvalidFile.
@@ -20,7 +20,7 @@ def read(
     offsets     a file with the rest joints J (n, 3) [m] of a body of the SMPL family; else an approximate skeleton of our own
     up          "z" (AMASS) or "y": the axis of the world that points up, of a body of the SMPL family
     stature     [m] of the approximate skeleton"""
-    found = archive.opened(path)
+    found = archive.opened(Path(path))
     if smpl.is_one(found):
         return smpl.of_archive(found, rate=rate, offsets=offsets, up=up, stature=stature)
     if found.first(trajectory.KEYS) is None:

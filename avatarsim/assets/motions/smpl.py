@@ -14,6 +14,7 @@ import numpy as np
 
 from avatarsim.assets import caps
 from avatarsim.assets.models import smpl_skeleton
+from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
@@ -48,7 +49,7 @@ def of_archive(
     archive: Archive, *, rate: float | None = None, offsets: str | Path | None = None, up: str | None = None,
     stature: float | None = None,
 ) -> "SmplFile":
-    """The motion of a body of the family; options as in `npz.read`. Raises InvalidFile."""
+    """The motion of a body of the family; options as in `npz.read_npz`. Raises InvalidFile."""
     name = archive.name
     if (up or "z") not in TURNS:
         raise UnknownName("up", str(up), TURNS)
@@ -130,8 +131,6 @@ class SmplFile:
 
     @cached_property
     def _model(self) -> Model:
-        from avatarsim.assets.models.from_skeleton import human
-
         rotations, root = self._rotations(slice(0, 1))
         positions = np.zeros((len(self.skeleton.bones), 3))
         positions[0] = root[0]

@@ -88,14 +88,15 @@ class TextStore:
         return numbers
 
 
-def read(
-    path: Path, *, rate: float | None = None, quaternion: str | None = None, joints: str | Iterable[str] | None = None
+def read_csv(
+    path: str | Path, *, rate: float | None = None, quaternion: str | None = None, joints: str | Iterable[str] | None = None
 ) -> Trajectory:
     """The trajectory in a table. Raises InvalidFile.
 
     rate        rows a second [1/s]; else the column of instants says, else USUAL_RATE
     quaternion  "wxyz" or "xyzw", of a table without names; else "xyzw"
     joints      names of the joints in the file's order, where it has none; a text of names with commas between"""
+    path = Path(path)
     name = path.name
     text = read_text(path, f"table {name}", VALID, caps.TEXT_BYTES)
     end = "\r\n" if "\r\n" in text else "\n"

@@ -6,13 +6,14 @@ from pathlib import Path
 import pytest
 
 from avatarsim.assets.motions.load import READERS, load_motion
-from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.errors import InvalidFile, InvalidInput
 from tests.assets.motions.robots import saved, walk
 
 
-@pytest.mark.parametrize("suffix", sorted(READERS))
-def test_every_reader_is_there(suffix: str) -> None:
-    assert callable(import_module(READERS[suffix]).read)
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".txt"])
+def test_readers_are_there(suffix: str) -> None:
+    module, function = READERS[suffix]
+    assert callable(getattr(import_module(f"avatarsim.assets.motions.{module}"), function))
 
 
 def test_a_suffix_is_known_in_capitals_too(tmp_path: Path) -> None:
@@ -30,13 +31,13 @@ def test_pickles_are_refused_with_a_way_out(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["some.fbx", "some", "some.npz.zip"])
 def test_other_suffixes_are_refused_with_those_that_are_read(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InvalidFile, match=r"suffix.*\.csv.*\.npz.*\.txt"):
+    with pytest.raises(InvalidFile, match=r"end of the name.*\.csv.*\.npz.*\.txt"):
         load_motion(tmp_path / name)
 
 
 def test_an_option_of_another_format_is_refused_by_name(tmp_path: Path) -> None:
     path = saved(tmp_path / "some.npz", {"qpos": walk(3), "fps": 30})
-    with pytest.raises(UnknownName, match=r"option for \.npz files is 'units'.*quaternion.*rate"):
+    with pytest.raises(InvalidInput, match=r"option for some\.npz is 'units'.*quaternion.*rate"):
         load_motion(path, units="cm")
 
 
