@@ -19,9 +19,11 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import matching
+from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
@@ -84,8 +86,9 @@ def read_clip(path: Path) -> Clip:
     return read_deepmimic(path).clip
 
 
-def read_deepmimic(path: Path) -> "DeepMimic":
+def read_deepmimic(path: str | Path) -> "DeepMimic":
     """The clip file whole. Raises InvalidFile."""
+    path = Path(path)
     frames, content = _frames(path)
     rows = {}
     column = 4
@@ -95,11 +98,13 @@ def read_deepmimic(path: Path) -> "DeepMimic":
     rotations = {}
     for link, width in LAYOUT:
         if width == 4:
-            lengths = np.linalg.norm(rows[link], axis=1)
+            # what is far too long stays so, and its square a number
+            lengths = np.linalg.norm(np.clip(rows[link], -1e100, 1e100), axis=1)
             for k in np.flatnonzero(~((lengths >= SHORTEST) & (lengths <= LONGEST))):
                 thing = f"length of the {link} quaternion in frame {k} of {path.name}"
                 raise InvalidFile(thing, float(lengths[k]), f"{SHORTEST:g} to {LONGEST:g}, before it is made 1")
             rotations[link] = rotation.normalised(z_up_rotation(rows[link]))
+    _require_plausible(path.name, frames, rows)
     clip = Clip(
         name=path.stem.removeprefix("humanoid3d_"),
         wraps=content.get("Loop") == "wrap",
@@ -110,6 +115,15 @@ def read_deepmimic(path: Path) -> "DeepMimic":
         angles={link: rows[link][:, 0].copy() for link, width in LAYOUT if width == 1},
     )
     return DeepMimic(path.name, clip, frames, content)
+
+
+def _require_plausible(name: str, frames: Array, rows: Mapping[str, Array]) -> None:
+    """Raise InvalidFile for steps, places and angles that no recording has."""
+    matching.require_within(name, "step", frames[:-1, 0], 1.0 / HIGHEST, 1.0 / LOWEST, "s")
+    matching.require_within(name, "place of the root", np.abs(frames[:, 1:4]).max(axis=1), 0.0, matching.FARTHEST, "m")
+    for link, width in LAYOUT:
+        if width == 1:
+            matching.require_within(name, f"angle of {link}", np.abs(rows[link][:, 0]), 0.0, MANY_TURNS, "rad")
 
 
 def _frames(path: Path) -> tuple[Array, dict[str, Any]]:

@@ -130,19 +130,20 @@ def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Mo
         part = q[:, first : first + width]
         first += width
         if slot.kind == "hinge":
-            _require(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
+            require_within(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
             continue
         if slot.kind == "free":
-            _require(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")
+            require_within(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")
         lengths = np.sqrt((np.clip(part[:, -4:], -1e100, 1e100) ** 2).sum(axis=1))
-        _require(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
+        require_within(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
     try:
         return coordinates.motion(q, times)
     except InvalidInput as error:
         raise InvalidFile(f"{error.thing} of {name}", error.value, error.valid) from error
 
 
-def _require(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
+def require_within(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
+    """Raise InvalidFile, with the frame, unless all values (F,) of a thing are in a range."""
     bad = ~((values >= least) & (values <= most))
     if bad.any():
         frame = int(np.argmax(bad))

@@ -55,7 +55,7 @@ FORMS = {
     "names and a count": (text(np.c_[COUNTED, COUNTED[:, 0]], ("Frame", *ROOT, *JOINTS, "tail")), {}, 30.0),
     "names by the user": (text(BACKWARDS), {"joints": ",".join(JOINTS[::-1])}, 30.0),
     "other names of a root": (
-        text(LAFAN, ("base_pos_x", "base_pos_y", "base_pos_z", "base_quat_x", "base_quat_y", "base_quat_z", "base_quat_w", *JOINTS)), {}, 30.0),
+        text(LAFAN, (*(f"base_pos_{axis}" for axis in "xyz"), *(f"base_quat_{axis}" for axis in "xyzw"), *JOINTS)), {}, 30.0),
     "semicolons": (text(LAFAN, delimiter=";"), {}, 30.0),
     "tabs": (text(LAFAN, ROOT + JOINTS, delimiter="\t"), {}, 30.0),
     "spaces": (text(LAFAN, delimiter="  "), {}, 30.0),
@@ -152,7 +152,7 @@ HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
     "empty": (lambda: "", "rows of table"),
     "white": (lambda: "\n \n\t\n", "rows of table"),
     "names alone": (lambda: ",".join(ROOT + JOINTS), "rows of numbers"),
-    "prose": (lambda: "It walks.\nIt runs, and then it falls.\n", "root's columns|columns of row"),
+    "prose": (lambda: "It walks.\nIt runs, and then it falls.\n", "numbers of table some.csv"),
     "prose of numbers": (lambda: "a,b\n" + "c,d\n" * 5, "root's columns|numbers of table"),
     "mixed columns": (lambda: text(LAFAN) + "1,2,3\n", f"columns of row {FRAMES + 1} of some.csv is 3; valid: 11"),
     "a word": (lambda: cell(3, 8, "x"), "numbers of table some.csv"),
@@ -166,7 +166,8 @@ HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
     "too few joints": (lambda: text(LAFAN[:, :9]), "names no joints.*9.*11"),
     "a name twice": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], JOINTS[0])), "name of column 10"),
     "unknown joints": (lambda: text(LAFAN, (*ROOT, "a", "b", "c", "d")), "missing: waist.*not the avatar's: a, b, c, d"),
-    "angles of a root": (lambda: text(LAFAN[:, :10], (*ROOT[:3], "root_rot_x", "root_rot_y", "root_rot_z", *JOINTS)), "root's columns"),
+    "angles of a root": (
+        lambda: text(LAFAN[:, :10], (*ROOT[:3], "root_rot_x", "root_rot_y", "root_rot_z", *JOINTS)), "root's columns"),
     "times that stand still": (lambda: text(np.c_[np.zeros(FRAMES), LAFAN], ("time", *ROOT, *JOINTS)), "instant of row 2"),
     "many columns": (lambda: ",".join(["1"] * (caps.COLUMNS + 1)) + "\n", f"columns of row 1 of some.csv is {caps.COLUMNS + 1}"),
     "long name": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], "x" * 300)), "name of column 10"),

@@ -29,7 +29,8 @@ def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     frames = len(motion)
     badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
     still = np.tile(np.array(rotation.IDENTITY), (frames, 1, 1))
-    return (np.concatenate([np.zeros((frames, 1, 3)), places, badge], axis=1), np.concatenate([still, turns, turns[:, 1:2]], axis=1))
+    origin = np.zeros((frames, 1, 3))
+    return np.concatenate([origin, places, badge], axis=1), np.concatenate([still, turns, turns[:, 1:2]], axis=1)
 
 
 def holosoma() -> dict[str, Any]:
@@ -41,8 +42,7 @@ def holosoma() -> dict[str, Any]:
     times = motion.times
     return {
         "fps": np.array([50]), "joint_pos": q,
-        "joint_vel": np.concatenate([np.gradient(q[:, :3], times, axis=0), spin(q[:, 3:7], times), np.gradient(q[:, 7:], times, axis=0)],
-                                    axis=1),
+        "joint_vel": np.c_[np.gradient(q[:, :3], times, axis=0), spin(q[:, 3:7], times), np.gradient(q[:, 7:], times, axis=0)],
         "body_pos_w": places, "body_quat_w": turns, "body_lin_vel_w": np.gradient(places, times, axis=0),
         "body_ang_vel_w": np.stack([spin(turns[:, k], times) for k in range(turns.shape[1])], axis=1),
         "joint_names": np.array(JOINTS), "body_names": np.array(["world", *(link.name for link in model.avatar.links), "badge"]),
@@ -69,13 +69,15 @@ def isaac() -> dict[str, Any]:
     order = [3, 1, 0, 2]
     return {
         "fps": 50, "dof_names": np.array([JOINTS[k] for k in order]), "dof_positions": whole["joint_pos"][:, 7:][:, order],
-        "body_names": whole["body_names"][1:], "body_positions": whole["body_pos_w"][:, 1:], "body_rotations": whole["body_quat_w"][:, 1:],
+        "body_names": whole["body_names"][1:], "body_positions": whole["body_pos_w"][:, 1:],
+        "body_rotations": whole["body_quat_w"][:, 1:],
     }
 
 
 def reordered() -> dict[str, Any]:
     whole, order = holosoma(), [2, 0, 3, 1]
-    return {"fps": 50, "joint_pos": whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]], "joint_names": [JOINTS[k] for k in order]}
+    rows = whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]]
+    return {"fps": 50, "joint_pos": rows, "joint_names": [JOINTS[k] for k in order]}
 
 
 def loco() -> dict[str, Any]:
@@ -83,7 +85,8 @@ def loco() -> dict[str, Any]:
 
 
 FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
-    "holosoma": (holosoma(), {}), "GMR": (gmr(), {}), "Isaac Lab": (isaac(), {}), "other order": (reordered(), {}), "all names": (loco(), {}),
+    "holosoma": (holosoma(), {}), "GMR": (gmr(), {}), "Isaac Lab": (isaac(), {}), "other order": (reordered(), {}),
+    "all names": (loco(), {}),
     "qpos alone": ({"qpos": walk(FRAMES), "fps": 50}, {}),
     "qpos at times": ({"qpos": walk(FRAMES), "times": np.arange(FRAMES) / 50.0}, {}),
     "rate by the user": ({"qpos": walk(FRAMES)}, {"rate": 50.0}),
