@@ -107,6 +107,8 @@ def read_csv(
     names = _names(name, lines[0], delimiter)
     rows = tuple(lines if names is None else lines[1:])
     numbers = _numbers(name, rows, delimiter)
+    if names is not None and len(names) != numbers.shape[1]:
+        raise InvalidFile(f"columns of {name}", numbers.shape[1], f"{len(names)}, as its first row names")
     notes: list[str] = []
     listed = [word.strip() for word in joints.split(",")] if isinstance(joints, str) else joints
     if names is None:
