@@ -30,6 +30,12 @@ SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
 WALL = 3
 """Real time for each second of CPU time: on a machine with other work."""
 
+NOWHERE = "/avatarsim-model/"
+"""Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
+
+LEAST = 1e-12
+"""Mass [kg] and moments of inertia [kg m^2] of what has none in the file: MuJoCo refuses moving bodies without."""
+
 FLAT = 2
 """Width [pixels] of what stands in for a texture."""
 
@@ -50,9 +56,9 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
-        vfs[name] = content
+        vfs[NOWHERE + name] = content
     try:
-        spec = mujoco.MjSpec.from_file(texts.main, vfs=vfs)
+        spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
     except (ValueError, mujoco.FatalError) as error:
         raise _uncompiled(path, error) from error
     meshes = _mesh_files(spec, texts)
@@ -62,11 +68,20 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
     _without_pictures(spec, mujoco)
     # links of a robot stay links, and nothing of the URDF file is merged into the world
     spec.compiler.fusestatic = False
+    # what has no mass is told by its having this
+    spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
+    evened = False
     try:
-        model = spec.compile()
+        try:
+            model = spec.compile()
+        except ValueError as error:
+            if "balanceinertia" not in str(error):
+                raise
+            spec.compiler.balanceinertia = evened = True
+            model = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise _uncompiled(path, error) from error
-    return {"urdf": np.array(texts.is_urdf), **_numbers(model, mujoco)}
+    return {"free_root": np.array(texts.free_root), "evened": np.array(evened), **_numbers(model, path, mujoco)}
 
 
 def _uncompiled(path: Path, error: Exception) -> InvalidFile:
@@ -83,13 +98,13 @@ def _mesh_files(spec: Any, texts: doors.Texts) -> dict[str, bytes]:
     # the settings of the compiler are shared between meshes: read before the first one is changed
     for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
         mesh.name = mesh.name or PurePosixPath(mesh.file).stem
-        thing = f"mesh {mesh.name} of {texts.main}"
-        doors.require_relative(thing, mesh.file)
+        thing, file = f"mesh {mesh.name} of {texts.main}", mesh.file.removeprefix(NOWHERE)
+        doors.require_relative(thing, file)
         ending = PurePosixPath(mesh.file).suffix.lower()
         if ending not in doors.MESH_ENDINGS:
             valid = f"a file {' '.join(doors.MESH_ENDINGS)}, which is what MuJoCo reads: convert it"
-            raise InvalidFile(thing, mesh.file, valid)
-        _, place = doors.existing(thing, candidates(mesh.file, meshdir, bool(spec.strippath), bases), texts.folder)
+            raise InvalidFile(thing, file, valid)
+        _, place = doors.existing(thing, candidates(file, meshdir, bool(spec.strippath), bases), texts.folder)
         if place not in names:
             content = read_bytes(place, thing, "a readable mesh file", left)
             left -= len(content)
@@ -103,11 +118,15 @@ def _mesh_files(spec: Any, texts: doors.Texts) -> dict[str, bytes]:
 
 def candidates(file: str, meshdir: str, stripped: bool, bases: list[PurePosixPath]) -> list[PurePosixPath]:
     """Paths below the folder at which a mesh may lie, in the order in which they are tried: as MuJoCo would find it, as it is
-    written, and for package://name/rest the rest below each folder above, with and without the name."""
+    written, and for package://name/rest the rest below each folder above, with and without the name. `bases` are the folders of
+    the model's texts; MuJoCo puts that of an included one before a name that it does not find, so names are tried without."""
     scheme, mark, rest = file.partition("://")
     path = PurePosixPath(rest if mark else scheme)
     found: list[PurePosixPath] = []
     for base in bases:
+        if not mark and path.is_relative_to(base) and base.parts:
+            found += [one / meshdir / path.relative_to(base) for one in (*bases[:1], base)]
+    for base in (*bases, PurePosixPath()):
         if stripped and meshdir:
             found.append(base / meshdir / path.name)
         if not mark:
@@ -133,15 +152,17 @@ def _without_pictures(spec: Any, mujoco: Any) -> None:
         spec.delete(unread)
 
 
-def _numbers(model: Any, mujoco: Any) -> dict[str, Any]:
+def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     """What is read of a compiled model, under MuJoCo's names."""
     kinds = {"body": (mujoco.mjtObj.mjOBJ_BODY, model.nbody), "jnt": (mujoco.mjtObj.mjOBJ_JOINT, model.njnt),
              "geom": (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), "eq": (mujoco.mjtObj.mjOBJ_EQUALITY, model.neq),
              "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh)}
-    found: dict[str, Any] = {
-        f"{kind}_name": np.array([mujoco.mj_id2name(model, code, k) or "" for k in range(count)], dtype=np.str_)
-        for kind, (code, count) in kinds.items()
-    }
+    found: dict[str, Any] = {}
+    for kind, (code, count) in kinds.items():
+        names = [mujoco.mj_id2name(model, code, k) or "" for k in range(count)]
+        if longest := max((name for name in names if len(name) > doors.NAME), key=len, default=""):
+            raise InvalidFile(f"characters of a name in {path.name}", len(longest), f"up to {doors.NAME}")
+        found[f"{kind}_name"] = np.array(names, dtype=np.str_)
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
         "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "

@@ -79,6 +79,8 @@ class Masses:
         found = []
         if self.without:
             found.append(f"without mass in the file, given that of water or of a gram: {', '.join(self.without)}")
+        if self.model.evened:
+            found.append("moments of inertia that no solid has are replaced by their mean (balanceinertia)")
         if self.rounded:
             found.append(f"moments of inertia that no solid has, raised to what one can have: {', '.join(self.rounded)}")
         return tuple(found)

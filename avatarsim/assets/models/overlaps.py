@@ -46,7 +46,7 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
         said.append(f"raised at the start, to stand on what they stood in: {', '.join(lifted)}")
     if pairs:
         listed = ", ".join(f"{a} and {b} by {1e3 * depth:.2g} mm" for a, b, depth in sorted(pairs, key=lambda pair: -pair[2]))
-        said.append(f"{len(pairs)} pairs overlap at the reference and never touch from there on: {listed}")
+        said.append(f"{len(pairs)} pairs overlap at the reference and never touch: {listed}")
     return _without(model, pairs), tuple(said)
 
 
