@@ -133,7 +133,7 @@ class Geoms:
             else:
                 whole = hull_of(vertices, name)
                 thin = reduced(whole, self.wanted.most_vertices, name)
-                lost = float(thin.distances(whole.points[whole.used]).max())
+                lost = 0.0 if thin is whole else float(thin.distances(whole.points[whole.used]).max())
                 self._mesh = max(self._mesh, (lost, self.label(geom)))
                 self._meshes[mesh] = (ConvexHull(thin.points[thin.used]),)
         return self._meshes[mesh]

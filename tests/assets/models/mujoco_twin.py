@@ -26,6 +26,8 @@ class Twin:
     def __post_init__(self) -> None:
         spec = mujoco.MjSpec.from_file(str(self.path))
         spec.compiler.fusestatic = False
+        # as ours is compiled: neither moves a frame
+        spec.compiler.balanceinertia, spec.compiler.boundmass, spec.compiler.boundinertia = True, 1e-12, 1e-12
         self.model: Any = spec.compile()
         self.data = mujoco.MjData(self.model)
 

@@ -99,7 +99,7 @@ def test_a_hull_of_fewer_vertices_loses_what_is_said(tmp_path: Path) -> None:
     few, all_of_them = (one.bodies[0].pieces[0].shape for one in (model, whole))
     assert isinstance(few, av.ConvexHull) and isinstance(all_of_them, av.ConvexHull)
     assert len(few.vertices) <= 20 < len(all_of_them.vertices)
-    (lost,) = re.findall(r"at most ([\d.]+) mm of a hull is left out \(ring\)", " ".join(model.said))
+    (lost,) = re.findall(r"at most ([\d.e+-]+) mm of a hull is left out \(ring\)", " ".join(model.said))
     # no vertex of the whole hull is farther from the smaller one's nearest vertex than its edges allow, and some is that far
     assert 0.0 < float(lost) < 1e3 * np.ptp(all_of_them.vertices, axis=0).max()
     assert "at most 0 mm" in " ".join(whole.said) and volume(few) < volume(all_of_them)
