@@ -11,14 +11,15 @@ import os
 import resource
 import signal
 import sys
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from avatarsim.assets.models import doors
+from avatarsim.assets.models.mesh_files import MeshFiles
+from avatarsim.assets.models.spec_repairs import with_solid_moments, without_pictures
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 
 MEMORY = 2**31
 """Bytes of address space [2.1 GB]. MuJoCo with the meshes of a humanoid (19 MB) takes 0.6 GB. Less: robots with fine meshes fail;
@@ -33,11 +34,10 @@ WALL = 3
 NOWHERE = "/avatarsim-model/"
 """Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
 
-LEAST = 1e-12
-"""Mass [kg] and moments of inertia [kg m^2] of what has none in the file: MuJoCo refuses moving bodies without."""
 
-FLAT = 2
-"""Width [pixels] of what stands in for a texture."""
+def seconds_for(count: int) -> float:
+    """CPU time [s] for a model of so many bytes."""
+    return SECONDS + SECONDS_PER_MEGABYTE * count / 2**20
 
 
 def limit(seconds: float) -> None:
@@ -59,97 +59,31 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
         vfs[NOWHERE + name] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
+        MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
+        without_pictures(spec, mujoco)
+        mended = with_solid_moments(spec)
+        # links of a robot stay links, and nothing of the URDF file is merged into the world
+        spec.compiler.fusestatic = False
+        model = _compiled(spec, mujoco)
     except (ValueError, mujoco.FatalError) as error:
-        raise _uncompiled(path, error) from error
-    meshes = _mesh_files(spec, texts)
-    total = texts.bytes + sum(map(len, meshes.values()))
-    limit(SECONDS + SECONDS_PER_MEGABYTE * total / 2**20)
-    spec.assets = meshes
-    _without_pictures(spec, mujoco)
-    # links of a robot stay links, and nothing of the URDF file is merged into the world
-    spec.compiler.fusestatic = False
-    # what has no mass is told by its having this
-    spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
-    evened = False
-    try:
+        said = " ".join(str(error).replace(NOWHERE, "").split())
+        raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
+    numbers = _numbers(model, path, mujoco)
+    return {"free_root": np.array(texts.free_root), "mended_name": np.array(mended, dtype=np.str_), **numbers}
+
+
+def _compiled(spec: Any, mujoco: Any) -> Any:
+    """The compiled model; masses of meshes that are open or flat are those of their hulls, or of their surfaces."""
+    kinds = mujoco.mjtMeshInertia
+    for inertia in (kinds.mjMESH_INERTIA_CONVEX, kinds.mjMESH_INERTIA_SHELL):
         try:
-            model = spec.compile()
+            return spec.compile()
         except ValueError as error:
-            if "balanceinertia" not in str(error):
+            if "volume" not in str(error) and "orientation" not in str(error):
                 raise
-            spec.compiler.balanceinertia = evened = True
-            model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise _uncompiled(path, error) from error
-    return {"free_root": np.array(texts.free_root), "evened": np.array(evened), **_numbers(model, path, mujoco)}
-
-
-def _uncompiled(path: Path, error: Exception) -> InvalidFile:
-    said = " ".join(str(error).split())
-    return InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes")
-
-
-def _mesh_files(spec: Any, texts: doors.Texts) -> dict[str, bytes]:
-    """The content of each mesh file by a name of its own, which takes the place of its path in the model."""
-    main, found, left = PurePosixPath(texts.main).parent, dict[str, bytes](), doors.ASSET_BYTES
-    # the folders of the models that this one is made of, its own first
-    bases = list(dict.fromkeys([main, *(PurePosixPath(name).parent for name in texts.texts)]))
-    names = dict[Path, str]()
-    # the settings of the compiler are shared between meshes: read before the first one is changed
-    for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
-        mesh.name = mesh.name or PurePosixPath(mesh.file).stem
-        thing, file = f"mesh {mesh.name} of {texts.main}", mesh.file.removeprefix(NOWHERE)
-        doors.require_relative(thing, file)
-        ending = PurePosixPath(mesh.file).suffix.lower()
-        if ending not in doors.MESH_ENDINGS:
-            valid = f"a file {' '.join(doors.MESH_ENDINGS)}, which is what MuJoCo reads: convert it"
-            raise InvalidFile(thing, file, valid)
-        _, place = doors.existing(thing, candidates(file, meshdir, bool(spec.strippath), bases), texts.folder)
-        if place not in names:
-            content = read_bytes(place, thing, "a readable mesh file", left)
-            left -= len(content)
-            names[place] = f"{len(names)}{ending}"
-            found[names[place]] = content
-        mesh.file, mesh.content_type = names[place], ""
-        mesh.compiler.meshdir = ""
-    spec.meshdir, spec.strippath = "", False
-    return found
-
-
-def candidates(file: str, meshdir: str, stripped: bool, bases: list[PurePosixPath]) -> list[PurePosixPath]:
-    """Paths below the folder at which a mesh may lie, in the order in which they are tried: as MuJoCo would find it, as it is
-    written, and for package://name/rest the rest below each folder above, with and without the name. `bases` are the folders of
-    the model's texts; MuJoCo puts that of an included one before a name that it does not find, so names are tried without."""
-    scheme, mark, rest = file.partition("://")
-    path = PurePosixPath(rest if mark else scheme)
-    found: list[PurePosixPath] = []
-    for base in bases:
-        if not mark and path.is_relative_to(base) and base.parts:
-            found += [one / meshdir / path.relative_to(base) for one in (*bases[:1], base)]
-    for base in (*bases, PurePosixPath()):
-        if stripped and meshdir:
-            found.append(base / meshdir / path.name)
-        if not mark:
-            found += [base / meshdir / path, base / path]
-        else:
-            for above in (base, *base.parents):
-                found += [above / path, above / PurePosixPath(*path.parts[1:])]
-        if stripped:
-            found.append(base / meshdir / path.name)
-    return list(dict.fromkeys(found))
-
-
-def _without_pictures(spec: Any, mujoco: Any) -> None:
-    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, no keyframe."""
-    for texture in spec.textures:
-        texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
-        texture.cubefiles = [""] * len(texture.cubefiles)
-        texture.width = FLAT
-        texture.height = FLAT if texture.type == mujoco.mjtTexture.mjTEXTURE_2D else 6 * FLAT
-    for field in spec.hfields:
-        field.file, field.nrow, field.ncol, field.userdata = "", FLAT, FLAT, [0.0] * FLAT**2
-    for unread in (*spec.skins, *spec.keys):
-        spec.delete(unread)
+        for mesh in spec.meshes:
+            mesh.inertia = inertia
+    return spec.compile()
 
 
 def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:

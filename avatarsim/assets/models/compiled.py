@@ -77,12 +77,12 @@ class Compiled:
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that
     bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh.
-    `free_root` says of a URDF file that its root is fixed to nothing, `evened` whether moments of inertia that no solid has were
-    replaced by their mean."""
+    `free_root` says of a URDF file that its root is fixed to nothing, `mended_name` which bodies had moments of inertia that no
+    solid has."""
 
     free_root: bool
-    evened: bool
     model_name: str
+    mended_name: tuple[str, ...]
     flexes: int
     body_name: tuple[str, ...]
     jnt_name: tuple[str, ...]
@@ -223,14 +223,15 @@ def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
         else:
             found[field.name] = _array(f"{field.name} of {name}", array, field.type is Array, counts.get(kind), field.name)
     model = Compiled(**found)
-    for key, column, least, count in (
+    places: tuple[tuple[str, Indices, int, int | None], ...] = (
         ("body_parentid", model.body_parentid, 0, counts["body"]), ("jnt_bodyid", model.jnt_bodyid, 1, counts["body"]),
         ("geom_bodyid", model.geom_bodyid, 0, counts["body"]), ("geom_dataid", model.geom_dataid, -1, None),
         ("jnt_qposadr", model.jnt_qposadr, 0, len(model.qpos0)), ("pair_geom1", model.pair_geom1, 0, counts["geom"]),
         ("pair_geom2", model.pair_geom2, 0, counts["geom"]), ("mesh_face", model.mesh_face, 0, None),
-    ):
-        if not (column >= least).all() or (count is not None and not (column < count).all()):
-            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"{least} to {count}")
+    )
+    for key, column, least, below in places:
+        if not (column >= least).all() or (below is not None and not (column < below).all()):
+            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"from {least}, below {below}")
     return model
 
 

@@ -32,9 +32,6 @@ NAME = 200
 """Characters of a name: of a body, a joint, a geom. The longest known here has 60. More: a message that names ten of them fills a
 screen, and a table of thousands the memory."""
 
-MESH_ENDINGS = (".msh", ".obj", ".stl")
-"""Mesh files that MuJoCo reads."""
-
 CONVERSION = {
     ".pkl": "a pickle runs code of its author when it is opened: open it where you trust it, save an .xml, .urdf or mesh file",
     ".pickle": "as .pkl: open it where you trust it, and save an .xml, .urdf or mesh file",

@@ -76,5 +76,5 @@ def load_room(
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
     found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
-    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.2g} mm off", *found.repairs)
+    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
     return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said)

@@ -144,19 +144,19 @@ class Geoms:
         if self._cylinders:
             more, name = self._cylinder
             found.append(
-                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.2g} mm wider ({name})"
+                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.3g} mm wider ({name})"
             )
         if self._meshes:
             lost, name = self._mesh
             if self.wanted.meshes == "hull":
                 found.append(
                     f"{len(self._meshes)} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices: "
-                    f"at most {1e3 * lost:.2g} mm of a hull is left out ({name})"
+                    f"at most {1e3 * lost:.3g} mm of a hull is left out ({name})"
                 )
             else:
                 count = sum(map(len, self._meshes.values()))
                 pieces = f"{len(self._meshes)} meshes are decomposed into {count} convex pieces"
-                found.append(f"{pieces}, at most {1e3 * lost:.2g} mm off ({name})")
+                found.append(f"{pieces}, at most {1e3 * lost:.3g} mm off ({name})")
         return tuple(found)
 
 

@@ -18,7 +18,8 @@ def answer(**changed: object) -> bytes:
     arrays: dict[str, object] = {
         **{key: np.array(value, dtype=np.str_) for key, value in names.items()},
         **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name")},
-        "free_root": np.array(False), "evened": np.array(False), "model_name": np.array("m"), "flexes": np.array(0), "qpos0": np.zeros(1),
+        "free_root": np.array(False), "mended_name": np.zeros(0, np.str_),
+        "model_name": np.array("m"), "flexes": np.array(0), "qpos0": np.zeros(1),
         "body_parentid": np.zeros(2, np.int32), "body_mocapid": np.full(2, -1), "body_mass": np.ones(2),
         **{f"body_{key}": np.zeros((2, 3)) for key in ("pos", "ipos", "inertia")},
         **{f"body_{key}": np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)) for key in ("quat", "iquat")},

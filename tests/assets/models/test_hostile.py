@@ -54,7 +54,7 @@ TEXTS = {
     "deformable file": (
         '<mujoco><worldbody><flexcomp name="f" type="mesh" file="a.obj"/></worldbody></mujoco>', "file of <flexcomp> in bad.xml",
     ),
-    "mesh of no format": (MESH.format("bad.xml"), r"mesh m of bad\.xml is 'bad\.xml'; valid: a file \.msh \.obj \.stl"),
+    "mesh of no format": (MESH.format("bad.xml"), r"mesh m of bad\.xml is 'bad\.xml'; valid: a file \.msh \.obj \.stl \.ply"),
     "deep": ("<mujoco>" + "<a>" * 1000 + "</a>" * 1000 + "</mujoco>", "depth of elements in bad.xml, line 1, is 201; .* 200"),
     "deep bodies": (f"<mujoco><worldbody>{CHAIN}</worldbody></mujoco>", "depth of elements"),
     "many elements": ("<mujoco>" + "<a/>" * 200_001 + "</mujoco>", "number of elements"),
@@ -119,7 +119,7 @@ def test_pipes_and_folders_are_no_files(tmp_path: Path) -> None:
 def test_a_mesh_that_says_it_is_larger_than_it_is_is_refused(count: int, tmp_path: Path) -> None:
     (tmp_path / "mesh.stl").write_bytes(b"\0" * 80 + struct.pack("<I", count) + b"\0" * 50)
     (tmp_path / "bad.xml").write_text(MESH.format("mesh.stl"))
-    with pytest.raises(InvalidFile, match="model bad.xml"):
+    with pytest.raises(InvalidFile, match=rf"mesh\.stl \[bytes\] is 134; valid: {84 + 50 * count}, for the {count} triangles"):
         av.load_room(tmp_path / "bad.xml")
 
 

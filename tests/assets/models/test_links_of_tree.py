@@ -35,7 +35,8 @@ def random_tree(rng: np.random.Generator, depth: int = 0) -> str:
         shared = numbers(3)
         for _ in range(rng.integers(0, 6)):
             place = shared if rng.random() < 0.6 else numbers(3)
-            joints += f'<joint pos="{place}" axis="{numbers(3)}" ref="{rng.uniform(-1, 1)}" range="-3 3" limited="true" armature="1"/>'
+            turn = f'axis="{numbers(3)}" ref="{rng.uniform(-1, 1)}" range="-3 3" limited="true"'
+            joints += f'<joint pos="{place}" {turn} armature="1"/>'
     below = "".join(random_tree(rng, depth + 1) for _ in range(rng.integers(0, 3) if depth < 4 else 0))
     return f'<body pos="{numbers(3)}" quat="{numbers(4)}">{joints}{GEOM}{below}</body>'
 
