@@ -179,7 +179,7 @@ class DeepMimic:
         assert model.avatar is not None
         caps.require_frames(self.name, len(self.clip.times), coordinates.links)
         slots = _slots(self.name, coordinates, model.avatar)
-        others = [slot.name for slot in coordinates.slots if slot not in slots.values()]
+        others = [slot.name for slot in coordinates.slots if slot not in slots.values() and slot.kind != "fixed"]
         sentence = f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}"
         if others and sentence not in self.notes:
             self.notes.append(sentence)
@@ -242,6 +242,7 @@ def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slo
     for slot in coordinates.slots:
         if slot.kind == "free":
             found.setdefault("root", slot)
+        if slot.kind in ("free", "fixed"):
             continue
         for called in (slot.name, avatar.links[slot.link].name):
             if called in dict(LAYOUT) and called not in found:

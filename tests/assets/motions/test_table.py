@@ -165,7 +165,7 @@ HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
     "no rotation": (lambda: cell(3, 6, "100"), "length of the quaternion of floating_base in frame 3"),
     "too few joints": (lambda: text(LAFAN[:, :9]), "names no joints.*9.*11"),
     "a name twice": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], JOINTS[0])), "name of column 10"),
-    "a name too many": (lambda: text(LAFAN, (*ROOT, *JOINTS, "tail")), "columns of some.csv is 11; valid: 12, as its first row names"),
+    "a name too many": (lambda: text(LAFAN, (*ROOT, *JOINTS, "tail")), "columns of some.csv is 11; valid: 12, as its first row"),
     "unknown joints": (lambda: text(LAFAN, (*ROOT, "a", "b", "c", "d")), "missing: waist.*not the avatar's: a, b, c, d"),
     "angles of a root": (
         lambda: text(LAFAN[:, :10], (*ROOT[:3], "root_rot_x", "root_rot_y", "root_rot_z", *JOINTS)), "root's columns"),

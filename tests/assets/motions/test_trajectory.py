@@ -15,7 +15,7 @@ from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, puppet, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, held, puppet, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -228,6 +228,27 @@ def test_a_compressed_file_stays_compressed(tmp_path: Path) -> None:
     content = found.written(raised(found.motion(robot()), 3, 5), robot())
     assert len(content) < 0.9 * sum(values.nbytes for values in entries(content).values())
     assert content == found.written(raised(found.motion(robot()), 3, 5), robot())
+
+
+@pytest.mark.parametrize("form", ["holosoma", "qpos alone", "GMR", "other order"])
+def test_columns_of_what_is_fixed_stay_as_they_are(tmp_path: Path, form: str) -> None:
+    arrays, options = FORMS[form]
+    found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
+    motion = found.motion(held())
+    assert (motion.angles[:, 1] == 0.0).all()
+    angles = motion.angles.copy()
+    angles[3:6, 0] += 0.1
+    (tmp_path / "other.npz").write_bytes(found.written(replace(motion, angles=angles), held()))
+    again, before = (load_motion(tmp_path / name, **options).motion(robot()).angles for name in ("other.npz", "some.npz"))
+    assert (again[:, 1] == before[:, 1]).all()
+    assert np.allclose(again[3:6, 0], before[3:6, 0] + 0.1)
+
+
+def test_a_fixed_joint_may_be_missing_in_the_file(tmp_path: Path) -> None:
+    names = [name for name in JOINTS if name != "left_shoulder"]
+    arrays = {"joint_pos": np.delete(walk(FRAMES), 8, axis=1), "fps": 50, "joint_names": names}
+    motion = load_motion(saved(tmp_path / "some.npz", arrays)).motion(held())
+    assert np.allclose(motion.angles[:, 0], walk(FRAMES)[:, 7])
 
 
 def test_balls_are_rows_of_four(tmp_path: Path) -> None:
