@@ -172,6 +172,7 @@ HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
     "times that stand still": (lambda: text(np.c_[np.zeros(FRAMES), LAFAN], ("time", *ROOT, *JOINTS)), "instant of row 2"),
     "many columns": (lambda: ",".join(["1"] * (caps.COLUMNS + 1)) + "\n", f"columns of row 1 of some.csv is {caps.COLUMNS + 1}"),
     "long name": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], "x" * 300)), "name of column 10"),
+    "many lines": (lambda: "1\n" * (caps.FRAMES + 2), "frames of some.csv"),
     "one endless line": (lambda: "a" * (caps.COLUMNS * caps.NAME + 1), "characters of the first line"),
     "no text": (lambda: bytes(range(256)) * 4, "not UTF-8"),
     "another encoding": (lambda: text(LAFAN).encode("utf-16"), "not UTF-8"),
