@@ -62,7 +62,7 @@ def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> 
     free = [slot.name for slot in coordinates.slots if slot.kind == "free"]
     if layout.joints is None:
         if width != coordinates.width:
-            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}"
+            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}; joints= says names for another order"
             raise InvalidFile(f"columns of {name}, which names no joints,", width, valid)
         starts = [sum(WIDTHS[slot.kind] for slot in coordinates.slots[:k]) for k in range(len(coordinates.slots))]
     else:

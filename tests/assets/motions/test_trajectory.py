@@ -74,6 +74,13 @@ def isaac() -> dict[str, Any]:
     }
 
 
+def beyond() -> dict[str, Any]:
+    """Joints in an order of their own and no names; the root is the first of the bodies."""
+    whole = isaac()
+    bodies = {"body_pos_w": whole["body_positions"], "body_quat_w": whole["body_rotations"]}
+    return {"fps": [50], "joint_pos": whole["dof_positions"], **bodies}
+
+
 def reordered() -> dict[str, Any]:
     whole, order = holosoma(), [2, 0, 3, 1]
     rows = whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]]
@@ -93,6 +100,7 @@ FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
     "scalar last": ({"qpos": walk(FRAMES)[:, [*XYZW, 7, 8, 9, 10]], "fps": 50}, {"quaternion": "xyzw"}),
     "scalar first": ({**gmr(), "root_rot": walk(FRAMES)[:, 3:7]}, {"quaternion": "wxyz"}),
     "names by the user": ({"qpos": reordered()["joint_pos"], "fps": 50}, {"joints": ", ".join(reordered()["joint_names"])}),
+    "joints without a root, names by the user": (beyond(), {"joints": [JOINTS[k] for k in (3, 1, 0, 2)]}),
     "a joint too many": ({"joint_pos": np.c_[walk(FRAMES), np.ones(FRAMES)], "fps": 50, "joint_names": [*JOINTS, "tail"]}, {}),
 }
 """Entries and options of files that all hold the same motion."""
