@@ -18,7 +18,7 @@ import numpy as np
 
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.mesh_files import MeshFiles
-from avatarsim.assets.models.spec_repairs import with_solid_moments, without_pictures
+from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
 from avatarsim.errors import InvalidFile
 
 MEMORY = 2**31
@@ -56,11 +56,11 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
-        vfs[NOWHERE + name] = content
+        vfs[f"{NOWHERE}{name}"] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
         MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
-        without_pictures(spec, mujoco)
+        bare(spec, mujoco)
         mended = with_solid_moments(spec)
         # links of a robot stay links, and nothing of the URDF file is merged into the world
         spec.compiler.fusestatic = False

@@ -4,6 +4,7 @@ XML is scanned by expat, which knows nothing of models: the scan looks at elemen
 includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
 """
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -205,14 +206,14 @@ def inside(thing: str, path: PurePosixPath, folder: Path) -> tuple[str, Path]:
     for part in path.parts:
         if part == "..":
             if not plain:
-                raise InvalidFile(thing, str(path), _wider(folder))
+                raise InvalidFile(thing, str(path), _wider(folder, folder / path))
             plain.pop()
         elif part not in (".", ""):
             plain.append(part)
     name = "/".join(plain)
     place = _real(folder / name)
     if place != folder and folder not in place.parents:
-        raise InvalidFile(thing, f"{path}, a link to {place}", _wider(folder))
+        raise InvalidFile(thing, f"{path}, a link to {place}", _wider(folder, place))
     return name, place
 
 
@@ -230,8 +231,10 @@ def existing(thing: str, paths: list[PurePosixPath], folder: Path) -> tuple[str,
     raise refused or InvalidFile(thing, str(paths[0]), f"a file that exists in {folder}; folder=... names a wider one")
 
 
-def _wider(folder: Path) -> str:
-    return f"a path that stays in {folder}; folder=... names a wider one that you trust, such as {folder.parent}"
+def _wider(folder: Path, place: Path) -> str:
+    """What is valid instead of a path that leads to `place`, and how to allow it all the same."""
+    wider = os.path.commonpath([folder, os.path.normpath(place)])
+    return f'a path that stays in {folder}; folder="{wider}" allows it, if you trust what lies there'
 
 
 def _real(path: Path) -> Path:

@@ -243,8 +243,9 @@ def _hinge(model: Compiled, j: int) -> Hinge:
 
 
 def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
-    """MuJoCo limits the angle of the whole turn. Swing s and twist t about one axis make a turn of 2 acos(cos s/2 cos t/2), so
-    equal limits of both that make it at their corner lie within; the axis is that from the joint to the centre of mass."""
+    """MuJoCo limits the angle of the whole turn. The half turn that swing s and twist t about one axis make together has the
+    cosine cos(s/2) cos(t/2), so equal limits of both that make it at their corner lie within; the axis is that from the joint to
+    the centre of mass."""
     whole = float(model.jnt_range[j, 1])
     if not model.jnt_limited[j] or whole >= np.pi:
         return Ball()

@@ -24,8 +24,9 @@ FLAT = 2
 """Width [pixels] of what stands in for a texture, and rows of what stands in for a height field."""
 
 
-def without_pictures(spec: Any, mujoco: Any) -> None:
-    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, no keyframe."""
+def bare(spec: Any, mujoco: Any) -> None:
+    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, no keyframe, and no
+    memory for a simulation."""
     for texture in spec.textures:
         texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
         texture.cubefiles = [""] * len(texture.cubefiles)
@@ -35,6 +36,8 @@ def without_pictures(spec: Any, mujoco: Any) -> None:
         field.file, field.nrow, field.ncol, field.userdata = "", FLAT, FLAT, [0.0] * FLAT**2
     for unread in (*spec.skins, *spec.keys):
         spec.delete(unread)
+    # and no room for a simulation, of which a file may ask for any amount
+    spec.memory = spec.nconmax = spec.njmax = spec.nstack = -1
 
 
 def with_solid_moments(spec: Any) -> list[str]:

@@ -138,7 +138,7 @@ def test_urdf_finds_meshes_of_its_package(mesh: str, tmp_path: Path) -> None:
     obj_of(tmp_path / "robot" / "meshes", "cube.obj", *cube())
     path = tmp_path / "robot" / "urdf" / "robot.urdf"
     path.write_text(ROBOT.format(mesh))
-    with pytest.raises(InvalidFile, match=r"mesh cube of robot\.urdf is .*folder=\.\.\."):
+    with pytest.raises(InvalidFile, match=r"mesh cube of robot\.urdf is .*folder="):
         av.load_avatar(path)
     assert av.load_avatar(path, folder=tmp_path / "robot").avatar is not None
     # a package says itself how far it reaches
