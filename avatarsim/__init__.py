@@ -57,6 +57,10 @@ Avatars
     TrackerSample   what the user did at one instant: the posture of all avatars
     rest            the sample with every joint at zero
 
+Files
+-----
+    load_motion     a recorded motion: BVH, or AMC with its ASF; the avatar of its skeleton, and the same file again
+
 Frames
 ------
     AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, close
@@ -84,6 +88,7 @@ from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
+    from avatarsim.assets.motions.load import load_motion
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -100,13 +105,14 @@ __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
     "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene",
     "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
-    "advance_many", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "advance_many", "fixed", "load_motion", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
+    "assets.motions.load": ("load_motion",),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
