@@ -12,6 +12,7 @@ import numpy as np
 from avatarsim.assets.meshes import cache, pieces_of_mesh
 from avatarsim.assets.meshes.mesh import read_mesh
 from avatarsim.assets.meshes.repairs import finite as finite_mesh
+from avatarsim.assets.motions.load import load_motion
 from avatarsim.scene.avatar import Avatar
 from reports import write_report
 from reports.reading import kept
@@ -63,6 +64,16 @@ def clip(folder: Path, path: Path) -> object:
     """A clip, at equal steps where it is not years long."""
     found = read_clip(path)
     return finite(retimed(found) if found.times[-1] < 1e3 else found)
+
+
+def recorded(folder: Path, path: Path) -> object:
+    """A clip on its skeleton: its avatar, its motion, and the file again."""
+    file = load_motion(next(folder.glob("*.amc"), path))
+    found = file.model()
+    assert found.avatar is not None
+    motion = file.motion(found)
+    assert file.written(motion, found)
+    return sound((found.avatar, finite(motion)))
 
 
 def model(folder: Path, path: Path) -> object:
@@ -213,6 +224,9 @@ def doors() -> tuple[Door, ...]:
         found.append(of_files(f"hull {ending}", 1.0, FileDoor(files, damage, hull, also), slow=True))
     found += [
         of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
+        of_files("bvh", 60.0, FileDoor(valid.bvh_file, damaged, recorded), slow=True),
+        of_files("amc", 30.0, FileDoor(valid.amc_file, damaged, recorded, valid.asf_file), slow=True),
+        of_files("asf", 30.0, FileDoor(valid.asf_file, damaged, recorded, valid.amc_file), slow=True),
         of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
         of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
         of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),

@@ -77,17 +77,21 @@ SYNONYMS = {
     "hand": "hand wrist palm",
     "thumb": "thumb handthumb",
     "finger": "fingers finger index mid middle ring pinky little handindex handmiddle handmid handring handpinky handlittle "
-              "fingerbase handfinger fingersbase carpal handpalm handpinkie pinkie",
+              "fingerbase handfinger fingersbase carpal handpalm handpinkie pinkie inhandindex "
+              "inhandmiddle inhandring inhandpinky",
     "thigh": "thigh upleg upperleg femur thighbend thightwist",
     "leg": "leg",
     "shank": "shank shin knee tibia lowerleg lowleg calf",
     "foot": "foot ankle heel metatarsals",
-    "toe": "toe toes toebase ball bigtoe smalltoe toeend",
+    "toe": "toe toes toebase ball bigtoe smalltoe forefoot",
 }
 """Words that names of joints are made of, once side, numbers and separators are off. `shoulder` and `leg` hang on neighbours."""
 
 PREFIXES = re.compile(r"(?i)^((mixamorig\d*|bip0*\d*|character\d+|skel|jnt|cc_base|j|b)[ _-]+)*(mixamorig\d*|bip0*1)?")
 """What tools put before names."""
+
+SUFFIXES = re.compile(r"([ _-](?i:end|nub|tip|site)|End|Nub|Tip)$")
+"""What tools put behind the name of a joint that only says where the one before ends."""
 
 WORDS = {word: part for part, words in SYNONYMS.items() for word in words.split()}
 SIDED = frozenset({
@@ -131,7 +135,7 @@ def _subtree(skeleton: Skeleton, k: int) -> Sequence[int]:
 def _read(name: str) -> tuple[str, str]:
     """(kind, side) that a name says by itself; ("", "") where it says nothing."""
     bare = re.split(r"[:|]", name)[-1]
-    bare = PREFIXES.sub("", bare.strip())
+    bare = SUFFIXES.sub("", PREFIXES.sub("", bare.strip()))
     for side, word in _sides(bare):
         kind = WORDS.get(word, "")
         if kind and (not side or kind in SIDED or kind in ("face", "pelvis")):
