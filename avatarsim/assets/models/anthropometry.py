@@ -25,10 +25,10 @@ class Segment:
     wider: float = 1.0
 
     def radius(self, mass: float, stature: float) -> float:
-        """Radius [m] of the cylinder that has the segment's volume and length, in a body of `mass` [kg] and `stature` [m]; of a
-        segment that is wider than deep half its depth."""
-        area = self.share * mass / (self.density * self.length * stature / STATURE)
-        return math.sqrt(area / (math.pi * self.wider))
+        """Radius [m] of the cylinder that has the segment's volume and length, in a body of `mass` [kg] and STATURE; of a segment
+        that is wider than deep half its depth. Bodies of another `stature` [m] are similar to it."""
+        area = self.share * mass / (self.density * self.length)
+        return math.sqrt(area / (math.pi * self.wider)) * stature / STATURE
 
 
 SEGMENTS = {
@@ -55,6 +55,14 @@ SEGMENT_OF = {
 
 RADII = {"neck": 0.055, "clavicle": 0.045, "hip bone": 0.07, "thumb": 0.010, "finger": 0.008, "toe": 0.025}
 """Radii [m] at STATURE of parts that are thinner than their segment: half of what a caliper finds across them, rounded."""
+
+KNEE, ABOVE_KNEE = 0.052, 0.6
+"""Radius [m] at STATURE of a thigh at its lower end, half of a knee's breadth, and the share of its length, from the hip, over
+which it has that of the segment: with one radius all along, knees that pass each other in a walk would overlap by centimetres."""
+
+SHOULDERS = 0.61
+"""Radius of the trunk at most, as a share of half the distance of the shoulder joints: what it is in the table's body, whose
+joints are 0.36 m apart. More: arms of skeletons with narrow shoulders hang inside the trunk."""
 
 UNKNOWN_SHARE = 0.15
 """Radius of a bone of unknown name, as a share of its length: about that of the forearm, whose table has 0.13."""

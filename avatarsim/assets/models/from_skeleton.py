@@ -5,17 +5,20 @@ recorded, and the model says so.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import (
+    ABOVE_KNEE,
     BODY_MASS,
+    KNEE,
     MIDDLE,
     RADII,
     SEGMENT_OF,
     SEGMENTS,
+    SHOULDERS,
     STATURE,
     THICKEST,
     THINNEST,
@@ -62,9 +65,10 @@ def human(
     positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
     positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
-    pieces = [_pieces(skeleton, k, named, mass, stature) for k in range(len(skeleton.bones))]
-    masses = _masses(named, pieces, mass)
     standing, where = stance(skeleton, named, clip)
+    build = _build(skeleton, named, standing, mass, stature)
+    pieces = [_pieces(skeleton, k, named, build) for k in range(len(skeleton.bones))]
+    masses = _masses(named, pieces, mass)
     joints = [_joint(skeleton, k, named, standing, limits) for k in range(len(skeleton.bones))]
     links = tuple(
         Link(bone.name, skeleton.bones[bone.parent].name if bone.parent >= 0 else None, joints[k], pieces[k], masses[k],
@@ -114,16 +118,34 @@ def _joint(skeleton: Skeleton, k: int, named: Sequence[Part], standing: Stance |
     return Ball() if len(bone.axes) == 3 else Hinges(tuple(Hinge(axis) for axis in bone.axes))
 
 
-def _radius(part: Part, length: float, mass: float, stature: float) -> float:
-    """Radius [m] of a bone of `length` [m]."""
-    if part.kind in RADII:
-        return RADII[part.kind] * stature / STATURE
-    if part.kind in SEGMENT_OF:
-        return SEGMENTS[SEGMENT_OF[part.kind]].radius(mass, stature)
-    return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
+@dataclass(frozen=True)
+class Build:
+    """How a body is built: its `mass` [kg], its `stature` [m], and the largest radius of its `trunk` [m]."""
+
+    mass: float
+    stature: float
+    trunk: float
+
+    def radius(self, part: Part, length: float) -> float:
+        """Radius [m] of a bone of `length` [m]."""
+        if part.kind in RADII:
+            return RADII[part.kind] * self.stature / STATURE
+        if part.kind in SEGMENT_OF:
+            found = SEGMENTS[SEGMENT_OF[part.kind]].radius(self.mass, self.stature)
+            return min(found, self.trunk) if SEGMENT_OF[part.kind] == "trunk" else found
+        return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
 
 
-def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], mass: float, stature: float) -> tuple[Piece, ...]:
+def _build(skeleton: Skeleton, named: Sequence[Part], standing: Stance | None, mass: float, stature: float) -> Build:
+    """The build of a skeleton: its trunk no deeper than goes with the distance of its shoulder joints."""
+    arms = [next((k for k, part in enumerate(named) if part == Part("upper arm", side)), -1) for side in ("left", "right")]
+    if standing is None or min(arms) < 0:
+        return Build(mass, stature, THICKEST)
+    apart = float(np.linalg.norm(standing.places[arms[0]] - standing.places[arms[1]]))
+    return Build(mass, stature, max(SHOULDERS * 0.5 * apart, THINNEST))
+
+
+def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> tuple[Piece, ...]:
     """A capsule to each joint that hangs on bone k and to each tip that ends there, and a ball where neither is."""
     bone, part, children = skeleton.bones[k], named[k], skeleton.children[k]
     if part.kind == "face" or _is_bearer(skeleton, k, named):
@@ -133,15 +155,18 @@ def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], mass: float, stat
     for place in skeleton.ends(k):
         end = np.array(place)
         length = float(np.linalg.norm(end))
-        radius = _radius(part, length, mass, stature)
+        radius = build.radius(part, length)
         if length < SHORTEST_BONE:
             continue
         if place in ending or (not children and place in bone.tips):
             # what ends at its tip ends there, not a radius beyond it
             end *= max(length - radius, 0.5 * length) / length
+        if part.kind == "thigh":
+            found.append(capsule(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
+            end *= ABOVE_KNEE
         found.append(capsule(np.zeros(3), end, radius))
     if not found and part.kind and not children and not _is_end(skeleton, k, named):
-        found.append(Piece(Sphere(_radius(part, 0.0, mass, stature))))
+        found.append(Piece(Sphere(build.radius(part, 0.0))))
     return tuple(found)
 
 

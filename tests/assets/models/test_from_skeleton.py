@@ -31,9 +31,12 @@ def test_capsules_lie_between_joints_and_end_at_tips() -> None:
     avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
     assert avatar is not None
     links = {link.name: link for link in avatar.links}
-    (thigh,) = links["LeftUpLeg"].pieces
-    assert isinstance(thigh.shape, av.Capsule) and thigh.shape.length == pytest.approx(0.42)
-    assert thigh.position == pytest.approx((0.0, 0.0, -0.21)) and 0.06 < thigh.shape.radius < 0.1
+    (shank,) = links["LeftLeg"].pieces
+    assert isinstance(shank.shape, av.Capsule) and shank.shape.length == pytest.approx(0.41)
+    assert shank.position == pytest.approx((0.0, 0.0, -0.205)) and 0.04 < shank.shape.radius < 0.05
+    knee, thigh = (piece.shape for piece in links["LeftUpLeg"].pieces)
+    assert isinstance(knee, av.Capsule) and isinstance(thigh, av.Capsule)
+    assert knee.length == pytest.approx(0.42) and thigh.length < knee.length and knee.radius < thigh.radius < 0.1
     (hand,) = links["LeftHand"].pieces
     assert isinstance(hand.shape, av.Capsule)
     assert hand.position[1] + 0.5 * hand.shape.length + hand.shape.radius == pytest.approx(0.18)
