@@ -66,6 +66,13 @@ Frames
     Contact         where two bodies touch: their names, point, normal, gap
     advance_many    a frame of many engines at once, on several threads
 
+Motions
+-------
+    Motion          postures of one avatar at times
+    clean           the nearest motion without overlap, proved free in frames and between them
+    audit           measures of a motion as it is
+    Shield          the same for a stream of postures: generalized coordinates in, certified ones out
+
 Errors
 ------
     AvatarsimError  the root of all that is raised on purpose
@@ -84,6 +91,7 @@ from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
+    from avatarsim.cleaning import Shield, audit, clean
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -91,6 +99,7 @@ if TYPE_CHECKING:
     from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+    from avatarsim.scene.motion import Motion
     from avatarsim.scene.scene import Scene
     from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
     from avatarsim.scene.tracker import TrackerSample, rest
@@ -98,19 +107,21 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene",
-    "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
-    "advance_many", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Motion", "PairTable", "Piece",
+    "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed",
+    "__version__", "advance_many", "audit", "clean", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
+    "cleaning": ("Shield", "audit", "clean"),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
+    "scene.motion": ("Motion",),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
