@@ -32,6 +32,10 @@ ARRIVED = 1e-9
 SPARED = 0.9
 """Share that is gone of a way that ends at something: at its very end the next way could not begin."""
 
+GROWTH, LEVELS = 3.0, 4
+"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast foot
+dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is released."""
+
 
 class Kind(IntEnum):
     """What a written frame is."""
@@ -82,57 +86,83 @@ class Follower:
     """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself."""
 
     def __init__(self, chords: Chords, options: Options, start: TrackerSample, is_input: bool) -> None:
-        self.chords, self.margin = chords, options.margin
-        self.engine = AvatarsimEngine()
-        settings = Settings(options={"stand_off": options.margin, "around": 0}, seed=options.seed)
-        self.engine.load(replace(chords.scene, start=start), settings, 1.0 / SUB_STEPS)
+        self.chords, self.options = chords, options
         self.shown, self.is_input = start, is_input
+        self._engines: dict[int, AvatarsimEngine] = {}
+        self._level, self._since, self._at = 0, 0.0, -1
 
     def begin(self, start: TrackerSample, is_input: bool) -> None:
         """Begin again elsewhere."""
-        self.engine.put(start)
         self.shown, self.is_input = start, is_input
+        self._level, self._at = 0, -1
 
     def follow(self, before: TrackerSample, after: TrackerSample, is_free: bool) -> Kind:
         """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is free
         there. What is written is in `shown`."""
         if self.is_input and is_free and self._reaches(after):
-            self.shown = after
+            self.shown, self._at = after, -1
             return Kind.INPUT
-        if self.is_input:
-            self.engine.put(before)
-            self.is_input = False
+        self.is_input = False
         duration = abs(after.time - before.time)
-        count = max(1, ceil(duration * SUB_STEPS - 1e-6))
+        self._since += duration
+        if self._since > self.options.blend and self._level > 0:
+            self._level, self._since = self._level - 1, 0.0
+        tried: list[TrackerSample] = []
+        for level in range(self._level, LEVELS):
+            tried = self._steps(level, before, after, duration)
+            if is_free and difference(self.chords, tried[-1], after) < ARRIVED and self._reaches(after):
+                self.shown, self.is_input, self._level, self._at = after, True, 0, -1
+                return Kind.INPUT
+            if self._reaches(tried[-1]):
+                if level > self._level:
+                    self._level, self._since = level, 0.0
+                self.shown = tried[-1]
+                return Kind.TRACKED
+        return self._hold_back(tried)
+
+    def _engine(self, level: int) -> AvatarsimEngine:
+        """The engine that keeps the gap of a level, where the avatar is shown."""
+        if level not in self._engines:
+            self._engines[level] = AvatarsimEngine()
+            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0}
+            settings = Settings(options=options, seed=self.options.seed)
+            self._engines[level].load(replace(self.chords.scene, start=self.shown), settings, 1.0 / SUB_STEPS)
+        elif self._at != level:
+            self._engines[level].put(self.shown)
+        self._at = level
+        return self._engines[level]
+
+    def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
+        """The engine's sub-states on the way."""
+        engine, count = self._engine(level), max(1, ceil(duration * SUB_STEPS - 1e-6))
         tried = []
         for k in range(1, count + 1):
-            self.engine.advance(after if k == count else between(before, after, k / count), duration / count)
-            tried.append(self.engine.posture())
-        if is_free and difference(self.chords, tried[-1], after) < ARRIVED and self._reaches(after):
-            self.shown, self.is_input = after, True
-            return Kind.INPUT
-        return self._hold_back(tried)
+            engine.advance(after if k == count else between(before, after, k / count), duration / count)
+            tried.append(engine.posture())
+        return tried
 
     def _reaches(self, sample: TrackerSample) -> bool:
         return self.chords.free_until(self.shown, sample)[0] >= 1.0
 
     def _hold_back(self, tried: list[TrackerSample]) -> Kind:
         """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
-        for k in range(len(tried) - 1, -1, -1):
-            if self._reaches(tried[k]):
-                if k + 1 < len(tried):
-                    self.engine.put(tried[k], has_user=False)
-                self.shown = tried[k]
-                return Kind.TRACKED if k + 1 == len(tried) else Kind.HELD
+        engine = self._engines[self._at]
+        for sample in tried[-2::-1]:
+            if self._reaches(sample):
+                engine.put(sample, has_user=False)
+                self.shown = sample
+                return Kind.HELD
         share, _ = self.chords.free_until(self.shown, tried[0])
         part, _ = self.chords.clipped(between(self.shown, tried[0], SPARED * share))
         try:
-            if not self._reaches(part):
-                part = self.shown
-            self.engine.put(part, has_user=False)
-            self.shown = part
+            if self._reaches(part):
+                engine.put(part, has_user=False)
+                self.shown = part
+                return Kind.HELD
         except AvatarsimError:
-            self.engine.put(self.shown, has_user=False)
+            # a ball may pass beyond its limits between two postures within them
+            pass
+        engine.put(self.shown, has_user=False)
         return Kind.HELD
 
 
