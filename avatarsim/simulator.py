@@ -18,7 +18,7 @@ from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.conversion import read_sample
-from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses
+from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
@@ -26,7 +26,6 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
-from avatarsim.spatial import rotation
 from avatarsim.tolerances import NOTHING
 from avatarsim.version import VERSION
 
@@ -217,9 +216,7 @@ class AvatarsimEngine:
         """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
         with self._alone():
             frames = self._running()
-            posture = frames.world.posture
-            turns = rotation.from_matrix(posture.turn)
-            return TrackerSample(frames.time, posture.root.copy(), turns, posture.angle[frames.world.hinges])
+            return shown_sample(frames.world, frames.time)
 
     def put(self, sample: TrackerSample, has_user: bool = True) -> FrameRecord:
         """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.

@@ -68,8 +68,8 @@ class Chords:
     def _pair(self, a: int, b: int) -> Pair | None:
         if a < 0:
             return None
-        names = self.scene.names
-        return names[self._owner[a]], names[self._owner[b]]
+        names, (first, second) = self.scene.names, sorted((int(self._owner[a]), int(self._owner[b])))
+        return names[first], names[second]
 
 
 class Certified(NamedTuple):

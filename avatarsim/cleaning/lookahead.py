@@ -90,9 +90,9 @@ def smoothed(d: Array, half: int) -> Array:
     padded = np.pad(size, half, mode="edge")
     envelope = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).max(axis=1)
     weights = np.hanning(2 * half + 3)[1:-1]
+    weights /= weights.sum()
     raised = np.pad(directions * envelope[:, None], ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(raised, 2 * half + 1, axis=0)
-    return np.asarray(windows @ (weights / weights.sum()))
+    return np.stack([np.convolve(column, weights, mode="valid") for column in raised.T], axis=1)
 
 
 def improve(
@@ -100,8 +100,10 @@ def improve(
     progress: Callable[[float], None],
 ) -> None:
     """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
+    if options.blend == 0.0 or len(motion) <= LEAST_FRAMES:
+        return
     half = max(LEAST_FRAMES, round(options.blend * motion.rate))
-    found = episodes(written.kind == Kind.INPUT, 2 * half) if options.blend > 0.0 else []
+    found = episodes(written.kind == Kind.INPUT, 2 * half)
     for n, episode in enumerate(found):
         for attempt in range(TRIES):
             if again(chords, follower, motion, written, options, episode, half << attempt):

@@ -46,11 +46,19 @@ def opinion_of(scene: Scene, motion: Motion) -> tuple[Opinion | None, str]:
 
 def between_frames(motion: Motion) -> Motion:
     """The postures at the inner ones of BETWEEN equal steps from each frame to the next."""
-    samples = [motion.between(k, n / BETWEEN) for k in range(len(motion) - 1) for n in range(1, BETWEEN)]
-    return Motion(
-        np.array([sample.time for sample in samples]), np.array([sample.positions for sample in samples]),
-        np.array([sample.rotations for sample in samples]), np.array([sample.angles for sample in samples]),
-    )
+    steps = len(motion) - 1
+    share = np.tile(np.arange(1, BETWEEN) / BETWEEN, steps)
+
+    def ends(values: Array) -> tuple[Array, Array]:
+        return np.repeat(values[:-1], BETWEEN - 1, axis=0), np.repeat(values[1:], BETWEEN - 1, axis=0)
+
+    def on_line(values: Array) -> Array:
+        before, after = ends(values)
+        return np.asarray(before + share.reshape(-1, *(1,) * (values.ndim - 1)) * (after - before))
+
+    shares = np.repeat(share[:, None], motion.rotations.shape[1], axis=1)
+    turned = rotation.normalised(rotation.slerp(*ends(motion.rotations), shares))
+    return Motion(on_line(motion.times), on_line(motion.positions), turned, on_line(motion.angles))
 
 
 class Asked:
@@ -60,7 +68,8 @@ class Asked:
         import coal
 
         self.scene = scene
-        owned = [(k, piece) for k, part in enumerate((*scene.bodies, *scene.links)) for piece in part.pieces]
+        groups = [*(body.pieces for body in scene.bodies), *(link.pieces for link in scene.links)]
+        owned = [(k, piece) for k, pieces in enumerate(groups) for piece in pieces]
         self.owner = np.array([k for k, _ in owned], dtype=np.int64)
         self.place = np.array([piece.position for _, piece in owned])
         self.turn = np.array([piece.orientation for _, piece in owned])

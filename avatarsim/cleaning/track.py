@@ -16,10 +16,11 @@ from avatarsim.cleaning.chords import Chords, Pair
 from avatarsim.cleaning.result import Options
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
+from avatarsim.model.conversion import mix_samples
+from avatarsim.model.world import sample_arrays
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
@@ -67,18 +68,18 @@ class Judged:
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
     """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it."""
-    turned = rotation.slerp(before.rotations, after.rotations, np.full(len(before.rotations), share))
-    return TrackerSample(
-        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
-        rotation.normalised(turned), before.angles + share * (after.angles - before.angles),
-    )
+    first, last = sample_arrays(before), sample_arrays(after)
+    mixed = tuple(np.empty_like(array) for array in first)
+    mix_samples(*first, *last, float(share), *mixed)
+    return TrackerSample(before.time + share * (after.time - before.time), *mixed)
 
 
 def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
-    """The largest difference of two postures in any joint or root [rad, m]."""
-    free, turning = chords.free_roots, chords.turning
-    turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(one.rotations[turning]), other.rotations[turning]))
-    parts = (turns, one.positions[free] - other.positions[free], one.angles - other.angles)
+    """The largest difference of two postures in any joint or root [rad, m]; of turns, which are small where it matters, the
+    chord's."""
+    a, b = one.rotations[chords.turning], other.rotations[chords.turning]
+    turns = 2.0 * np.minimum(np.abs(a - b), np.abs(a + b))
+    parts = (turns, one.positions[chords.free_roots] - other.positions[chords.free_roots], one.angles - other.angles)
     return max([float(np.abs(part).max()) for part in parts if part.size], default=0.0)
 
 
