@@ -15,6 +15,7 @@ import numpy as np
 from runfiles import array_file, overlapping, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
+from tests.assets.motions.robots import JOINTS, walk
 from tests.reports import recorded
 from tests.reports.conftest import whole_run
 from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
@@ -52,6 +53,35 @@ def clip() -> Files:
         still += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.1]
     frames = [[*still[:1], 0.1 * k, *still[2:]] for k in range(4)]
     return {"humanoid3d_some.txt": json.dumps({"Loop": "wrap", "Frames": frames}).encode()}
+
+
+@cache
+def trajectory() -> Files:
+    """A robot's trajectory with names, and one of GMR's without."""
+    q, stream, other = walk(4), io.BytesIO(), io.BytesIO()
+    bodies = np.tile(q[:, None, :3], (1, 2, 1)), np.tile(q[:, None, 3:7], (1, 2, 1))
+    np.savez(
+        stream, fps=np.array([50]), joint_pos=q, joint_names=np.array(JOINTS), body_names=np.array(["world", "pelvis"]),
+        body_pos_w=bodies[0], body_quat_w=bodies[1], joint_vel=np.gradient(q, axis=0)[:, :-1],
+    )
+    np.savez(other, fps=30.0, root_pos=q[:, :3], root_rot=q[:, 3:7], dof_pos=q[:, 7:].astype(np.float32))
+    return {"robot.npz": stream.getvalue(), "apart.npz": other.getvalue()}
+
+
+def trajectory_table() -> Files:
+    """The same as a table, with names and without."""
+    lines = b"".join(b",".join(repr(value).encode() for value in row) + b"\n" for row in walk(4).tolist())
+    names = ("root_x", "root_y", "root_z", "root_qw", "root_qx", "root_qy", "root_qz", *JOINTS)
+    return {"plain.csv": lines, "named.csv": ",".join(names).encode() + b"\n" + lines}
+
+
+@cache
+def body() -> Files:
+    """A body of the SMPL family, of 24 joints."""
+    stream = io.BytesIO()
+    poses = np.linspace(-0.3, 0.3, 3 * 72).reshape(3, 72)
+    np.savez(stream, poses=poses, trans=np.zeros((3, 3)), mocap_framerate=np.array(120.0), betas=np.zeros(16), gender="neutral")
+    return {"body.npz": stream.getvalue()}
 
 
 MODEL = """<mujoco model="some"><worldbody>
