@@ -123,9 +123,9 @@ def row_of(played: Played, room: str, options: Options) -> Row:
     """Clean one clip in one room, and ask the judge."""
     motion, human = motion_of(played), humanoid()
     bodies = floor_of(played) if room == "floor" else gallery()
-    begun = time.perf_counter()
+    begun = time.process_time()
     cleaned = clean(motion, Model(human, None, (), ()), bodies, options)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     judge = Judge(Scene("cleaned", bodies, (human,)))
     written = cleaned.motion
     return Row(

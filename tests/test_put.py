@@ -68,10 +68,9 @@ def test_a_put_avatar_goes_on_as_one_that_was_loaded_there() -> None:
         assert np.allclose(one.shown.positions, other.shown.positions, atol=1e-9)
 
 
-def test_without_its_user_an_avatar_catches_up_with_what_was_shown_last() -> None:
+def test_an_avatar_catches_up_with_a_user_that_stands_elsewhere() -> None:
     engine, _ = loaded()
-    engine.advance(within(0.0, 0.5), DT)
-    engine.put(within(0.0, 0.8), has_user=False)
+    engine.put(within(0.0, 0.8), within(0.0, 0.5))
     first = engine.advance(within(0.0, 0.49), DT).shown.positions[1, 2]
     assert 0.5 < first < 0.8
     for k in range(10):

@@ -102,7 +102,7 @@ def improve(
     """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
     if options.blend == 0.0 or len(motion) <= LEAST_FRAMES:
         return
-    half = max(LEAST_FRAMES, round(options.blend * motion.rate))
+    half = max(LEAST_FRAMES, round(options.blend * motion.rate)) // 2
     found = episodes(written.kind == Kind.INPUT, 2 * half)
     for n, episode in enumerate(found):
         for attempt in range(TRIES):

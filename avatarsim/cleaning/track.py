@@ -37,6 +37,10 @@ GROWTH, LEVELS = 3.0, 4
 """Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast foot
 dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is released."""
 
+CATCH_UP = {"catch_up_turn": 6.25, "catch_up_move": 2.5}
+"""[rad/s, m/s] how fast what was held off comes back, half of what the engine does live, where a user waits for it: a clip is
+looked at, and a limb that snaps back is seen."""
+
 
 class Kind(IntEnum):
     """What a written frame is."""
@@ -119,23 +123,23 @@ class Follower:
                     self._level, self._since = level, 0.0
                 self.shown = tried[-1]
                 return Kind.TRACKED
-        return self._hold_back(tried)
+        return self._hold_back(tried, after)
 
-    def _engine(self, level: int) -> AvatarsimEngine:
-        """The engine that keeps the gap of a level, where the avatar is shown."""
+    def _engine(self, level: int, user: TrackerSample) -> AvatarsimEngine:
+        """The engine that keeps the gap of a level, with the avatar where it is shown and the user at `user`."""
         if level not in self._engines:
             self._engines[level] = AvatarsimEngine()
-            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0}
+            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0, **CATCH_UP}
             settings = Settings(options=options, seed=self.options.seed)
             self._engines[level].load(replace(self.chords.scene, start=self.shown), settings, 1.0 / SUB_STEPS)
-        elif self._at != level:
-            self._engines[level].put(self.shown)
+        if self._at != level:
+            self._engines[level].put(self.shown, user)
         self._at = level
         return self._engines[level]
 
     def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
         """The engine's sub-states on the way."""
-        engine, count = self._engine(level), max(1, ceil(duration * SUB_STEPS - 1e-6))
+        engine, count = self._engine(level, before), max(1, ceil(duration * SUB_STEPS - 1e-6))
         tried = []
         for k in range(1, count + 1):
             engine.advance(after if k == count else between(before, after, k / count), duration / count)
@@ -145,25 +149,25 @@ class Follower:
     def _reaches(self, sample: TrackerSample) -> bool:
         return self.chords.free_until(self.shown, sample)[0] >= 1.0
 
-    def _hold_back(self, tried: list[TrackerSample]) -> Kind:
+    def _hold_back(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
         """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
         engine = self._engines[self._at]
         for sample in tried[-2::-1]:
             if self._reaches(sample):
-                engine.put(sample, has_user=False)
+                engine.put(sample, user)
                 self.shown = sample
                 return Kind.HELD
         share, _ = self.chords.free_until(self.shown, tried[0])
         part, _ = self.chords.clipped(between(self.shown, tried[0], SPARED * share))
         try:
             if self._reaches(part):
-                engine.put(part, has_user=False)
+                engine.put(part, user)
                 self.shown = part
                 return Kind.HELD
         except AvatarsimError:
             # a ball may pass beyond its limits between two postures within them
             pass
-        engine.put(self.shown, has_user=False)
+        engine.put(self.shown, user)
         return Kind.HELD
 
 
