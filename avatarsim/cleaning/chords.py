@@ -39,8 +39,8 @@ class Chords:
         self.free_roots, self.turning = np.flatnonzero(kinds == FREE), np.flatnonzero((kinds == FREE) | (kinds == BALL))
 
     def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
-        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m] apart,
-        and the pair that ends it. The samples must fit the avatars."""
+        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m]
+        apart, and the pair that ends it. The samples must fit the avatars."""
         arrays = (*sample_arrays(before), *sample_arrays(after))
         share, a, b = free_until(self.world.words, self.words, *arrays, least)
         return share, self._pair(a, b)

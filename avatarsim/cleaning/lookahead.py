@@ -1,9 +1,9 @@
 """Look-ahead smoothing of what was displaced: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
 
-Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may give
-way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
-same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again. Its support
-is bounded, so frames far from contact keep the input to the bit.
+Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may
+give way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response
+of the same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again.
+Its support is bounded, so frames far from contact keep the input to the bit.
 """
 
 from collections.abc import Callable
@@ -48,8 +48,8 @@ def episodes(is_input: NDArray[np.bool_], grow: int) -> list[Episode]:
 
 
 def displacement(chords: Chords, motion: Motion, written: Motion, some: slice) -> Array | None:
-    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the axes of the joint's
-    parent, hinges by difference. None where a joint turned by more than WIDEST."""
+    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the
+    axes of the joint's parent, hinges by difference. None where a joint turned by more than WIDEST."""
     free, turning = chords.free_roots, chords.turning
     before, after = motion.rotations[some][:, turning], written.rotations[:, turning]
     turns = rotation.to_rotation_vector(rotation.multiply(after, rotation.conjugate(before)))
@@ -77,8 +77,8 @@ def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
 
 
 def smoothed(d: Array, half: int) -> Array:
-    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each side;
-    where there is none the nearest one's direction is taken."""
+    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each
+    side; where there is none the nearest one's direction is taken."""
     size = np.linalg.norm(d, axis=1)
     moving = np.flatnonzero(size > 0.0)
     if not moving.size:

@@ -1,4 +1,5 @@
-"""A second opinion on overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with us.
+"""A second opinion on overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with
+us.
 
 It sees the shapes and the poses of links as `poses_of_links` has them, in every frame and at ten equal steps between. Where the
 package is missing that is said, and nothing else changes.
@@ -117,9 +118,10 @@ class Asked:
     def _pieces(self, links: Array, link_turns: Array) -> tuple[Array, Array]:
         """Positions (F, p, 3) and rotation matrices (F, p, 3, 3) of all pieces."""
         frames, bodies = len(links), self.scene.bodies
-        fixed = np.array([body.position for body in bodies]).reshape(-1, 3), np.array([b.orientation for b in bodies]).reshape(-1, 4)
-        at = np.concatenate([np.broadcast_to(fixed[0], (frames, len(bodies), 3)), links], axis=1)[:, self.owner]
-        turned = np.concatenate([np.broadcast_to(fixed[1], (frames, len(bodies), 4)), link_turns], axis=1)[:, self.owner]
+        stand = np.array([body.position for body in bodies]).reshape(-1, 3)
+        lie = np.array([body.orientation for body in bodies]).reshape(-1, 4)
+        at = np.concatenate([np.broadcast_to(stand, (frames, *stand.shape)), links], axis=1)[:, self.owner]
+        turned = np.concatenate([np.broadcast_to(lie, (frames, *lie.shape)), link_turns], axis=1)[:, self.owner]
         places = np.broadcast_to(self.place, at.shape)
         return at + rotation.rotate(turned, places), rotation.to_matrix(rotation.multiply(turned, self.turn))
 

@@ -23,8 +23,8 @@ DIRECTIONS = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0
 """Where a root is moved: upwards first, out of the ground."""
 
 PACE, LED, LOOKS, STILL = 1.0 / 60.0, 60, 120, 1e-6
-"""[s] of one look at the approach to the first posture; looks in which the user is led there from the free posture; looks at most;
-and [rad, m] of what then moves no more."""
+"""[s] of one look at the approach to the first posture; looks in which the user is led there from the free posture; looks at
+most; and [rad, m] of what then moves no more."""
 
 
 def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]:

@@ -1,8 +1,10 @@
-"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved free.
+"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved
+free.
 
-The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is written
-is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps that
-holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it is.
+The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is
+written is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps
+that holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it
+is.
 """
 
 from dataclasses import replace
@@ -34,8 +36,9 @@ SPARED = 0.9
 """Share that is gone of a way that ends at something: at its very end the next way could not begin."""
 
 GROWTH, LEVELS = 3.0, 4
-"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast foot
-dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is released."""
+"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast
+foot dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is
+released."""
 
 CATCH_UP = {"catch_up_turn": 6.25, "catch_up_move": 2.5}
 """[rad/s, m/s] how fast what was held off comes back, half of what the engine does live, where a user waits for it: a clip is
@@ -56,8 +59,8 @@ class Kind(IntEnum):
 
 
 class Judged:
-    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as near;
-    pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
+    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as
+    near; pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
 
     def __init__(self, chords: Chords, motion: Motion, margin: float) -> None:
         frames, self.margin = len(motion), margin
@@ -102,8 +105,8 @@ class Follower:
         self._level, self._at = 0, -1
 
     def follow(self, before: TrackerSample, after: TrackerSample, is_free: bool) -> Kind:
-        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is free
-        there. What is written is in `shown`."""
+        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is
+        free there. What is written is in `shown`."""
         if self.is_input and is_free and self._reaches(after):
             self.shown, self._at = after, -1
             return Kind.INPUT

@@ -21,7 +21,9 @@ from avatarsim.spatial import rotation
 from tests.worlds.little_worlds import X, Y, at, hand, mixed_avatar, panel
 
 SAMPLES = 1000
-SHAPES = (Sphere(0.06), Capsule(0.03, 0.15), Box((0.1, 0.16, 0.05)), Ellipsoid((0.05, 0.07, 0.1)), ellipsoid_hull((0.05, 0.08, 0.04)))
+SHAPES = (
+    Sphere(0.06), Capsule(0.03, 0.15), Box((0.1, 0.16, 0.05)), Ellipsoid((0.05, 0.07, 0.1)), ellipsoid_hull((0.05, 0.08, 0.04)),
+)
 
 
 def obstacles(rng: np.random.Generator) -> tuple[Body, ...]:
@@ -29,20 +31,19 @@ def obstacles(rng: np.random.Generator) -> tuple[Body, ...]:
     found = []
     for k in range(5):
         x, y, z = (float(v) for v in rng.uniform(-0.6, 0.6, 3))
-        w, i, j, l = (float(v) for v in rotation.normalised(rng.normal(size=4)))
-        found.append(fixed(f"body {k}", (Piece(SHAPES[int(rng.integers(len(SHAPES)))]),), "wood", (x, y, z), (w, i, j, l)))
+        a, b, c, d = (float(v) for v in rotation.normalised(rng.normal(size=4)))
+        found.append(fixed(f"body {k}", (Piece(SHAPES[int(rng.integers(len(SHAPES)))]),), "wood", (x, y, z), (a, b, c, d)))
     return tuple(found)
 
 
 def two_postures(avatar: Avatar, rng: np.random.Generator, size: float) -> tuple[TrackerSample, TrackerSample]:
     """A posture at random, and another whose root and joints are elsewhere by about `size` [m, rad]."""
-    links = len(avatar.links)
-    first = TrackerSample(
-        0.0, rng.uniform(-0.5, 0.5, (links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=avatar.hinge_count)
-    )
+    links, hinges = len(avatar.links), avatar.hinge_count
+    turns = rotation.normalised(rng.normal(size=(links, 4)))
+    first = TrackerSample(0.0, rng.uniform(-0.5, 0.5, (links, 3)), turns, rng.normal(size=hinges))
     turned = rotation.multiply(first.rotations, rotation.from_rotation_vector(size * rng.normal(size=(links, 3))))
     moved = first.positions + size * rng.normal(size=(links, 3))
-    return first, TrackerSample(1.0, moved, rotation.normalised(turned), first.angles + size * rng.normal(size=avatar.hinge_count))
+    return first, TrackerSample(1.0, moved, rotation.normalised(turned), first.angles + size * rng.normal(size=hinges))
 
 
 def gaps_along(chords: Chords, before: TrackerSample, after: TrackerSample, shares: np.ndarray) -> np.ndarray:
