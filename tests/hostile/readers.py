@@ -12,6 +12,7 @@ import numpy as np
 from avatarsim.assets.meshes import cache, pieces_of_mesh
 from avatarsim.assets.meshes.mesh import read_mesh
 from avatarsim.assets.meshes.repairs import finite as finite_mesh
+from avatarsim.assets.models.load import load_avatar
 from avatarsim.assets.motions.deepmimic import read_clip
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.scene.avatar import Avatar
@@ -225,6 +226,11 @@ def some(names: Iterable[str]) -> Callable[[], valid.Files]:
     return lambda: {name: valid.run()[name] for name in names}
 
 
+def public_model(folder: Path, path: Path) -> object:
+    """Avatar, room and loose bodies of an MJCF or URDF file."""
+    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all", couplings="leave"))
+
+
 def doors() -> tuple[Door, ...]:
     """All of them; weights are cases in a thousand."""
     found = []
@@ -241,6 +247,9 @@ def doors() -> tuple[Door, ...]:
         of_files("trajectory csv", 40.0, FileDoor(valid.trajectory_table, damaged_csv, trajectory)),
         of_files("body npz", 40.0, FileDoor(valid.body, damaged_zip, body), slow=True),
         of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
+        # each is compiled in a process of its own, which takes half a second
+        of_files("avatar", 1.0, FileDoor(valid.robots, damaged_xml, public_model, valid.robot_mesh), slow=True),
+        of_files("mesh of an avatar", 0.5, FileDoor(valid.robot_mesh, damaged, public_model, valid.robots), slow=True),
         of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
         of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
         of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),

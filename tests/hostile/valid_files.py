@@ -45,6 +45,36 @@ def meshes(ending: str) -> Files:
     return found
 
 
+ROBOT = """<mujoco model="robot"><compiler angle="radian" meshdir="."/><include file="room.xml"/>
+<asset><mesh name="tip" file="tip.obj" scale="0.1 0.1 0.1"/></asset><worldbody><body name="hip" pos="0 0 1"><freejoint/>
+<geom type="capsule" size="0.1 0.2"/><body name="leg" pos="0 0 -0.5"><joint name="knee" axis="0 1 0" range="-1 1"/>
+<joint name="turn" type="ball" range="0 1"/><geom type="cylinder" size="0.05 0.1" pos="0 0 -0.2"/>
+<body name="foot" pos="0 0 -0.4"><joint name="rail" type="slide"/>
+<geom type="mesh" mesh="tip" euler="1 0 0"/></body></body></body>
+</worldbody><contact><exclude body1="hip" body2="foot"/></contact>
+<equality><joint joint1="knee" polycoef="0 1 0 0 0"/></equality></mujoco>"""
+
+ROOM = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><geom type="ellipsoid" size="0.1 0.2 0.3" pos="2 0 0"/>
+<body name="box" pos="3 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>"""
+
+URDF = """<robot name="arm"><link name="base"><collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
+<link name="tip"><collision><origin xyz="0 0 0.2" rpy="1 0 0"/><geometry>
+<mesh filename="tip.obj" scale="0.1 0.1 0.1"/></geometry></collision>
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/><origin xyz="0 0 0.3"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def robots() -> Files:
+    """A robot in MJCF, with the room that it includes, and one in URDF."""
+    return {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()}
+
+
+def robot_mesh() -> Files:
+    """The mesh that both have at their tip."""
+    return {"tip.obj": meshes("obj")["cube.obj"]}
+
+
 @cache
 def clip() -> Files:
     """A motion clip of four frames."""

@@ -43,6 +43,9 @@ SHORTEST, LONGEST = 0.5, 1.25
 """Lengths between which a stored quaternion is taken as a rotation. Eight of pybullet's clips hold some that are off 1, as a
 blend of quaternions leaves them: from 0.58 (kick) to 1.12 (backflip). Further out is a shifted column."""
 
+LEGS = 0.83
+"""Length [m] of thigh and shank of the body that the clips are of. The model that pybullet ships is four times as large."""
+
 UPRIGHT = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
 """Turns the file's axes (y up) into ours (z up): a quarter turn about x."""
 
@@ -179,11 +182,20 @@ class DeepMimic:
         assert model.avatar is not None
         caps.require_frames(self.name, len(self.clip.times), coordinates.links)
         slots = _slots(self.name, coordinates, model.avatar)
-        others = [slot.name for slot in coordinates.slots if slot not in slots.values()]
-        sentence = f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}"
-        if others and sentence not in self.notes:
-            self.notes.append(sentence)
+        others = [slot.name for slot in coordinates.slots if slot not in slots.values() and slot.kind != "fixed"]
+        if others:
+            self._say(f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}")
+        legs = sum(float(np.linalg.norm(model.avatar.links[slots[joint].link].anchor)) for joint in ("left_knee", "left_ankle"))
+        if not (0.5 * LEGS <= legs <= 2.0 * LEGS):
+            self._say(
+                f"{self.name}: legs of the avatar are {legs:.2g} m long, those of the clip's body {LEGS:g} m, and the root goes "
+                "where the clip says: an avatar of another scale fits it"
+            )
         return self._motion(coordinates, slots, _is_y_up(model.avatar, slots))
+
+    def _say(self, sentence: str) -> None:
+        if sentence not in self.notes:
+            self.notes.append(sentence)
 
     def _motion(self, coordinates: Coordinates, slots: Mapping[str, Slot], flat: bool) -> Motion:
         frames = len(self.clip.times)
@@ -242,6 +254,7 @@ def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slo
     for slot in coordinates.slots:
         if slot.kind == "free":
             found.setdefault("root", slot)
+        if slot.kind in ("free", "fixed"):
             continue
         for called in (slot.name, avatar.links[slot.link].name):
             if called in dict(LAYOUT) and called not in found:

@@ -197,6 +197,8 @@ class SmplFile:
         found: dict[int, int] = {}
         unknown = []
         for slot in coordinates.slots:
+            if slot.kind == "fixed":
+                continue
             link = model.avatar.links[slot.link].name
             joint = 0 if slot.kind == "free" else numbers.get(slot.name, numbers.get(link, -1))
             if joint < 0 or slot.kind == "hinge":

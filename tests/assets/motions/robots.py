@@ -47,6 +47,16 @@ def robot(free: bool = True) -> Model:
     return Model(avatar, Coordinates(slots, 6, 4), (), ())
 
 
+def held() -> Model:
+    """The robot with its left shoulder held at 0.3 rad: a slot of its own that moves no link."""
+    whole = robot()
+    assert whole.coordinates is not None
+    slots = tuple(
+        Slot(slot.name, "fixed", -1, rest=0.3) if slot.name == "left_shoulder" else slot for slot in whole.coordinates.slots
+    )
+    return Model(whole.avatar, Coordinates(slots, 6, 4), (), ())
+
+
 def puppet() -> Model:
     """A free root, a ball and a link of two hinges, with coordinates link by link."""
     hinges = Hinges((Hinge(X), Hinge(Y)))

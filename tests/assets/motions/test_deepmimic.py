@@ -174,6 +174,18 @@ def test_joints_that_a_clip_does_not_have_stay_and_are_said(tmp_path: Path) -> N
     assert [sentence for sentence in file.said if "left_hand" in sentence] == list(file.said)
 
 
+def test_an_avatar_of_another_size_is_said(tmp_path: Path) -> None:
+    whole = figure().avatar
+    assert whole is not None
+    links = tuple(replace(link, anchor=tuple(4.0 * x for x in link.anchor)) for link in whole.links)
+    large = Avatar("large", links)
+    file = load_motion(written(tmp_path / "some.txt", moving(3)))
+    file.motion(figure())
+    assert not any("legs" in sentence for sentence in file.said)
+    file.motion(Model(large, coordinates_of(large), (), ()))
+    assert any("legs of the avatar are 3.3 m long" in sentence for sentence in file.said)
+
+
 def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -> None:
     file = load_motion(written(tmp_path / "some.txt", moving(3)))
     with pytest.raises(InvalidFile, match="missing: chest, neck, right_hip"):

@@ -1,0 +1,148 @@
+"""Worker process of MuJoCo's compiler, the only module that imports it: `python -m avatarsim.assets.models.compile_process FILE`.
+
+Reads MJCF and URDF by MjSpec (Todorov, Erez and Tassa 2012) and writes numbers of the compiled model to the standard output, as
+the bytes of an npz file. A process of its own, with limits on memory and time: the compiler is made for files of its user, and a
+file from elsewhere may crash it or keep it forever. It is given memory only, no path that it could open.
+"""
+
+import io
+import json
+import os
+import resource
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from avatarsim.assets.models import doors
+from avatarsim.assets.models.mesh_files import MeshFiles
+from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
+from avatarsim.errors import InvalidFile
+
+MEMORY = 2**31
+"""Bytes of address space [2.1 GB]. MuJoCo with the meshes of a humanoid (19 MB) takes 0.6 GB. Less: robots with fine meshes fail;
+more: two at a time fill a small machine."""
+
+SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
+"""CPU time [s] for any model, and for each megabyte of its files. MuJoCo takes 0.02 s for one on a machine of 2020."""
+
+WALL = 3
+"""Real time for each second of CPU time: on a machine with other work."""
+
+NOWHERE = "/avatarsim-model/"
+"""Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
+
+
+def seconds_for(count: int) -> float:
+    """CPU time [s] for a model of so many bytes."""
+    return SECONDS + SECONDS_PER_MEGABYTE * count / 2**20
+
+
+def limit(seconds: float) -> None:
+    """End this process when it takes more memory, or more time from its start on."""
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    # the soft limit ends the process as well, and may be raised once the sizes of the files are known
+    resource.setrlimit(resource.RLIMIT_CPU, (int(np.ceil(seconds)), resource.getrlimit(resource.RLIMIT_CPU)[1]))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.setitimer(signal.ITIMER_REAL, WALL * seconds)
+
+
+def compiled(path: Path, folder: Path) -> dict[str, Any]:
+    """Arrays of the model of a file, all of whose files lie in `folder`. Raises InvalidFile."""
+    texts = doors.texts_of(path, folder)
+    import mujoco
+
+    vfs = mujoco.MjVfs()
+    for name, content in texts.texts.items():
+        vfs[f"{NOWHERE}{name}"] = content
+    try:
+        spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
+        MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
+        bare(spec, mujoco)
+        mended = with_solid_moments(spec)
+        # links of a robot stay links, and nothing of the URDF file is merged into the world
+        spec.compiler.fusestatic = False
+        model = _compiled(spec, mujoco)
+    except (ValueError, mujoco.FatalError) as error:
+        said = " ".join(str(error).replace(NOWHERE, "").split())
+        raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
+    numbers = _numbers(model, path, mujoco)
+    return {"free_root": np.array(texts.free_root), "mended_name": np.array(mended, dtype=np.str_), **numbers}
+
+
+def _compiled(spec: Any, mujoco: Any) -> Any:
+    """The compiled model; masses of meshes that are open or flat are those of their hulls, or of their surfaces."""
+    kinds = mujoco.mjtMeshInertia
+    for inertia in (kinds.mjMESH_INERTIA_CONVEX, kinds.mjMESH_INERTIA_SHELL):
+        try:
+            return spec.compile()
+        except ValueError as error:
+            if "volume" not in str(error) and "orientation" not in str(error):
+                raise
+        for mesh in spec.meshes:
+            mesh.inertia = inertia
+    return spec.compile()
+
+
+def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
+    """What is read of a compiled model, under MuJoCo's names."""
+    kinds = {"body": (mujoco.mjtObj.mjOBJ_BODY, model.nbody), "jnt": (mujoco.mjtObj.mjOBJ_JOINT, model.njnt),
+             "geom": (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), "eq": (mujoco.mjtObj.mjOBJ_EQUALITY, model.neq),
+             "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh)}
+    found: dict[str, Any] = {}
+    for kind, (code, count) in kinds.items():
+        names = [mujoco.mj_id2name(model, code, k) or "" for k in range(count)]
+        if longest := max((name for name in names if len(name) > doors.NAME), key=len, default=""):
+            raise InvalidFile(f"characters of a name in {path.name}", len(longest), f"up to {doors.NAME}")
+        found[f"{kind}_name"] = np.array(names, dtype=np.str_)
+    for name in (
+        "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
+        "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "
+        "geom_conaffinity geom_dataid exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype eq_obj1id eq_obj2id eq_data "
+        "eq_active0"
+    ).split():
+        found[name] = getattr(model, name)
+    found["flexes"] = np.array(model.nflex)
+    found["model_name"] = np.array(bytes(model.names).split(b"\0")[0].decode("utf-8", "replace"))
+    return found | _meshes(model, mujoco)
+
+
+def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:
+    """Vertices and triangles of the meshes that bodies collide with, one after the other; of the rest none."""
+    touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+    touching[model.pair_geom1] = touching[model.pair_geom2] = True
+    used = model.geom_dataid[touching & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)]
+    chosen = np.isin(np.arange(model.nmesh), used)
+    vertices = model.mesh_vert[np.repeat(chosen, model.mesh_vertnum)]
+    faces = model.mesh_face[np.repeat(chosen, model.mesh_facenum)]
+    return {
+        "mesh_vertnum": np.where(chosen, model.mesh_vertnum, 0), "mesh_facenum": np.where(chosen, model.mesh_facenum, 0),
+        "mesh_vert": vertices.astype(np.float64), "mesh_face": faces,
+    }
+
+
+def main(arguments: list[str]) -> int:
+    """Compile the file; npz bytes go to the standard output: the model, or in `refused` the error as JSON."""
+    path = Path(arguments[0])
+    # MuJoCo prints warnings: what is written to the standard output is the answer and nothing else
+    answer = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    limit(SECONDS)
+    try:
+        numbers = compiled(path, doors.folder_of(path, arguments[1] if len(arguments) > 1 else None))
+    except InvalidFile as error:
+        value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
+        numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}
+    except MemoryError:
+        numbers = {"refused": np.array(json.dumps([f"model {path.name}", "out of memory", f"one that takes {MEMORY:g} bytes"]))}
+    buffer = io.BytesIO()
+    np.savez(buffer, **numbers)
+    with answer:
+        answer.write(buffer.getbuffer())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
