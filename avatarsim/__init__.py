@@ -97,12 +97,9 @@ from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
-<<<<<<< HEAD
-    from avatarsim.cleaning import Shield, audit, clean
-=======
     from avatarsim.assets.models.load import load_avatar, load_room
     from avatarsim.assets.models.model import Model
->>>>>>> arrays
+    from avatarsim.cleaning import Shield, audit, clean
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -118,27 +115,19 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-<<<<<<< HEAD
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Motion", "PairTable", "Piece",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable", "Piece",
     "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed",
-    "__version__", "advance_many", "audit", "clean", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
-=======
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "PairTable", "Piece", "Rigid",
-    "Scene", "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
-    "advance_many", "fixed", "load_avatar", "load_room", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
->>>>>>> arrays
+    "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_room", "pieces_of_mesh", "rest",
+    "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
-<<<<<<< HEAD
-    "cleaning": ("Shield", "audit", "clean"),
-=======
     "assets.models.load": ("load_avatar", "load_room"),
     "assets.models.model": ("Model",),
->>>>>>> arrays
+    "cleaning": ("Shield", "audit", "clean"),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
