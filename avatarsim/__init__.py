@@ -115,10 +115,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable", "Piece",
-    "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed",
-    "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_room", "pieces_of_mesh", "rest",
-    "rigid_avatar", "simulated", "solid",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable",
+    "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample",
+    "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_room", "pieces_of_mesh",
+    "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {

@@ -19,6 +19,7 @@ from avatarsim.model.skeleton import BALL, FREE
 from avatarsim.model.world import build, sample_arrays
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
+from avatarsim.scene.checks import instance, listed
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
@@ -89,9 +90,13 @@ def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
 def scene_of(model: Model, room: Sequence[Body], options: Options, start: TrackerSample | None = None) -> Scene:
     """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out.
 
-    Raises InvalidInput for a model without avatar."""
-    if model.avatar is None:
-        raise InvalidInput("avatar of the model", None, "one: a file of a robot, a hand or a skeleton")
+    Raises InvalidInput for a model without avatar, and for what is none or no bodies."""
+    instance("model to clean with", model, Model, "a Model, as load_avatar gives", InvalidInput)
+    instance("options of cleaning", options, Options, "Options(margin, blend, ...)", InvalidInput)
+    for body in listed(room):
+        instance("body of the room", body, Body, "a Body, for instance those of load_room(path).bodies", InvalidInput)
+    if not isinstance(model.avatar, Avatar):
+        raise InvalidInput("avatar of the model", model.avatar, "one: a file of a robot, a hand or a skeleton")
     bodies = [body for body in (*model.bodies, *room) if body.role is Role.FIXED or not options.loose]
     standing = [
         replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0)) for body in bodies

@@ -68,8 +68,8 @@ def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
     where = np.arange(some.start, some.stop)[np.any(d != 0.0, axis=1)]
     d = d[np.any(d != 0.0, axis=1)]
     moves, turns = d[:, : 3 * len(free)], d[:, 3 * len(free) : 3 * len(free) + 3 * len(turning)]
-    positions[where[:, None], free] += moves.reshape(-1, len(free), 3)
-    steps = rotation.from_rotation_vector(turns.reshape(-1, len(turning), 3))
+    positions[where[:, None], free] += moves.reshape(len(d), len(free), 3)
+    steps = rotation.from_rotation_vector(turns.reshape(len(d), len(turning), 3))
     turned = rotation.multiply(steps, rotations[where[:, None], turning])
     rotations[where[:, None], turning] = rotation.normalised(turned)
     angles[where] += d[:, 3 * len(free) + 3 * len(turning) :]

@@ -23,6 +23,9 @@ Flags = NDArray[np.bool_]
 HIGH = 95.0
 """[percent] which of the sorted values is given."""
 
+NAMED = 8
+"""Excluded pairs that a sentence names, the deepest; all are in the audit."""
+
 
 def jerk(chords: Chords, motion: Motion) -> Array:
     """(F, links) [m/s^3] size of the third difference of link positions about each frame; nan where there are too few frames."""
@@ -47,9 +50,11 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
     excluded, said = excluded_pairs(chords, motion), []
-    blind = [f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in excluded if one.depth > OVERLAP]
+    blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
-        said.append("excluded pairs that overlap, which no measure counts and no proof looks at: " + ", ".join(blind))
+        named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in blind[:NAMED])
+        more = f" and {len(blind) - NAMED} more" if len(blind) > NAMED else ""
+        said.append(f"excluded pairs that overlap, which no measure counts and no proof looks at: {named}{more}")
     opinion, why = opinion_of(chords.scene, motion) if with_opinion else (None, "")
     if why:
         said.append(why)

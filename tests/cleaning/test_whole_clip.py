@@ -8,10 +8,12 @@ import pytest
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, Options, audit, clean
 from avatarsim.errors import InvalidInput, StartOverlaps
+from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.joint import Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import poses_of_links
 from reference.judging.judge import Judge
 from scenarios.cleaned import between, depths
@@ -79,6 +81,12 @@ def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> 
     assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
 
 
+def test_a_place_beyond_the_world_is_refused() -> None:
+    motion = lowered(swinging(5, 1.0), np.array([0.0, 0.0, 0.0, 1e9, 0.0]))
+    with pytest.raises(InvalidInput, match="positions in frame 3"):
+        audit(motion, model())
+
+
 def test_a_motion_without_any_free_frame_is_lifted_out() -> None:
     motion = swinging(45, 0.2)
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
@@ -129,6 +137,30 @@ def test_loose_bodies_stand_still_or_are_left_out() -> None:
     with_block = replace(model(), bodies=(loose,))
     assert clean(motion, with_block, (), OPTIONS).before.overlapping > 0
     assert clean(motion, with_block, (), replace(OPTIONS, loose=True)).before.overlapping == 0
+
+
+def bolted() -> Model:
+    """An arm of two links on the ground, without a root that could be lifted."""
+    rod = (Piece(Capsule(0.04, 0.4), (0.0, 0.0, 0.25)),)
+    upper = Link("upper", None, Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.1))
+    lower = Link("lower", "upper", Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.5))
+    return Model(Avatar("arm", (upper, lower)), None, (), ())
+
+
+def bent(angles: np.ndarray) -> Motion:
+    """The arm with these angles (F, 2)."""
+    frames = len(angles)
+    return Motion(np.arange(frames) / 30.0, np.zeros((frames, 2, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (frames, 2, 1)), angles)
+
+
+@pytest.mark.parametrize("first", [0.0, 1.6])
+def test_an_arm_that_is_bolted_down_slides_along_a_wall(first: float) -> None:
+    """Also from a first posture within the wall, where there is no root to lift."""
+    motion = bent(np.stack([np.linspace(first, 1.6, 60), np.full(60, 0.3)], axis=1))
+    cleaned = clean(motion, bolted(), (wall(0.6),), OPTIONS)
+    assert cleaned.after.is_clean and cleaned.after.unproven == 0 and cleaned.before.deepest > 0.1
+    assert cleaned.changed[0] == (first > 0.0) and cleaned.changed[-1]
+    assert cleaned.motion.angles[-1, 0] > 0.5
 
 
 def test_bodies_of_one_name_are_told_apart() -> None:
