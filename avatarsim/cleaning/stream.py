@@ -64,6 +64,7 @@ class Shield:
         if self._follower is None or self._before is None:
             start = sample if is_free else free_posture(self._chords, sample, self.options.margin)
             self._follower = Follower(self._chords, self.options, start, is_free)
+            self._follower.load_all()
             if not is_free:
                 approach(self._follower, sample)
         else:
