@@ -65,14 +65,15 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
 
 
 def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
-    """The pairs of links that the avatar excludes, besides each link and its parent, and how deep they get into each other."""
-    scene, avatar = chords.scene, chords.scene.avatars[0]
+    """The pairs that avatar and model exclude, besides each link and its parent, and how deep they get into each other."""
+    scene, avatar, names = chords.scene, chords.scene.avatars[0], chords.scene.names
     at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
-    pairs = np.array([(at[a], at[b]) for a, b in avatar.ignore], dtype=np.int64).reshape(-1, 2)
+    found = [(at[a], at[b]) for a, b in avatar.ignore] + [(names.index(a), names.index(b)) for a, b in scene.exclude]
+    pairs = np.array(sorted({(min(pair), max(pair)) for pair in found}), dtype=np.int64).reshape(-1, 2)
     depths = np.zeros(len(pairs))
     for frame in range(len(motion) if len(pairs) else 0):
         depths = np.maximum(depths, -chords.gaps(motion.sample(frame), pairs))
-    return tuple(Excluded(a, b, depth) for (a, b), depth in zip(avatar.ignore, depths.tolist(), strict=True))
+    return tuple(Excluded(names[a], names[b], depth) for (a, b), depth in zip(pairs.tolist(), depths.tolist(), strict=True))
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:

@@ -150,12 +150,14 @@ class Flagged:
 
 @dataclass(frozen=True, eq=False)
 class Cleaned:
-    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ
-    (changed, (F,)) and the runs of frames of which something is to be said."""
+    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ from
+    it (changed, (F,)), which frames of the input were not free (held, (F,): they overlap, come nearer than the margin, or are
+    beyond limits), and the runs of frames that changed."""
 
     motion: Motion
     before: Audit
     after: Audit
     moved: Moved
     changed: Flags
+    held: Flags
     flagged: tuple[Flagged, ...]

@@ -67,7 +67,8 @@ def clean_motion(
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
     tell(1.0)
     return Cleaned(
-        done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, flags(motion, judged, written.kind)
+        done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, ~judged.is_free,
+        flags(motion, judged, written.kind),
     )
 
 

@@ -139,6 +139,18 @@ def test_loose_bodies_stand_still_or_are_left_out() -> None:
     assert clean(motion, with_block, (), replace(OPTIONS, loose=True)).before.overlapping == 0
 
 
+def test_pairs_that_the_file_excludes_may_overlap_and_only_those() -> None:
+    block = fixed("block", (Piece(Box((0.3, 2.0, 0.3))),), "wood", (1.0, 0.0, 0.2))
+    names = ("walker/trunk", "walker/left", "walker/right")
+    with_block = replace(model(), bodies=(block,), exclude=tuple((name, "block") for name in names))
+    motion = swinging(60, 0.5, along=2.0)
+    found = audit(motion, with_block, (replace(block, position=(50.0, 0.0, 0.0)),), OPTIONS)
+    assert found.overlapping == 0 and max(one.depth for one in found.excluded) > 0.1
+    # a body of the room that only shares the name is not excluded
+    found = audit(motion, replace(with_block, bodies=()), (block,), OPTIONS)
+    assert found.overlapping > 0 and found.excluded == ()
+
+
 def bolted() -> Model:
     """An arm of two links on the ground, without a root that could be lifted."""
     rod = (Piece(Capsule(0.04, 0.4), (0.0, 0.0, 0.25)),)
@@ -185,8 +197,8 @@ def crossed() -> Motion:
 def test_excluded_pairs_are_measured_and_said() -> None:
     found = audit(crossed(), ignoring(), (), OPTIONS)
     (pair,) = found.excluded
-    assert (pair.a, pair.b) == ("left", "right") and pair.depth > 0.005 and found.overlapping == 0
-    assert "left and right" in found.said[0]
+    assert (pair.a, pair.b) == ("walker/left", "walker/right") and pair.depth > 0.005 and found.overlapping == 0
+    assert "walker/left and walker/right" in found.said[0]
     seen = audit(crossed(), model(), (), OPTIONS)
     assert seen.deepest == pytest.approx(pair.depth) and seen.deepest_pair == ("walker/left", "walker/right")
 
