@@ -5,6 +5,8 @@ Jerk: third differences of link positions over the time of a frame cubed (Flash 
 motion by it).
 """
 
+from itertools import islice
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,7 +54,7 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
     excluded, said = excluded_pairs(chords, motion), []
     blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
-        named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in blind[:NAMED])
+        named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in islice(blind, NAMED))
         more = f" and {len(blind) - NAMED} more" if len(blind) > NAMED else ""
         said.append(f"excluded pairs that overlap, which no measure counts and no proof looks at: {named}{more}")
     opinion, why = opinion_of(chords.scene, motion) if with_opinion else (None, "")
