@@ -62,6 +62,7 @@ Files
     load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
     load_room       a room from such a file, from a mesh, or the word "floor"
     Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
+    load_motion     a recorded motion: BVH, AMC with its ASF, arrays (.npz), tables (.csv), DeepMimic; and the same file again
 
 Frames
 ------
@@ -99,6 +100,7 @@ if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
     from avatarsim.assets.models.load import load_avatar, load_room
     from avatarsim.assets.models.model import Model
+    from avatarsim.assets.motions.load import load_motion
     from avatarsim.cleaning import Shield, audit, clean
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
@@ -117,8 +119,8 @@ __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
     "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable",
     "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample",
-    "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_room", "pieces_of_mesh",
-    "rest", "rigid_avatar", "simulated", "solid",
+    "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_motion", "load_room",
+    "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -127,6 +129,7 @@ _MODULES = {
     "assets.meshes": ("pieces_of_mesh",),
     "assets.models.load": ("load_avatar", "load_room"),
     "assets.models.model": ("Model",),
+    "assets.motions.load": ("load_motion",),
     "cleaning": ("Shield", "audit", "clean"),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),

@@ -1,19 +1,24 @@
 """A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
 
-The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of whoever was
+The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of what was
 recorded, and the model says so.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import (
+    ABOVE_KNEE,
     BODY_MASS,
+    KNEE,
+    MIDDLE,
     RADII,
     SEGMENT_OF,
     SEGMENTS,
+    SHOULDERS,
     STATURE,
     THICKEST,
     THINNEST,
@@ -24,12 +29,17 @@ from avatarsim.assets.models.anthropometry import (
 from avatarsim.assets.models.capsule_gaps import link_gaps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.range_of_motion import limited
 from avatarsim.assets.models.skeleton import Skeleton
+from avatarsim.assets.models.stance import Stance, stance
+from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Mass, solid, volume
+from avatarsim.scene.checks import positive
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Capsule, Piece, Sphere
-from avatarsim.scene.tracker import poses_of_links
+from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -45,33 +55,42 @@ LEAST_MASS = 0.01
 
 
 def human(
-    skeleton: Skeleton, stature: float, first: tuple[Array, Array, Array], mass: float = BODY_MASS, limits: bool = True
+    skeleton: Skeleton, stature: float, clip: Motion, mass: float = BODY_MASS, limits: bool = True
 ) -> Model:
     """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
 
-    `first` is the first posture of its clip: positions (links, 3) [m], rotations (links, 4), angles (hinges,) [rad], as in
-    TrackerSample. Links that overlap in it or at rest may overlap. `limits` gives joints of known name their range of motion,
-    other joints none. Raises InvalidInput for sizes that no avatar has."""
+    `clip` are postures of it, the first of which is that of its recording: links that overlap in it or at rest may overlap.
+    `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar
+    has, and for a mass that is none."""
+    positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
+    positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
-    pieces = [_pieces(skeleton, k, named[k], mass, stature) for k in range(len(skeleton.bones))]
+    standing, where = stance(skeleton, named, clip)
+    build = _build(skeleton, named, standing, mass, stature)
+    pieces = [_pieces(skeleton, k, named, build) for k in range(len(skeleton.bones))]
     masses = _masses(named, pieces, mass)
-    joints = [_joint(skeleton, k) for k in range(len(skeleton.bones))]
+    joints = [_joint(skeleton, k, named, standing, limits) for k in range(len(skeleton.bones))]
     links = tuple(
         Link(bone.name, skeleton.bones[bone.parent].name if bone.parent >= 0 else None, joints[k], pieces[k], masses[k],
-             anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0), orientation=bone.turn)
+             anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0))
         for k, bone in enumerate(skeleton.bones)
     )
-    ignored = _overlapping(Avatar(skeleton.name, links), first)
+    ignored = _overlapping(Avatar(skeleton.name, links), clip, standing)
     avatar = Avatar(skeleton.name, links, ignore=ignored)
     said = [
-        f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by the names of its "
-        "joints and mean human bodies, not a measurement of what was recorded",
+        f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
+        "and mean human bodies, not a measurement of what was recorded",
     ]
     unknown = [bone.name for bone, part in zip(skeleton.bones, named, strict=True) if not part.kind]
     if unknown:
         said.append(f"joints of unknown name, without limits and with radii by the length of their bones: {', '.join(unknown)}")
+    if limits and standing is None:
+        said.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
+    elif limits:
+        said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
     if ignored:
-        said.append("pairs that overlap at rest or in the first frame and may: " + ", ".join(f"{a} and {b}" for a, b in ignored))
+        listed = ", ".join(f"{a} and {b}" for a, b in ignored)
+        said.append(f"pairs that overlap in a standing posture or in the first frame, and may: {listed}")
     return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
 
 
@@ -88,42 +107,80 @@ def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:
     return Coordinates(tuple(slots), len(avatar.links), hinge)
 
 
-def _joint(skeleton: Skeleton, k: int) -> Joint:
+def _joint(skeleton: Skeleton, k: int, named: Sequence[Part], standing: Stance | None, limits: bool) -> Joint:
     bone = skeleton.bones[k]
     if bone.parent < 0:
         return Free()
-    if len(bone.axes) == 3:
-        return Ball()
-    return Hinges(tuple(Hinge(axis) for axis in bone.axes)) if bone.axes else Rigid()
+    if not bone.axes:
+        return Rigid()
+    if limits:
+        return limited(skeleton, k, named, standing)
+    return Ball() if len(bone.axes) == 3 else Hinges(tuple(Hinge(axis) for axis in bone.axes))
 
 
-def _radius(part: Part, length: float, mass: float, stature: float) -> float:
-    """Radius [m] of a bone of `length` [m]."""
-    if part.kind in RADII:
-        return RADII[part.kind] * stature / STATURE
-    if part.kind in SEGMENT_OF:
-        return SEGMENTS[SEGMENT_OF[part.kind]].radius(mass, stature)
-    return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
+@dataclass(frozen=True)
+class Build:
+    """How a body is built: its `mass` [kg], its `stature` [m], and the largest radius of its `trunk` [m]."""
+
+    mass: float
+    stature: float
+    trunk: float
+
+    def radius(self, part: Part, length: float) -> float:
+        """Radius [m] of a bone of `length` [m]."""
+        if part.kind in RADII:
+            return RADII[part.kind] * self.stature / STATURE
+        if part.kind in SEGMENT_OF:
+            found = SEGMENTS[SEGMENT_OF[part.kind]].radius(self.mass, self.stature)
+            return min(found, self.trunk) if SEGMENT_OF[part.kind] == "trunk" else found
+        return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
 
 
-def _pieces(skeleton: Skeleton, k: int, part: Part, mass: float, stature: float) -> tuple[Piece, ...]:
-    """A capsule to each joint that hangs on bone k, one to each tip that ends there, and a ball where neither is."""
-    if part.kind == "face":
+def _build(skeleton: Skeleton, named: Sequence[Part], standing: Stance | None, mass: float, stature: float) -> Build:
+    """The build of a skeleton: its trunk no deeper than goes with the distance of its shoulder joints."""
+    arms = [next((k for k, part in enumerate(named) if part == Part("upper arm", side)), -1) for side in ("left", "right")]
+    if standing is None or min(arms) < 0:
+        return Build(mass, stature, THICKEST)
+    apart = float(np.linalg.norm(standing.places[arms[0]] - standing.places[arms[1]]))
+    return Build(mass, stature, max(SHOULDERS * 0.5 * apart, THINNEST))
+
+
+def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> tuple[Piece, ...]:
+    """A capsule to each joint that hangs on bone k and to each tip that ends there, and a ball where neither is."""
+    bone, part, children = skeleton.bones[k], named[k], skeleton.children[k]
+    if part.kind == "face" or _is_bearer(skeleton, k, named):
         return ()
     found = []
+    ending = [skeleton.bones[child].offset for child in children if _is_end(skeleton, child, named)]
     for place in skeleton.ends(k):
         end = np.array(place)
         length = float(np.linalg.norm(end))
-        radius = _radius(part, length, mass, stature)
+        radius = build.radius(part, length)
         if length < SHORTEST_BONE:
             continue
-        if not skeleton.children[k] and place in skeleton.bones[k].tips:
+        if place in ending or (not children and place in bone.tips):
             # what ends at its tip ends there, not a radius beyond it
             end *= max(length - radius, 0.5 * length) / length
+        if part.kind == "thigh":
+            found.append(capsule(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
+            end *= ABOVE_KNEE
         found.append(capsule(np.zeros(3), end, radius))
-    if not found and part.kind and not skeleton.children[k]:
-        found.append(Piece(Sphere(_radius(part, 0.0, mass, stature))))
+    if not found and part.kind and not children and not _is_end(skeleton, k, named):
+        found.append(Piece(Sphere(build.radius(part, 0.0))))
     return tuple(found)
+
+
+def _is_bearer(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
+    """Whether bone k is a root that only carries the hips about: no body reaches from the floor to them."""
+    children = skeleton.children[k]
+    return skeleton.bones[k].parent < 0 and len(children) == 1 and named[children[0]].kind == "pelvis"
+
+
+def _is_end(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
+    """Whether bone k has no extent and only says where the one that it hangs on, of the same part, ends."""
+    bone = skeleton.bones[k]
+    longest = max((float(np.linalg.norm(end)) for end in skeleton.ends(k)), default=0.0)
+    return bone.parent >= 0 and longest < SHORTEST_BONE and named[k] == named[bone.parent]
 
 
 def capsule(start: Array, end: Array, radius: float) -> Piece:
@@ -157,19 +214,28 @@ def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: fl
 
 
 def _segment(part: Part, known: bool) -> tuple[str, str]:
-    """What shares a mass: a segment of one side; all links together where names are unknown."""
-    return (SEGMENT_OF[part.kind], part.side) if known and part.kind else ("", "")
+    """What shares a mass: a segment, of one side if there are two; all links together where names are unknown."""
+    if not (known and part.kind):
+        return "", ""
+    segment = SEGMENT_OF[part.kind]
+    return segment, "" if segment in MIDDLE else part.side
 
 
-def _overlapping(avatar: Avatar, first: tuple[Array, Array, Array]) -> tuple[tuple[str, str], ...]:
-    """Pairs of links, not a link and its parent, that overlap at rest or in the first posture."""
-    resting = np.zeros_like(first[0]), np.tile(rotation.IDENTITY, (len(avatar.links), 1)), np.zeros_like(first[2])
-    found = np.zeros((len(avatar.links),) * 2, dtype=np.bool_)
-    for posture in (first, resting):
-        found |= link_gaps(avatar.links, *poses_of_links([avatar], *posture)) < TOUCHING
+def _overlapping(avatar: Avatar, clip: Motion, standing: Stance | None) -> tuple[tuple[str, str], ...]:
+    """Pairs of links, not a link and its parent, that overlap in the first posture of a clip or in a standing one.
+
+    Where no standing one is known, at rest, and then those of one parent and of a parent's alone: the rest may be folded up."""
     index = {link.name: k for k, link in enumerate(avatar.links)}
-    for k, link in enumerate(avatar.links):
-        if link.parent is not None:
-            found[k, index[link.parent]] = found[index[link.parent], k] = False
+    parent = np.array([-1 if link.parent is None else index[link.parent] for link in avatar.links])
+    here = np.arange(len(parent))
+    above = np.where(parent >= 0, parent[parent], -1)
+    near = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above)
+    first, still = clip.sample(0), rest([avatar])
+    if standing is not None:
+        still = replace(still, rotations=standing.rotations, angles=standing.angles)
+    found = link_gaps(avatar.links, *link_poses([avatar], still)) < TOUCHING
+    found &= near | (standing is not None)
+    found |= link_gaps(avatar.links, *link_poses([avatar], first)) < TOUCHING
+    found &= (parent[:, None] != here) & (here[:, None] != parent)
     names = [link.name for link in avatar.links]
     return tuple((names[a], names[b]) for a, b in np.argwhere(np.triu(found)))
