@@ -16,12 +16,14 @@ from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
-from avatarsim.model.world import Array, build, shown_again, shown_poses
+from avatarsim.lower_loop import IkLoop
+from avatarsim.model.conversion import read_sample
+from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
 from avatarsim.tolerances import NOTHING
@@ -109,7 +111,8 @@ class AvatarsimEngine:
     """The engine: `load` a scene, then `advance` frame by frame. Implements `avatarsim.engine.Engine`.
 
     Beyond that protocol: `with AvatarsimEngine() as engine` closes it at the end; `contacts` says where bodies touch; `change`
-    lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it.
+    lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it,
+    `posture` and `put` do so for the avatars alone.
 
     Presets: `default`, whose states are certified to be free of overlap; `paper`, the equations of Schmidl and Lin as printed. In
     a scene without simulated bodies all velocities are zero. An engine cannot be copied or pickled. It answers one call at a
@@ -208,6 +211,51 @@ class AvatarsimEngine:
             if within is None:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
             return contacts_of(world, within)
+
+    def posture(self) -> TrackerSample:
+        """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
+        with self._alone():
+            frames = self._running()
+            return shown_sample(frames.world, frames.time)
+
+    def put(self, sample: TrackerSample, user: TrackerSample | None = None) -> FrameRecord:
+        """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.
+
+        Forward kinematics of `sample`; contacts and paths are forgotten. The users are where `user` has them, by default at
+        `sample` as well: what they move from there on is followed at once, and a difference that is left is caught up with.
+        Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
+
+        Raises InvalidSample for what does not fit the avatars, StartOverlaps where they would overlap, InvalidScene for a posture
+        beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset `paper`, whose coupling would take
+        the way there for a motion of the users. If it raises, the engine is what it was.
+        """
+        with self._alone():
+            frames = self._running()
+            world = frames.world
+            for one in (sample, user or sample):
+                checked(one, world.scene.avatars)
+            if not frames.driven or not isinstance(frames.lower, IkLoop) or frames.effects.dynamics:
+                valid = "one with avatars and without moving bodies, loaded with the preset default and with overlaps removed"
+                raise InvalidInput("scene to put avatars in", world.scene.name, valid)
+            posture, first = world.posture, world.skeleton.first
+            piece = int(world.geometry.first_shape[first])
+            firsts = first, first, int(world.geometry.shapes.start[piece]), piece, first
+            before = [array.copy() for array in posture], [a[k:].copy() for a, k in zip(world.poses, firsts, strict=True)]
+            try:
+                read_sample(*sample_arrays(sample), world.hinges, posture)
+                frames.lower.show()
+                require_within_limits(world, NOTHING)
+                require_free(world)
+            except AvatarsimError:
+                for array, kept in zip(posture, before[0], strict=True):
+                    array[...] = kept
+                for array, k, kept in zip(world.poses, firsts, before[1], strict=True):
+                    array[k:] = kept
+                raise
+            frames.target.read(user or sample)
+            frames.lower.stand(frames.target)
+            frames.passed = ()
+            return self._record({}, {}, ())
 
     def snapshot(self) -> bytes:
         """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process
