@@ -31,7 +31,10 @@ def indexed(file: Path) -> Iterator[str]:
     """Arrays of a file that are indexed by a constant in capitals, as `array[NAME]` or `array[NAME, k]`."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Subscript):
-            names = [part.id for part in ast.walk(node.slice) if isinstance(part, ast.Name)]
+            # a slice takes a part and no field
+            places = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+            kept = [place for place in places if not isinstance(place, ast.Slice)]
+            names = [part.id for place in kept for part in ast.walk(place) if isinstance(part, ast.Name)]
             if any(name.isupper() and len(name) > 1 for name in names):
                 yield ast.unparse(node.value).split(".")[-1]
 
