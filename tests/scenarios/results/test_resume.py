@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput
+from avatarsim.running.stopping import stoppable
 from scenarios.__main__ import main
-from scenarios.results.resume import command_to_go_on, earlier_run, stoppable
+from scenarios.results.resume import command_to_go_on, earlier_run
 from tests.scenarios.bad_engines import joined
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.running.processes import THREADS, Died, alone, side_by_side
+from avatarsim.running.processes import THREADS, Died, alone
+from scenarios.running.processes import side_by_side
 
 ROOT = Path(__file__).resolve().parents[3]
 LARGE = 40_000_000

@@ -1,0 +1,154 @@
+"""What cleaning and auditing a motion give: measures of overlap, limits, smoothness and displacement, and flagged frames."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.motion import Motion
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+OVERLAP = 1e-6
+"""Depth above which shapes overlap [m]: what rounding and the query's own tolerance leave is below."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a motion is cleaned.
+
+    margin    gap that is kept between shapes where the input comes nearer [m], above 0
+    blend     how long before and after contact limbs give way [s], 0: not at all; at least 4 frames are taken
+    loose     whether the bodies that the files call loose are left out; else they are fixed where they are
+    seed      of the engine's random directions
+    opinion   whether an independent library is asked as well, where it is installed: as long again as all else
+
+    Raises InvalidInput for numbers outside these ranges."""
+
+    margin: float = 1e-3
+    blend: float = 0.1
+    loose: bool = False
+    seed: int = 0
+    opinion: bool = True
+
+    def __post_init__(self) -> None:
+        if not 1e-5 <= self.margin <= 0.1:
+            raise InvalidInput("margin [m]", self.margin, "1e-5 to 0.1")
+        if not 0.0 <= self.blend <= 2.0:
+            raise InvalidInput("blend [s]", self.blend, "0 to 2")
+
+
+@dataclass(frozen=True)
+class Excluded:
+    """A pair that the avatar or the file excludes from contact: `depth` is its deepest overlap in any frame [m], 0 for none."""
+
+    a: str
+    b: str
+    depth: float
+
+
+@dataclass(frozen=True)
+class Opinion:
+    """What another library (`by`) finds: the deepest overlap [m] and how many postures are deeper than OVERLAP, of `frames`
+    written postures and of `between` postures at ten equal steps from each frame to the next."""
+
+    by: str
+    frames: int
+    frames_overlapping: int
+    frames_deepest: float
+    between: int
+    between_overlapping: int
+    between_deepest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Audit:
+    """Measures of a motion.
+
+    depths        (F,) deepest overlap of each frame [m], 0 for none, by this project's signed distance
+    deepest_pair  the pair of the deepest overlap, None without any
+    proven        (F-1,) share of the way from each frame to the next, from its start, that is proved free of overlap: 1 is all
+    limit_excess  largest angle by which a joint is outside its limits [rad]
+    jerk_free     95th percentile of the jerk of link positions over the frames where the input was free [m/s^3]; nan: no such frames
+    jerk_held     the same over the other frames
+    excluded      the pairs that no measure and no proof looks at, since they are excluded
+    opinion       of an independent library; None where it is not installed or was not asked
+    said          sentences for the user"""
+
+    depths: Array
+    deepest_pair: tuple[str, str] | None
+    proven: Array
+    limit_excess: float
+    jerk_free: float
+    jerk_held: float
+    excluded: tuple[Excluded, ...]
+    opinion: Opinion | None
+    said: tuple[str, ...]
+
+    @property
+    def frames(self) -> int:
+        """How many frames the motion has."""
+        return len(self.depths)
+
+    @property
+    def deepest(self) -> float:
+        """Deepest overlap of any frame [m], 0 for none."""
+        return float(self.depths.max())
+
+    @property
+    def overlapping(self) -> int:
+        """In how many frames shapes overlap by more than OVERLAP."""
+        return int(np.sum(~(self.depths <= OVERLAP)))
+
+    @property
+    def unproven(self) -> int:
+        """How many of the F-1 ways from frame to frame are not proved free of overlap to their end."""
+        return int(np.sum(~(self.proven >= 1.0)))
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether no frame overlaps, every way between frames is proved free, and joints are within limits."""
+        return self.overlapping == 0 and self.unproven == 0 and self.limit_excess <= 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """How far the written motion is from the input: root mean square and 95th percentile over all frames.
+
+    links      names; link_rms, link_p95 (links,) of the distance of their middles [m]
+    joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]"""
+
+    links: tuple[str, ...]
+    link_rms: Array
+    link_p95: Array
+    joints: tuple[str, ...]
+    joint_rms: Array
+    joint_p95: Array
+
+
+@dataclass(frozen=True)
+class Flagged:
+    """A run of frames, `first` to `last`, both included, that differ from the input, and `why`: "overlap" (the input overlaps or
+    comes nearer than the margin), "blend" (giving way before or after contact), "limits" (outside joint limits), "held back" (the
+    way from the frame before was not free), "catching up" (on the way back to the input), "unreachable" (held off for longer
+    than a second). `pair` is the nearest pair of the input in that run, where one caused it."""
+
+    first: int
+    last: int
+    why: str
+    pair: tuple[str, str] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Cleaned:
+    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ
+    (changed, (F,)) and the runs of frames of which something is to be said."""
+
+    motion: Motion
+    before: Audit
+    after: Audit
+    moved: Moved
+    changed: Flags
+    flagged: tuple[Flagged, ...]

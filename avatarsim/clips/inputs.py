@@ -1,0 +1,132 @@
+"""Inputs of a clip: its motion, the avatar and the room, each with the SHA-256 of every file that it was read from."""
+
+import inspect
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+from avatarsim.assets.models import doors
+from avatarsim.assets.models.compile_process import candidates
+from avatarsim.assets.models.load import load_avatar, load_room
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.load import READERS, load_motion
+from avatarsim.assets.motions.motion_file import MotionFile
+from avatarsim.clips.whole_files import sha256_of
+from avatarsim.clips.wishes import FLOOR, Reading, Wishes
+from avatarsim.errors import InvalidFile
+from avatarsim.files import check
+
+FILE_BYTES = 2**28
+"""Bytes of a motion file at most; readers have limits of their own, this one is for hashing what is read."""
+
+Hashes = tuple[tuple[str, str], ...]
+"""(name, SHA-256) of files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A model and the files that it was read from; of no file, as level ground, the list is empty."""
+
+    model: Model
+    files: Hashes
+
+
+def given(wishes: Wishes) -> tuple[Given | None, Given | None]:
+    """Avatar and room of a command, read once by each process. Raises InvalidFile for what is refused."""
+    avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading)
+    room = None if wishes.room is None else _room(wishes.room, wishes.reading)
+    return avatar, room
+
+
+@lru_cache(maxsize=2)
+def _avatar(path: Path, reading: Reading) -> Given:
+    files = _files(path, reading.folder)
+    model = load_avatar(path, **reading.of_avatar())  # type: ignore[arg-type]
+    if model.avatar is None:
+        raise InvalidFile(f"avatar in {path.name}", "none", "a file with joints; a room goes with --room")
+    return Given(model, files)
+
+
+@lru_cache(maxsize=2)
+def _room(path: Path, reading: Reading) -> Given:
+    if str(path) == FLOOR:
+        return Given(load_room(FLOOR), ())
+    is_model = path.suffix.lower() in doors.MODELS
+    return Given(load_room(path, **reading.of_room(is_model)), _files(path, reading.folder))  # type: ignore[arg-type]
+
+
+def _hashed(path: Path, name: str) -> tuple[str, str]:
+    check(path, f"file {name}", "a readable file", FILE_BYTES)
+    try:
+        return name, sha256_of(path)
+    except OSError as error:
+        raise InvalidFile(f"file {name}", error.strerror or str(error), "a readable file") from error
+
+
+def _files(path: Path, folder: str | None) -> Hashes:
+    """A model's or a mesh's file and all that it names. Raises InvalidFile for what cannot be read."""
+    if path.suffix.lower() not in doors.MODELS:
+        return (_hashed(path, path.name),)
+    base = doors.folder_of(path, folder)
+    texts = doors.texts_of(path, base)
+    found = {name: base / name for name in texts.texts}
+    for name, place in _named(texts):
+        found[name] = place
+    return tuple(_hashed(place, name) for name, place in sorted(found.items()))
+
+
+def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
+    """Mesh files that a model names: (path below its folder, place). What is not there its reader refuses."""
+    trees = [ElementTree.fromstring(content) for content in texts.texts.values()]
+    folders = {node.get("meshdir") or node.get("assetdir") or "" for tree in trees for node in tree.iter("compiler")} | {""}
+    bases = [PurePosixPath(name).parent for name in texts.texts]
+    for mesh in (node for tree in trees for node in tree.iter("mesh")):
+        file = mesh.get("file") or mesh.get("filename")
+        if not file:
+            continue
+        for meshdir in sorted(folders):
+            try:
+                yield doors.existing(f"mesh {file}", candidates(file, meshdir, True, bases), texts.folder)
+            except InvalidFile:
+                continue
+            break
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """A motion file with the hashes of what it was read from, and of the options those that its format has none of."""
+
+    file: MotionFile
+    files: Hashes
+    unused: tuple[str, ...]
+
+
+def motion_files(path: Path, reading: Reading) -> Hashes:
+    """Hashes of a motion file and of the skeleton beside it. Raises InvalidFile."""
+    found = [_hashed(path, path.name)]
+    for beside in (reading.asf, reading.offsets):
+        if beside is not None and Path(beside).is_file():
+            found.append(_hashed(Path(beside), Path(beside).name))
+    if path.suffix.lower() == ".amc" and reading.asf is None:
+        found += [_hashed(one, one.name) for one in sorted(path.parent.glob("*.[aA][sS][fF]"))]
+    return tuple(found)
+
+
+def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:
+    """The motion at `path`, and those of the options `asked` that its format does not have. Raises InvalidFile, InvalidInput."""
+    known = options_of(path.suffix.lower())
+    used = {name: value for name, value in asked.items() if name in known}
+    return load_motion(path, **used), tuple(sorted(set(asked) - set(used)))
+
+
+@lru_cache
+def options_of(suffix: str) -> tuple[str, ...]:
+    """Names of the options of the reader for files whose names end so; none for an ending that no reader takes."""
+    if suffix not in READERS:
+        return ()
+    module, function = READERS[suffix]
+    reader = getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
+    return tuple(name for name, one in inspect.signature(reader).parameters.items() if one.kind is one.KEYWORD_ONLY)
