@@ -57,6 +57,12 @@ Avatars
     TrackerSample   what the user did at one instant: the posture of all avatars
     rest            the sample with every joint at zero
 
+Files
+-----
+    load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
+    load_room       a room from such a file, from a mesh, or the word "floor"
+    Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
+
 Frames
 ------
     AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, close
@@ -84,6 +90,8 @@ from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
+    from avatarsim.assets.models.load import load_avatar, load_room
+    from avatarsim.assets.models.model import Model
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -98,15 +106,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "PairTable", "Piece", "Rigid", "Scene",
-    "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
-    "advance_many", "fixed", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "PairTable", "Piece", "Rigid",
+    "Scene", "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
+    "advance_many", "fixed", "load_avatar", "load_room", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
+    "assets.models.load": ("load_avatar", "load_room"),
+    "assets.models.model": ("Model",),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),

@@ -11,14 +11,16 @@ from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
-WIDTHS = {"free": 7, "ball": 4, "hinge": 1}
-"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad]."""
+WIDTHS = {"free": 7, "ball": 4, "hinge": 1, "fixed": 1}
+"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad]; each
+number of a joint that is held at the file's reference is a slot of its own, `fixed`."""
 
 
 @dataclass(frozen=True)
 class Slot:
     """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge which of the avatar's
-    `hinge` angles it is, and the number `rest` that the file adds to that angle (a model's reference)."""
+    `hinge` angles it is, and the number `rest` that the file adds to that angle (a model's reference), or that is written for
+    what is fixed, which moves no link (-1)."""
 
     name: str
     kind: str
@@ -46,7 +48,7 @@ class Coordinates:
         return tuple(slot.name for slot in self.slots)
 
     def motion(self, q: Array, times: Array) -> Motion:
-        """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones.
+        """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones, numbers of what is fixed are left.
 
         Raises InvalidInput for other shapes, numbers that are not finite and quaternions without length."""
         q = np.asarray(q, dtype=np.float64)
@@ -64,7 +66,7 @@ class Coordinates:
         for slot in self.slots:
             if slot.kind == "hinge":
                 angles[:, slot.hinge] = q[:, first] - slot.rest
-            else:
+            elif slot.kind != "fixed":
                 end = first + WIDTHS[slot.kind]
                 rotations[:, slot.link] = _unit(slot.name, q[:, end - 4 : end])
                 if slot.kind == "free":
@@ -73,11 +75,14 @@ class Coordinates:
         return Motion(times, positions, rotations, angles)
 
     def rows(self, motion: Motion) -> Array:
-        """The rows (F, width) of a motion: the inverse of `motion`."""
+        """The rows (F, width) of a motion: the inverse of `motion`, but for what is fixed."""
         columns: list[Array] = []
         for slot in self.slots:
             if slot.kind == "hinge":
                 columns.append(motion.angles[:, slot.hinge, None] + slot.rest)
+                continue
+            if slot.kind == "fixed":
+                columns.append(np.full((len(motion), 1), slot.rest))
                 continue
             if slot.kind == "free":
                 columns.append(motion.positions[:, slot.link])

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,9 +16,18 @@ class Model:
     avatar       the driven tree of links; None for a file that is only a room
     coordinates  the avatar's generalized coordinates in the file's own order; None without an avatar
     bodies       the fixed room and loose bodies
-    said         sentences for the user: what was excluded, fixed, guessed"""
+    said         sentences for the user: what was excluded, fixed, guessed
+    exclude      pairs of names that never touch, besides those of the avatar itself, as in `Scene.exclude`
+    start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar"""
 
     avatar: Avatar | None
     coordinates: Coordinates | None
     bodies: tuple[Body, ...]
     said: tuple[str, ...]
+    exclude: tuple[tuple[str, str], ...] = ()
+    start: TrackerSample | None = None
+
+    def scene(self, name: str = "model") -> Scene:
+        """All of it as a scene, at its start."""
+        avatars = () if self.avatar is None else (self.avatar,)
+        return Scene(name, self.bodies, avatars, start=self.start, exclude=self.exclude)

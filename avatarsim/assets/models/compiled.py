@@ -1,0 +1,228 @@
+"""Numbers of a model as MuJoCo compiled it, checked: they come from another process, and from a file of any author."""
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from enum import IntEnum
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models import doors
+from avatarsim.errors import ROOT, InvalidFile, MissingPackage
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+LONGEST_RUN = 300.0
+"""Real time [s] after which the process is ended from outside, should its own limits fail."""
+
+LINKS = 512
+"""Bodies of a model with joints. The largest known here, a body with hands, has 120. More: a frame takes a second."""
+
+BODIES, GEOMS = 20_000, 20_000
+"""Bodies and shapes of a model at most: a kitchen has 300. More: loading takes minutes."""
+
+VERTICES = 2_000_000
+"""Vertices of the meshes that bodies collide with. A humanoid has 200,000. More: their hulls take minutes."""
+
+
+class JointKind(IntEnum):
+    """MuJoCo's mjtJoint."""
+
+    FREE = 0
+    BALL = 1
+    SLIDE = 2
+    HINGE = 3
+
+
+class GeomKind(IntEnum):
+    """MuJoCo's mjtGeom, as far as geoms of a model may be of it."""
+
+    PLANE = 0
+    HFIELD = 1
+    SPHERE = 2
+    CAPSULE = 3
+    ELLIPSOID = 4
+    CYLINDER = 5
+    BOX = 6
+    MESH = 7
+    SDF = 8
+
+
+class EqualityKind(IntEnum):
+    """MuJoCo's mjtEq."""
+
+    CONNECT = 0
+    WELD = 1
+    JOINT = 2
+    TENDON = 3
+    FLEX = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A compiled model under MuJoCo's names: b bodies (the first is the world), j joints, g geoms, e equalities, m meshes.
+
+    Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
+    reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that bodies
+    collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh."""
+
+    urdf: bool
+    model_name: str
+    flexes: int
+    body_name: tuple[str, ...]
+    jnt_name: tuple[str, ...]
+    geom_name: tuple[str, ...]
+    eq_name: tuple[str, ...]
+    mesh_name: tuple[str, ...]
+    body_parentid: Indices
+    body_mocapid: Indices
+    body_pos: Array
+    body_quat: Array
+    body_mass: Array
+    body_ipos: Array
+    body_iquat: Array
+    body_inertia: Array
+    jnt_type: Indices
+    jnt_bodyid: Indices
+    jnt_qposadr: Indices
+    jnt_pos: Array
+    jnt_axis: Array
+    jnt_range: Array
+    jnt_limited: Indices
+    qpos0: Array
+    geom_type: Indices
+    geom_bodyid: Indices
+    geom_dataid: Indices
+    geom_contype: Indices
+    geom_conaffinity: Indices
+    geom_pos: Array
+    geom_quat: Array
+    geom_size: Array
+    exclude_signature: Indices
+    pair_geom1: Indices
+    pair_geom2: Indices
+    eq_type: Indices
+    eq_objtype: Indices
+    eq_obj1id: Indices
+    eq_obj2id: Indices
+    eq_active0: Indices
+    eq_data: Array
+    mesh_vertnum: Indices
+    mesh_facenum: Indices
+    mesh_vert: Array
+    mesh_face: Indices
+
+    def mesh(self, k: int) -> tuple[Array, Indices]:
+        """Vertices (n, 3) [m] and triangles (t, 3) of mesh `k`."""
+        vertex, face = int(self.mesh_vertnum[:k].sum()), int(self.mesh_facenum[:k].sum())
+        return (self.mesh_vert[vertex : vertex + int(self.mesh_vertnum[k])],
+                self.mesh_face[face : face + int(self.mesh_facenum[k])])
+
+
+WIDTHS = {
+    "pos": 3, "ipos": 3, "axis": 3, "size": 3, "inertia": 3, "quat": 4, "iquat": 4, "range": 2, "vert": 3, "face": 3, "data": -1,
+}
+"""Columns of an array, by the end of its name."""
+
+
+def compiled(path: Path, folder: str | Path | None = None) -> Compiled:
+    """The model of an MJCF or URDF file, compiled by MuJoCo in a process of its own, with limits.
+
+    All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
+    reason; MissingPackage without mujoco."""
+    doors.require_model(path)
+    if find_spec("mujoco") is None:
+        raise MissingPackage("mujoco", "assets", f"reading {path.name}")
+    content = _run(path, doors.folder_of(path, folder))
+    arrays = _arrays(path.name, content)
+    if "refused" in arrays:
+        thing, value, valid = json.loads(str(arrays["refused"]))
+        raise InvalidFile(thing, value, valid)
+    return _checked(path.name, arrays)
+
+
+def _run(path: Path, folder: Path) -> bytes:
+    """What the process writes. Raises InvalidFile where it ends otherwise than by itself."""
+    command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", str(path.absolute()), str(folder)]
+    # threads and their heaps reserve address space, which is limited
+    calm = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1", "MUJOCO_GL": "disable"}
+    calm["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
+    # an empty folder: a path that the compiler would try leads nowhere
+    with tempfile.TemporaryDirectory(prefix="avatarsim-model-") as nowhere:
+        process = subprocess.Popen(
+            command, cwd=nowhere, env=calm, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        try:
+            content, said = process.communicate(timeout=LONGEST_RUN)
+        except subprocess.TimeoutExpired:
+            raise InvalidFile(f"time for model {path.name} [s]", LONGEST_RUN, "a model that compiles in less") from None
+        finally:
+            process.kill()
+            process.wait()
+    if process.returncode == 0:
+        return content
+    if process.returncode in (-signal.SIGXCPU, -signal.SIGALRM):
+        raise InvalidFile(f"time to compile model {path.name}", "too long", "a smaller model: 4 s, and 0.25 s for each megabyte")
+    last = said.decode("utf-8", "replace").strip().splitlines()[-1:] or [f"ended by code {process.returncode}"]
+    raise InvalidFile(f"model {path.name}", f"MuJoCo's compiler gave up: {last[0]}", "a model that it compiles within 2 GB")
+
+
+def _arrays(name: str, content: bytes) -> Mapping[str, NDArray[Any]]:
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as found:
+            return {key: found[key] for key in found.files}
+    except (ValueError, OSError, EOFError) as error:
+        raise InvalidFile(f"compiled model {name}", f"cut off: {error}", "all arrays of it") from error
+
+
+def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
+    """The model, if all numbers are finite, of the shapes that belong together, and refer to what is there."""
+    counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh")}
+    for thing, count, most in (
+        ("bodies", counts["body"], BODIES), ("shapes", counts["geom"], GEOMS), ("joints", counts["jnt"], BODIES),
+        ("vertices", len(arrays["mesh_vert"]), VERTICES),
+    ):
+        if count > most:
+            raise InvalidFile(f"number of {thing} of {name}", count, f"up to {most}")
+    found: dict[str, Any] = {}
+    for field in fields(Compiled):
+        array, kind = arrays[field.name], field.name.partition("_")[0]
+        if field.type in (bool, int, str):
+            found[field.name] = field.type(array)
+        elif field.name.endswith("_name"):
+            found[field.name] = tuple(str(one) for one in array)
+        else:
+            found[field.name] = _array(f"{field.name} of {name}", array, field.type is Array, counts.get(kind), field.name)
+    model = Compiled(**found)
+    for key, column, least, count in (
+        ("body_parentid", model.body_parentid, 0, counts["body"]), ("jnt_bodyid", model.jnt_bodyid, 1, counts["body"]),
+        ("geom_bodyid", model.geom_bodyid, 0, counts["body"]), ("geom_dataid", model.geom_dataid, -1, None),
+        ("jnt_qposadr", model.jnt_qposadr, 0, len(model.qpos0)), ("pair_geom1", model.pair_geom1, 0, counts["geom"]),
+        ("pair_geom2", model.pair_geom2, 0, counts["geom"]), ("mesh_face", model.mesh_face, 0, None),
+    ):
+        if not (column >= least).all() or (count is not None and not (column < count).all()):
+            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"{least} to {count}")
+    return model
+
+
+def _array(thing: str, array: NDArray[Any], real: bool, rows: int | None, key: str) -> NDArray[Any]:
+    width = WIDTHS.get(key.rpartition("_")[2])
+    shaped = array.ndim == (1 if width is None else 2) and (width in (None, -1) or array.shape[1] == width)
+    if rows is not None and key not in ("mesh_vert", "mesh_face"):
+        shaped = shaped and len(array) == rows
+    if not shaped:
+        raise InvalidFile(f"shape of {thing}", array.shape, f"({rows}, {width})")
+    if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+        raise InvalidFile(thing, "not finite", "finite numbers")
+    return np.ascontiguousarray(array, dtype=np.float64 if real else np.int64)

@@ -1,0 +1,243 @@
+"""What a model file may name, checked before MuJoCo sees a word of it: no entity, no plugin, no file outside one folder.
+
+XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at nothing else, follows
+includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from xml.parsers import expat
+
+from avatarsim.errors import InvalidFile
+from avatarsim.files import read_bytes
+
+XML_BYTES = 2**24
+"""Bytes of all XML of a model together (16.8 MB). The largest known here has 2 MB. More: the compiler passes 1 GB."""
+
+XML_FILES = 256
+"""Files of XML that a model may be made of. The most known here is 40. More: a file that includes itself twice has no end."""
+
+ELEMENTS = 200_000
+"""Elements of XML. A kitchen with its furniture has 3,000. More: the compiler takes minutes."""
+
+DEEPEST_XML = 200
+"""Elements within elements: twice the longest chain of bodies known here. More: MuJoCo's parser recurses as deep as the file."""
+
+ASSET_BYTES = 2**28
+"""Bytes of all mesh files of a model together (268 MB). The largest known here has 60 MB. More: the compiler passes 2 GB."""
+
+MESH_ENDINGS = (".msh", ".obj", ".stl")
+"""Mesh files that MuJoCo reads."""
+
+CONVERSION = {
+    ".pkl": "a pickle runs code of its author when it is opened: open it where you trust it, save an .xml, .urdf or mesh file",
+    ".pickle": "as .pkl: open it where you trust it, and save an .xml, .urdf or mesh file",
+    ".xacro": "`xacro robot.urdf.xacro > robot.urdf` writes a URDF file",
+    ".sdf": "`gz sdf -p` reads it; export a URDF file, or an MJCF file",
+    ".usd": "export an MJCF or URDF file", ".usda": "export an MJCF or URDF file", ".usdz": "export an MJCF or URDF file",
+    ".fbx": "export a .glb file for a room, and BVH for a skeleton with its motion",
+    ".dae": "convert it to .obj, .stl, .ply or .glb", ".mjb": "save the model as .xml: mj_saveLastXML",
+}
+"""Endings of files that are often at hand and are not read, with what to do."""
+
+MODELS = (".xml", ".mjcf", ".urdf")
+"""Endings of files that hold a model."""
+
+PARSED_WITH_FILES = {"include", "model"}
+"""Elements whose file is XML and belongs to the model itself."""
+
+FOREIGN = ("gazebo", "transmission", "ros2_control")
+"""Elements below a URDF robot that speak to other programs. MuJoCo does not read them, so their plugins are nothing to it."""
+
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
+
+
+@dataclass(frozen=True)
+class Texts:
+    """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`."""
+
+    folder: Path
+    main: str
+    texts: Mapping[str, bytes]
+
+    @property
+    def is_urdf(self) -> bool:
+        """Whether the file says that it is a URDF robot."""
+        return _root_of(self.texts[self.main]) == "robot"
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all XML."""
+        return sum(map(len, self.texts.values()))
+
+
+def folder_of(path: Path, folder: str | Path | None = None) -> Path:
+    """The folder in which all files of a model must lie: `folder`, if one is asked for, which must hold the file; else the
+    file's own, or for a URDF file that of its package: the nearest one above with a package.xml."""
+    path = _real(path)
+    if folder is not None:
+        found = _real(Path(folder))
+        if found not in path.parents:
+            raise InvalidFile(f"folder of {path.name}", str(folder), f"a folder that the file lies in, such as {path.parent}")
+        return found
+    if path.suffix.lower() == ".urdf":
+        for above in path.parents[:4]:
+            if (above / "package.xml").is_file():
+                return above
+    return path.parent
+
+
+def require_model(path: Path) -> None:
+    """Raise InvalidFile for a file whose ending says that it is no model, with what to do about it."""
+    ending = path.suffix.lower()
+    if ending in CONVERSION:
+        raise InvalidFile(f"format of {path.name}", ending, f"one of {' '.join(MODELS)}; {CONVERSION[ending]}")
+    if ending not in MODELS:
+        raise InvalidFile(f"format of {path.name}", ending, f"one of {' '.join(MODELS)}")
+
+
+def texts_of(path: Path, folder: Path) -> Texts:
+    """The XML of a model and of all files that it includes, all of them in `folder`. Raises InvalidFile."""
+    require_model(path)
+    path = _real(path)
+    if folder not in path.parents:
+        raise InvalidFile(f"place of {path.name}", str(path), f"a file in {folder}")
+    main = path.relative_to(folder).as_posix()
+    texts: dict[str, bytes] = {}
+    waiting, left = [(main, path)], XML_BYTES
+    while waiting:
+        name, place = waiting.pop()
+        if name in texts:
+            continue
+        if len(texts) == XML_FILES:
+            raise InvalidFile(f"files of XML of {path.name}", f"more than {XML_FILES}", f"up to {XML_FILES}")
+        texts[name] = _plain(read_bytes(place, f"model {name}", "a readable file of XML", left))
+        left -= len(texts[name])
+        scan = _Scan(name, PurePosixPath(main).parent, folder)
+        scan.read(texts[name])
+        waiting += scan.found
+    return Texts(folder, main, texts)
+
+
+def _plain(content: bytes) -> bytes:
+    """The text with its comments blanked: authors write in them what XML does not allow."""
+    return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content)
+
+
+def _root_of(content: bytes) -> str:
+    found = re.search(rb"<([A-Za-z_][\w.-]*)", content)
+    return found[1].decode() if found else ""
+
+
+class _Scan:
+    """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path)."""
+
+    def __init__(self, name: str, main: PurePosixPath, folder: Path) -> None:
+        self._name, self._main, self._folder = name, main, folder
+        self._open: list[str] = []
+        self._elements = 0
+        self.found: list[tuple[str, Path]] = []
+        # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
+        self._parser = expat.ParserCreate("utf-8")
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.StartDoctypeDeclHandler = self._doctype
+        self._parser.EntityDeclHandler = self._doctype
+
+    def read(self, content: bytes) -> None:
+        """Scan the whole text; InvalidFile where it is no XML, or names what it may not."""
+        try:
+            self._parser.Parse(content, True)
+        except expat.ExpatError as error:
+            raise InvalidFile(f"model {self._name}", f"cut off or not XML: {error}", "a whole file of XML in UTF-8") from error
+
+    def _place(self, what: str) -> str:
+        return f"{what} in {self._name}, line {self._parser.CurrentLineNumber},"
+
+    def _doctype(self, *declared: object) -> None:
+        raise InvalidFile(self._place("DOCTYPE or entity"), declared[0], "XML without DOCTYPE and entities")
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._elements += 1
+        self._open.append(tag)
+        if len(self._open) > DEEPEST_XML:
+            raise InvalidFile(self._place("depth of elements"), len(self._open), f"up to {DEEPEST_XML}")
+        if self._elements > ELEMENTS:
+            raise InvalidFile(self._place("number of elements"), self._elements, f"up to {ELEMENTS}")
+        if self._open[0] == "robot" and len(self._open) > 1 and self._open[1] in FOREIGN:
+            return
+        if tag == "plugin":
+            name = attributes.get("plugin") or attributes.get("name") or attributes.get("instance") or ""
+            raise InvalidFile(self._place("<plugin>"), name, "a model without plugins: a plugin is code, which is not run here")
+        if tag == "flexcomp" and "file" in attributes:
+            raise InvalidFile(self._place("file of <flexcomp>"), attributes["file"], "rigid bodies; leave deformable ones out")
+        for key, value in attributes.items():
+            if key.startswith("file") or key in ("assetdir", "meshdir", "texturedir"):
+                self._path(tag, key, value)
+
+    def _end(self, tag: str) -> None:
+        self._open.pop()
+
+    def _path(self, tag: str, key: str, value: str) -> None:
+        thing = self._place(f"{key} of <{tag}>")
+        require_relative(thing, value)
+        if tag in PARSED_WITH_FILES and key == "file":
+            # as MuJoCo: beside the model that was asked for, and else beside the file that names it
+            bases = dict.fromkeys([self._main, PurePosixPath(self._name).parent])
+            name, place = existing(thing, [base / value for base in bases], self._folder)
+            self.found.append((name, place))
+        elif key.endswith("dir"):
+            inside(thing, self._main / value, self._folder)
+
+
+def require_relative(thing: str, value: str) -> None:
+    """Raise InvalidFile for a path that is not relative to the model: absolute, in a home folder, on a drive, by a scheme."""
+    scheme = value.partition("://")[0] if "://" in value else ""
+    if value.startswith(("/", "\\", "~")) or _DRIVE.match(value) or scheme not in ("", "package", "model") or "\0" in value:
+        raise InvalidFile(thing, value, "a path relative to the file, or package://")
+
+
+def inside(thing: str, path: PurePosixPath, folder: Path) -> tuple[str, Path]:
+    """Where a path below `folder` leads, links followed: its plain form and the place. Raises InvalidFile where it leads out."""
+    plain: list[str] = []
+    for part in path.parts:
+        if part == "..":
+            if not plain:
+                raise InvalidFile(thing, str(path), _wider(folder))
+            plain.pop()
+        elif part not in (".", ""):
+            plain.append(part)
+    name = "/".join(plain)
+    place = _real(folder / name)
+    if place != folder and folder not in place.parents:
+        raise InvalidFile(thing, f"{path}, a link to {place}", _wider(folder))
+    return name, place
+
+
+def existing(thing: str, paths: list[PurePosixPath], folder: Path) -> tuple[str, Path]:
+    """The first of `paths` that is a file in `folder`. Raises InvalidFile where one leads out, or none is there."""
+    refused: InvalidFile | None = None
+    for path in paths:
+        try:
+            name, place = inside(thing, path, folder)
+        except InvalidFile as error:
+            refused = refused or error
+            continue
+        if place.exists():
+            return name, place
+    raise refused or InvalidFile(thing, str(paths[0]), f"a file that exists in {folder}")
+
+
+def _wider(folder: Path) -> str:
+    return f"a path that stays in {folder}; folder=... names a wider one that you trust, such as {folder.parent}"
+
+
+def _real(path: Path) -> Path:
+    """The path with all links followed. Raises InvalidFile for links without end and names that no system takes."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise InvalidFile("path", str(path), "a path that leads to a file") from error

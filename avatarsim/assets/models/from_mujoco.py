@@ -1,0 +1,257 @@
+"""A compiled model as avatar, room and loose bodies: one link a body, pieces of what collides, and which pairs never touch.
+
+Pairs are left out as MuJoCo does (geoms of one weld, of a weld and its parent, excluded pairs, masks), and besides those that
+overlap at the reference already (`overlaps`): an avatar with them could not be shown at all.
+"""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.compiled import LINKS, Compiled, EqualityKind, GeomKind, JointKind, compiled
+from avatarsim.assets.models.links_of_tree import Said, Skeleton, Tree, skeleton_of, tree_of, trees
+from avatarsim.assets.models.masses import Masses
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.pieces_of_geoms import Geoms, Wanted
+from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
+from avatarsim.scene.body import Body, Role, fixed, simulated
+from avatarsim.scene.joint import Hinges
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+WORLD = "world"
+"""What a part of the world is called whose geom has no name."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a user asks of a model file; see `load.load_avatar`."""
+
+    avatar: str | None = None
+    driven: bool = True
+    folder: str | Path | None = None
+    joints: Said = field(default_factory=Said)
+    pieces: Wanted = field(default_factory=Wanted)
+    leave: tuple[str, ...] = ()
+    masks: bool = True
+    materials: tuple[str, str] = ("human", "wood")
+    size_range: tuple[float, float] = PLAUSIBLE_SIZE
+
+
+def model_of_file(path: Path, options: Options) -> Model:
+    """Avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for what cannot be said, by name."""
+    return _Reading(compiled(path, options.folder), path, options).model()
+
+
+class _Reading:
+    """One model on its way from numbers to bodies."""
+
+    def __init__(self, model: Compiled, path: Path, options: Options) -> None:
+        self._m, self._file, self._options = model, path.name, options
+        self._said: list[str] = []
+        self._names = _distinct([name or f"body {k}" for k, name in enumerate(model.body_name)])
+        self._geoms = Geoms(model, options.pieces, options.leave)
+        self._masses = Masses(model, self._names)
+        self._title = model.model_name.strip() or path.stem
+        # geoms and weld of everything that gets a name in the scene, for the pairs
+        self._carried: dict[str, tuple[tuple[int, ...], list[int], int]] = {}
+
+    def model(self) -> Model:
+        """The whole model."""
+        forest = trees(self._m)
+        chosen = self._avatar_tree(forest) if self._options.driven else None
+        tree = skeleton = avatar = start = None
+        if chosen is not None:
+            tree = self._tree(chosen)
+            skeleton = skeleton_of(tree, self._names, self._geoms, self._masses, self._options.materials[0])
+            avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range)
+            avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
+            start = self._start(tree, avatar)
+        bodies = [*self._world(), *(body for bodies in forest if bodies != chosen for body in self._body(bodies))]
+        exclude = () if tree is None or avatar is None else self._excluded(tree, avatar, bodies)
+        self._say_equalities()
+        self._said += [*self._geoms.said(), *self._masses.said()]
+        found = Model(avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start)
+        if found.avatar is None and not found.bodies:
+            raise InvalidFile(f"shapes of {self._file} that collide", 0, "at least 1")
+        said: tuple[str, ...] = ()
+        if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
+            # the engine's compiler, which a room alone does without
+            from avatarsim.assets.models.overlaps import freed
+
+            found, said = freed(found, tree is not None and tree.is_free)
+        return replace(found, said=(*self._said, *said))
+
+    def _avatar_tree(self, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
+        """The tree that becomes the avatar: the one that is asked for, or the one with the most joints."""
+        asked = self._options.avatar
+        if asked is not None:
+            for bodies in forest:
+                if asked in {self._names[b] for b in bodies}:
+                    return bodies
+            known = [name for b, name in self._names.items() if b > 0]
+            raise UnknownName(f"body of {self._file} to be the avatar", asked, known)
+        counts = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
+        if not forest or (max(counts) == 0 and not self._free_root()):
+            valid = 'at least 1; load_room reads a room, root="free" lets a body without joints go where its user goes'
+            raise InvalidFile(f"joints of {self._file}", 0, valid)
+        return forest[int(np.argmax(counts))]
+
+    def _free_root(self) -> bool:
+        """Whether a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes it."""
+        root = self._options.joints.root
+        return root == "free" or (root == "file" and self._m.urdf)
+
+    def _tree(self, bodies: tuple[int, ...]) -> Tree:
+        if len(bodies) > LINKS:
+            raise InvalidFile(f"bodies of the avatar in {self._file}", len(bodies), f"up to {LINKS}")
+        wanted = self._options.joints
+        if self._free_root():
+            wanted = replace(wanted, root="free")
+        tree = tree_of(self._m, bodies, wanted, self._file)
+        self._said += tree.said
+        return tree
+
+    def _start(self, tree: Tree, avatar: Avatar) -> TrackerSample:
+        """The reference posture, each hinge within its limits."""
+        links = len(avatar.links)
+        positions, rotations = np.zeros((links, 3)), np.tile(np.array(rotation.IDENTITY), (links, 1))
+        if tree.is_free:
+            positions[0], rotations[0] = self._m.body_pos[tree.root], rotation.normalised(self._m.body_quat[tree.root])
+        angles = [
+            min(max(0.0, hinge.lower), hinge.upper)
+            for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges
+        ]
+        return TrackerSample(0.0, positions, rotations, np.array(angles, dtype=np.float64))
+
+    def _world(self) -> list[Body]:
+        """A fixed body for each geom of the world."""
+        found = []
+        for geom in self._geoms.of(0):
+            name = self._own_name(self._m.geom_name[geom] or f"{WORLD} {geom}")
+            pieces = self._geoms.pieces(geom, np.zeros(3), np.array(rotation.IDENTITY))
+            found.append(fixed(name, pieces, self._options.materials[1]))
+            self._carried[name] = (0,), [geom], 0
+        return found
+
+    def _body(self, bodies: tuple[int, ...]) -> list[Body]:
+        """A tree that no user drives, rigid in its reference posture: loose if its root is free, else fixed."""
+        geoms = [g for b in bodies for g in self._geoms.of(b)]
+        joints = [int(j) for j in np.flatnonzero(np.isin(self._m.jnt_bodyid, bodies))]
+        is_loose = any(self._m.jnt_type[j] == JointKind.FREE for j in joints)
+        if not geoms:
+            return []
+        name = self._own_name(self._names[bodies[0]])
+        if held := [j for j in joints if self._m.jnt_type[j] != JointKind.FREE]:
+            self._said.append(f"{name} is no avatar: its {len(held)} joints stay at the reference")
+        poses = {bodies[0]: (np.zeros(3), np.array(rotation.IDENTITY))}
+        for b in bodies[1:]:
+            at, turn = poses[int(self._m.body_parentid[b])]
+            poses[b] = at + rotation.rotate(turn, self._m.body_pos[b]), rotation.multiply(turn, self._m.body_quat[b])
+        pieces = tuple(p for b in bodies for g in self._geoms.of(b) for p in self._geoms.pieces(g, *poses[b]))
+        x, y, z = (float(value) for value in self._m.body_pos[bodies[0]])
+        w, i, j, k = (float(value) for value in rotation.normalised(self._m.body_quat[bodies[0]]))
+        self._carried[name] = bodies, geoms, bodies[0] if is_loose else 0
+        material = self._options.materials[1]
+        if is_loose:
+            return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), (x, y, z), (w, i, j, k))]
+        return [fixed(name, pieces, material, (x, y, z), (w, i, j, k))]
+
+    def _own_name(self, name: str) -> str:
+        """A name that no other part of the room has."""
+        found, k = name, 2
+        while found in self._carried or found == self._title:
+            found, k = f"{name} {k}", k + 1
+        return found
+
+    def _meets(self, a: list[int], b: list[int], bodies: set[tuple[int, int]]) -> bool:
+        """Whether any geom of `a` may touch one of `b`, of whose `bodies` the pairs are given."""
+        m = self._m
+        stated = {frozenset(pair) for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True)}
+        if stated and any(frozenset((g, h)) in stated for g in a for h in b):
+            return True
+        excluded = set(m.exclude_signature.tolist())
+        if all(((min(pair) << 16) + max(pair)) in excluded for pair in bodies):
+            return False
+        if not self._options.masks:
+            return True
+        one, other = m.geom_contype[a], m.geom_conaffinity[b]
+        two, another = m.geom_conaffinity[a], m.geom_contype[b]
+        return bool(((one[:, None] & other[None, :]) | (two[:, None] & another[None, :])).any())
+
+    def _ignored(self, tree: Tree, skeleton: Skeleton) -> tuple[tuple[str, str], ...]:
+        """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
+        parent = {link.name: link.parent for link in skeleton.links}
+        solid = [b for b in tree.bodies if self._geoms.of(b)]
+        above = {w: tree.weld[int(self._m.body_parentid[w])] for w in set(tree.weld.values()) if w != 0}
+        found, masked = [], 0
+        for k, b in enumerate(solid):
+            for a in solid[:k]:
+                one, two = skeleton.link_of[a], skeleton.link_of[b]
+                if parent[two] == one:
+                    continue
+                weld = tree.weld[a], tree.weld[b]
+                near = weld[0] == weld[1] or above.get(weld[1]) == weld[0] or above.get(weld[0]) == weld[1]
+                if near:
+                    found.append((one, two))
+                elif not self._meets(self._geoms.of(a), self._geoms.of(b), {(a, b)}):
+                    found.append((one, two))
+                    masked += 1
+        if masked:
+            self._said.append(f"{masked} pairs of links never touch, as the file has it (exclude, contype, conaffinity)")
+        return tuple(found)
+
+    def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
+        """What a scene calls the link that carries a body."""
+        alone = len(avatar.links) == 1
+        return {b: avatar.name if alone else f"{avatar.name}/{self._names[b]}" for b in tree.bodies}
+
+    def _excluded(self, tree: Tree, avatar: Avatar, bodies: list[Body]) -> tuple[tuple[str, str], ...]:
+        """Pairs of a link and a body that never touch: both fixed, or by the file's word and its masks."""
+        names, found, masked = self._scene_names(tree, avatar), [], 0
+        for body in bodies:
+            own, geoms, weld = self._carried[body.name]
+            for b in tree.bodies:
+                touching = self._geoms.of(b)
+                if not touching:
+                    continue
+                if weld == 0 and tree.weld[b] == 0:
+                    found.append((body.name, names[b]))
+                elif not self._meets(touching, geoms, {(a, b) for a in own}):
+                    found.append((body.name, names[b]))
+                    masked += 1
+        if masked:
+            self._said.append(f"{masked} pairs of link and body never touch, as the file has it (exclude, contype, conaffinity)")
+        return tuple(found)
+
+    def _say_equalities(self) -> None:
+        """What holds bodies together besides joints, and is left out."""
+        left = [
+            self._m.eq_name[k] or f"{EqualityKind(int(kind)).name.lower()} {k}"
+            for k, kind in enumerate(self._m.eq_type) if kind != EqualityKind.JOINT and self._m.eq_active0[k]
+        ]
+        if left:
+            self._said.append(f"equalities of bodies and tendons are left out, loops stay open: {', '.join(left)}")
+        if self._m.flexes:
+            self._said.append(f"{self._m.flexes} deformable bodies are left out")
+        planes = int((self._m.geom_type[self._geoms.touching] == GeomKind.PLANE).sum())
+        if planes:
+            self._said.append(f"{planes} planes are boxes of 200 m by 200 m, 10 m deep below them")
+
+
+def _distinct(names: list[str]) -> dict[int, str]:
+    """Names by number, each once."""
+    found: dict[int, str] = {}
+    seen: set[str] = set()
+    for k, name in enumerate(names):
+        own, count = name, 2
+        while own in seen:
+            own, count = f"{name} {count}", count + 1
+        seen.add(own)
+        found[k] = own
+    return found

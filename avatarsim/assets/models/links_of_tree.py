@@ -1,0 +1,288 @@
+"""A tree of MuJoCo bodies as links: frames in the joints' centres, hinges about one centre together, angles from the reference.
+
+MuJoCo turns a body about its joints one after the other, each about its own centre in the body (mj_kinematics); a link has one
+centre. So joints of one body whose centres differ become links of their own, without pieces, one below the other.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.compiled import Compiled, EqualityKind, JointKind
+from avatarsim.assets.models.coordinates import Coordinates, Slot
+from avatarsim.assets.models.masses import Masses
+from avatarsim.assets.models.pieces_of_geoms import Geoms
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.scene.avatar import Link
+from avatarsim.scene.body import Mass
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.joint import MANY_TURNS, WIDEST_SWING, Ball, Free, Hinge, Hinges, Joint, Rigid, SwingTwist
+from avatarsim.scene.shape import Piece
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+TOGETHER = 1e-12
+"""[m] Centres of joints nearer than this are one: a file writes both with the same digits."""
+
+UNTURNED = np.array(rotation.IDENTITY)
+"""The turn that changes nothing."""
+
+MOST_HINGES = 3
+"""Hinges that one link may turn about."""
+
+ROOTS = ("file", "free", "fixed")
+"""How an avatar's root moves: as the file says, freely, or not at all."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a user asks of joints that cannot be said: names to `fix` at their reference, or "all"; whether `couplings` are
+    refused or left out; how the `root` moves."""
+
+    fix: tuple[str, ...] | str = ()
+    couplings: str = "refuse"
+    root: str = "file"
+
+    def __post_init__(self) -> None:
+        if self.root not in ROOTS:
+            raise UnknownName("root", str(self.root), ROOTS)
+        if self.couplings not in ("refuse", "leave"):
+            raise UnknownName("couplings", str(self.couplings), ("refuse", "leave"))
+        names = isinstance(self.fix, tuple) and all(isinstance(name, str) for name in self.fix)
+        if not names and self.fix != "all":
+            raise InvalidInput("fix", self.fix, 'a tuple of names of joints, or "all"')
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Bodies below one body of the world, `bodies` from the root on, parents first, and the joints that move them.
+
+    `joints` [body] are the numbers of its joints that move, in the order in which they act; `fixed` those of the tree that are
+    held at their reference. `is_free` says whether the root goes anywhere, `weld` [body] is the first of the bodies that it is
+    rigid with (0: the world)."""
+
+    model: Compiled
+    bodies: tuple[int, ...]
+    joints: dict[int, tuple[int, ...]]
+    fixed: tuple[int, ...]
+    is_free: bool
+    weld: dict[int, int]
+    said: tuple[str, ...]
+
+    @property
+    def root(self) -> int:
+        """The tree's first body."""
+        return self.bodies[0]
+
+
+def trees(model: Compiled) -> list[tuple[int, ...]]:
+    """The bodies below each body of the world, parents first."""
+    top = np.arange(len(model.body_name))
+    for body in range(1, len(top)):
+        parent = int(model.body_parentid[body])
+        top[body] = body if parent == 0 else top[parent]
+    return [tuple(int(k) for k in np.flatnonzero(top == root)) for root in np.unique(top[1:])]
+
+
+def joint_name(model: Compiled, joint: int) -> str:
+    """What errors, sentences and coordinates call a joint."""
+    body = int(model.jnt_bodyid[joint])
+    return model.jnt_name[joint] or f"joint {joint} of {model.body_name[body] or f'body {body}'}"
+
+
+def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: Said, file: str) -> Tree:
+    """The tree with what is fixed, or InvalidFile with the joints that an avatar cannot have and what to do about them."""
+    own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, bodies))]
+    names = {joint_name(model, j): j for j in own}
+    said: list[str] = []
+    for name in wanted.fix if isinstance(wanted.fix, tuple) else ():
+        if name not in names:
+            raise UnknownName(f"joint to fix of {file}", name, names)
+    asked = set(names.values()) if wanted.fix == "all" else {names[name] for name in wanted.fix}
+    slides = [j for j in own if model.jnt_type[j] == JointKind.SLIDE]
+    coupled = [j for j in _coupled(model) if j in own]
+    if wanted.couplings == "leave" and coupled:
+        said.append(f"couplings of joints are left out, each moves by itself: {_list(model, coupled)}")
+        coupled = []
+    if refused := [j for j in slides if j not in asked]:
+        first = joint_name(model, refused[0])
+        valid = f'hinges, balls and free joints; fix=("{first}", ...) or fix="all" holds them at their reference'
+        raise InvalidFile(f"slide joints of {file}", _list(model, refused), valid)
+    if refused := [j for j in coupled if j not in asked]:
+        valid = ('joints that move by themselves; fix=(name, ...) or fix="all" holds these at their reference, '
+                 'couplings="leave" lets each move by itself')
+        raise InvalidFile(f"joints of {file} that an equality couples", _list(model, refused), valid)
+    fixed = asked & {*slides, *coupled} if wanted.fix == "all" else asked
+    free = [j for j in own if model.jnt_type[j] == JointKind.FREE]
+    if wanted.root == "fixed":
+        fixed |= set(free)
+    if fixed:
+        said.append(f"fixed at the reference: {_list(model, sorted(fixed))}")
+    is_free = (wanted.root == "free" or bool(free)) and not fixed & set(free)
+    joints = {b: tuple(j for j in own if model.jnt_bodyid[j] == b and j not in fixed) for b in bodies}
+    weld: dict[int, int] = {0: 0}
+    for b in bodies:
+        moves = joints[b] or (is_free and b == bodies[0])
+        weld[b] = b if moves else weld[int(model.body_parentid[b])]
+    return Tree(model, bodies, joints, tuple(sorted(fixed)), is_free, weld, tuple(said))
+
+
+def _coupled(model: Compiled) -> list[int]:
+    """Joints that an equality of joints makes follow another."""
+    of_joints = (model.eq_type == EqualityKind.JOINT) & (model.eq_active0 != 0)
+    return sorted({int(j) for j in model.eq_obj1id[of_joints]})
+
+
+def _list(model: Compiled, joints: Sequence[int]) -> str:
+    return ", ".join(joint_name(model, j) for j in joints)
+
+
+def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
+    """A body's joints in the groups that one link can have: free, ball, or up to three hinges about one centre."""
+    groups: list[tuple[int, ...]] = []
+    for j in tree.joints[body]:
+        last = groups[-1] if groups else ()
+        hinges = model.jnt_type[j] == JointKind.HINGE and last and model.jnt_type[last[0]] == JointKind.HINGE
+        if hinges and len(last) < MOST_HINGES and np.abs(model.jnt_pos[j] - model.jnt_pos[last[0]]).max() <= TOGETHER:
+            groups[-1] = (*last, j)
+        else:
+            groups.append((j,))
+    return groups
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Links of a tree, coordinates of its joints, and which link carries which body."""
+
+    links: tuple[Link, ...]
+    coordinates: Coordinates
+    link_of: dict[int, str]
+
+
+def skeleton_of(tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses, material: str) -> Skeleton:
+    """The links of a tree; body b is carried by the link of its name. Raises InvalidFile where a shape cannot be said."""
+    links: list[Link] = []
+    moved: dict[int, int] = {}
+    offsets: dict[int, Array] = {0: np.zeros(3)}
+    first_hinge: dict[int, int] = {}
+    hinges = 0
+    for body in tree.bodies:
+        for place in _places(tree, body, names, offsets, geoms, masses):
+            parent = None if not links else place.parent
+            anchor, turn = _vector(place.anchor), _quaternion(place.turn)
+            links.append(Link(place.name, parent, place.joint, place.pieces, place.mass, material, anchor, turn))
+            for j in place.joints:
+                moved[j] = len(links) - 1
+                if isinstance(place.joint, Hinges):
+                    first_hinge[j] = hinges
+                    hinges += 1
+    slots = tuple(_slots(tree, moved, first_hinge))
+    return Skeleton(tuple(links), Coordinates(slots, len(links), hinges), {body: names[body] for body in tree.bodies})
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """One link to be: its parent, its joint's centre and rest orientation in the parent's frame, and what it carries."""
+
+    name: str
+    parent: str
+    joint: Joint
+    joints: tuple[int, ...]
+    anchor: Array
+    turn: Array
+    pieces: tuple[Piece, ...]
+    mass: Mass
+
+
+def _places(
+    tree: Tree, body: int, names: dict[int, str], offsets: dict[int, Array], geoms: Geoms, masses: Masses
+) -> Iterator[_Place]:
+    """The links of one body, the last of which carries it. `offsets` are from bodies to the frames of their links."""
+    model = tree.model
+    above = int(model.body_parentid[body])
+    origin, turn = model.body_pos[body] - offsets[above], model.body_quat[body]
+    groups: list[tuple[int, ...]] = _groups(model, tree, body)
+    parent, before = names.get(above, ""), np.zeros(3)
+    if body == tree.root and tree.is_free and not (groups and model.jnt_type[groups[0][0]] == JointKind.FREE):
+        # the file's root does not move, or turns about joints of its own
+        groups = [(), *groups]
+    for k, group in enumerate(groups or [()]):
+        is_last = k >= len(groups) - 1
+        centre = model.jnt_pos[group[0]] if group and model.jnt_type[group[0]] != JointKind.FREE else np.zeros(3)
+        joint = _joint(tree, body, group, turn if k == 0 else UNTURNED)
+        name = names[body] if is_last else f"{names[body]} before {joint_name(model, groups[k + 1][0])}"
+        anchor = origin + rotation.rotate(turn, centre) if k == 0 else centre - before
+        pieces = tuple(p for g in geoms.of(body) for p in geoms.pieces(g, -centre, UNTURNED)) if is_last else ()
+        mass = masses.of((body,), {body: (-centre, UNTURNED)}, pieces) if is_last else masses.nothing()
+        yield _Place(name, parent, joint, group, anchor, turn if k == 0 else UNTURNED, pieces, mass)
+        parent, before = name, centre
+    offsets[body] = before
+
+
+def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
+    """The joint that a group of MuJoCo's joints is, of a link that is turned by `turn` in its parent at rest."""
+    model = tree.model
+    if not group:
+        return Free() if body == tree.root and tree.is_free else Rigid()
+    kind = model.jnt_type[group[0]]
+    if kind == JointKind.FREE:
+        return Free()
+    if kind == JointKind.BALL:
+        return _ball(model, body, group[0], turn)
+    return Hinges(tuple(_hinge(model, j) for j in group))
+
+
+def _hinge(model: Compiled, j: int) -> Hinge:
+    axis = _vector(model.jnt_axis[j])
+    if not model.jnt_limited[j]:
+        return Hinge(axis)
+    low, high = np.clip(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]], -MANY_TURNS, MANY_TURNS)
+    return Hinge(axis, float(low), float(high))
+
+
+def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
+    """MuJoCo limits the angle of the whole turn. Swing s and twist t about one axis make a turn of 2 acos(cos s/2 cos t/2), so
+    equal limits of both that make it at their corner lie within; the axis is that from the joint to the centre of mass."""
+    whole = float(model.jnt_range[j, 1])
+    if not model.jnt_limited[j] or whole >= np.pi:
+        return Ball()
+    # cos^2 of half an angle: 2 cos^2(x / 2) = 1 + cos x
+    cosine = 2.0 * np.cos(0.5 * whole) - 1.0
+    each = min(float(np.arctan2(np.sqrt(max(0.0, 1.0 - cosine * cosine)), cosine)), WIDEST_SWING)
+    limb = model.body_ipos[body] - model.jnt_pos[j]
+    if not np.linalg.norm(limb) > TOGETHER:
+        limb = np.array([0.0, 0.0, 1.0])
+    axis = _vector(limb)
+    centre = _vector(rotation.rotate(turn, limb))
+    return Ball(SwingTwist(axis, centre, each, (-each, each)))
+
+
+def _slots(tree: Tree, moved: dict[int, int], first_hinge: dict[int, int]) -> Iterator[Slot]:
+    """The coordinates in the file's order; what is fixed keeps its columns."""
+    model = tree.model
+    own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, tree.bodies))]
+    if tree.is_free and not any(model.jnt_type[j] == JointKind.FREE for j in own):
+        yield Slot("root", "free", 0)
+    for j in own:
+        name, kind, address = joint_name(model, j), JointKind(int(model.jnt_type[j])), int(model.jnt_qposadr[j])
+        if j in tree.fixed:
+            width = {JointKind.FREE: 7, JointKind.BALL: 4}.get(kind, 1)
+            for k in range(width):
+                yield Slot(name if width == 1 else f"{name} {k}", "fixed", -1, rest=float(model.qpos0[address + k]))
+        elif kind == JointKind.HINGE:
+            yield Slot(name, "hinge", moved[j], first_hinge[j], float(model.qpos0[address]))
+        else:
+            yield Slot(name, kind.name.lower(), moved[j])
+
+
+def _vector(array: Array) -> Vector:
+    x, y, z = (float(value) for value in array)
+    return x, y, z
+
+
+def _quaternion(array: Array) -> Quaternion:
+    w, x, y, z = (float(value) for value in array)
+    return w, x, y, z

@@ -1,0 +1,79 @@
+"""The doors `load_avatar` and `load_room`: a path and a few wishes in, a Model out."""
+
+from pathlib import Path
+
+from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.mesh import BY_TRIMESH
+from avatarsim.assets.models import doors
+from avatarsim.assets.models.from_mujoco import Options, model_of_file
+from avatarsim.assets.models.links_of_tree import Said
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.pieces_of_geoms import PLANE, Wanted
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.avatar import PLAUSIBLE_SIZE
+from avatarsim.scene.body import fixed
+from avatarsim.scene.shape import Box, Piece
+
+FLOOR = "floor"
+"""The word that stands for level ground without a file."""
+
+MESHES = (".obj", *BY_TRIMESH)
+"""Endings of mesh files that are rooms."""
+
+
+def load_avatar(
+    path: str | Path, *, avatar: str | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
+    couplings: str = "refuse", meshes: str = "hull", most_vertices: int = 64, repair: str = "auto", leave: tuple[str, ...] = (), masks: bool = True,
+    folder: str | Path | None = None, size_range: tuple[float, float] = PLAUSIBLE_SIZE,
+) -> Model:
+    """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
+
+    avatar      name of a body of the tree that becomes the avatar; by default the tree with the most joints
+    root        "file": free where the file has a free joint, and in URDF, which has no word for it, unless its root is named
+                "world"; "free"; "fixed"
+    fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have (slides, and joints
+                that an equality couples); otherwise these are refused by name
+    couplings   "leave": joints that an equality couples move by themselves
+    meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says
+    most_vertices   of a piece of a mesh; what that loses is in `said`
+    leave       names of geoms to leave out
+    masks       False: links touch whatever contype and conaffinity say
+    folder      the folder in which all files of the model must lie; by default the file's own, of URDF the one with package.xml
+    size_range  [m] what the avatar's span must be in
+
+    Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. Pairs that overlap at the
+    reference never touch; `said` lists them with their depths, and all else that is not as in the file. Lengths are metres.
+    Raises InvalidFile for what is refused, with file, place and what to do; UnknownName and InvalidInput for options that do not
+    fit; MissingPackage without mujoco."""
+    return model_of_file(
+        Path(path),
+        Options(
+            avatar, True, folder, Said(fix, couplings, root), Wanted(meshes, most_vertices, repair), leave, masks,
+            size_range=size_range,
+        ),
+    )
+
+
+def load_room(
+    path: str | Path, *, meshes: str = "hull", most_vertices: int = 64, repair: str = "auto", leave: tuple[str, ...] = (),
+    folder: str | Path | None = None, scale: float = 1.0, y_up: bool = False, threshold: float = 0.05,
+) -> Model:
+    """A room from MJCF or URDF, from a mesh (.obj .stl .ply .off .glb .gltf), or the word "floor": level ground, its top at 0.
+
+    Of a model all bodies are taken, jointed ones as they are at the reference: with a free joint loose, else fixed. The options
+    are those of `load_avatar`. A mesh is one fixed body of convex pieces: `scale` in metres per unit of the file, `y_up` where y
+    points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` and `pieces_of_mesh` raise."""
+    if str(path) == FLOOR:
+        top = Piece(Box(PLANE), (0.0, 0.0, -0.5 * PLANE[2]))
+        return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
+    path = Path(path)
+    if path.suffix.lower() in doors.MODELS:
+        wanted = Wanted(meshes, most_vertices, repair)
+        return model_of_file(path, Options(driven=False, folder=folder, pieces=wanted, leave=leave))
+    if path.suffix.lower() not in MESHES:
+        advice = doors.CONVERSION.get(path.suffix.lower())
+        valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
+        raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
+    found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
+    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.2g} mm off", *found.repairs)
+    return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said)

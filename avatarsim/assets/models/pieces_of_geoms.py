@@ -1,0 +1,168 @@
+"""Convex pieces of a compiled model's geoms: primitives as they are, cylinders as prisms, meshes by hull or decomposition.
+
+A prism stands around its cylinder, so that what is free of it is free of the cylinder; hulls of fewer vertices (greedy: always
+the vertex farthest outside next) lie in their mesh's hull. What either changes is measured, and said.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.hulls import hull_of, reduced
+from avatarsim.assets.models.compiled import Compiled, GeomKind
+from avatarsim.errors import InvalidFile, InvalidShape, UnknownName
+from avatarsim.scene.checks import SHORTEST, Quaternion, Vector
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SIDES = 32
+"""Sides of the prism around a cylinder, whose edges lie 0.5 % of the radius outside. More: support queries take longer."""
+
+PLANE = (200.0, 200.0, 10.0)
+"""Full size [m] of the box below a plane, which has no end: farther than an avatar walks in minutes, deeper than one falls in a
+frame."""
+
+WAYS = ("hull", "decompose")
+"""What a mesh becomes: one convex piece, or several by approximate convex decomposition."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How meshes become pieces: `meshes` of WAYS, with at most so many vertices each; `repair` of open surfaces, as in
+    `pieces_of_mesh`."""
+
+    meshes: str = "hull"
+    most_vertices: int = 64
+    repair: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.meshes not in WAYS:
+            raise UnknownName("meshes", str(self.meshes), WAYS)
+
+
+@dataclass(eq=False)
+class Geoms:
+    """The geoms of a model that bodies collide with, less those named in `leave`."""
+
+    model: Compiled
+    wanted: Wanted = Wanted()
+    leave: tuple[str, ...] = ()
+    _cylinder: tuple[float, str] = (0.0, "")
+    _cylinders: int = 0
+    _mesh: tuple[float, str] = (0.0, "")
+    _meshes: dict[int, tuple[ConvexHull, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in self.leave:
+            if name not in self.model.geom_name:
+                raise UnknownName("geom in leave", name, filter(None, self.model.geom_name))
+
+    @cached_property
+    def touching(self) -> NDArray[np.bool_]:
+        """(g,) whether a geom collides with anything; the others are to be looked at only."""
+        found = (self.model.geom_contype != 0) | (self.model.geom_conaffinity != 0)
+        found[self.model.pair_geom1] = found[self.model.pair_geom2] = True
+        return np.asarray(found & ~np.isin(self.model.geom_name, [name for name in self.leave if name]))
+
+    def of(self, body: int) -> list[int]:
+        """Numbers of a body's geoms that collide."""
+        return [int(k) for k in np.flatnonzero(self.touching & (self.model.geom_bodyid == body))]
+
+    def label(self, geom: int) -> str:
+        """What errors and sentences call a geom."""
+        body = self.model.body_name[self.model.geom_bodyid[geom]] or f"body {self.model.geom_bodyid[geom]}"
+        return self.model.geom_name[geom] or f"geom {geom} of {body}"
+
+    def pieces(self, geom: int, offset: Array, turn: Array) -> tuple[Piece, ...]:
+        """Pieces of a geom in a frame in which its body's is at `offset` (3,) [m], turned by `turn` (4,). Raises InvalidFile."""
+        at = offset + rotation.rotate(turn, self.model.geom_pos[geom])
+        about = rotation.normalised(rotation.multiply(turn, self.model.geom_quat[geom]))
+        kind = int(self.model.geom_type[geom])
+        try:
+            if kind == GeomKind.PLANE:
+                return (Piece(Box(PLANE), _vector(at - rotation.rotate(about, (0.0, 0.0, 0.5 * PLANE[2]))), _turn(about)),)
+            return tuple(Piece(shape, _vector(at), _turn(about)) for shape in self._shapes(geom, kind))
+        except InvalidShape as error:
+            raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
+
+    def _shapes(self, geom: int, kind: int) -> tuple[Shape, ...]:
+        a, b, c = (float(size) for size in self.model.geom_size[geom])
+        if kind == GeomKind.SPHERE or (kind == GeomKind.CAPSULE and 2.0 * b < SHORTEST):
+            return (Sphere(a),)
+        if kind == GeomKind.CAPSULE:
+            return (Capsule(a, 2.0 * b),)
+        if kind == GeomKind.BOX:
+            return (Box((2.0 * a, 2.0 * b, 2.0 * c)),)
+        if kind == GeomKind.ELLIPSOID:
+            return (Ellipsoid((a, b, c)),)
+        if kind == GeomKind.CYLINDER:
+            return (self._prism(geom, a, b),)
+        if kind == GeomKind.MESH:
+            return self._pieces_of_mesh(geom, int(self.model.geom_dataid[geom]))
+        name = GeomKind(kind).name.lower() if kind in GeomKind.__members__.values() else str(kind)
+        valid = "sphere, capsule, box, cylinder, ellipsoid, mesh or plane; leave=(\"its name\",) leaves it out, if it has one"
+        raise InvalidFile(f"type of {self.label(geom)}", name, valid)
+
+    def _prism(self, geom: int, radius: float, half: float) -> ConvexHull:
+        more = radius / np.cos(np.pi / SIDES) - radius
+        self._cylinders += 1
+        self._cylinder = max(self._cylinder, (float(more), self.label(geom)))
+        turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
+        ring = (radius + more) * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+        ends = [np.column_stack([ring, np.full(SIDES, z)]) for z in (-half, half)]
+        return ConvexHull(np.concatenate(ends))
+
+    def _pieces_of_mesh(self, geom: int, mesh: int) -> tuple[ConvexHull, ...]:
+        if mesh not in self._meshes:
+            vertices, triangles = self.model.mesh(mesh)
+            name = f"mesh {self.model.mesh_name[mesh]}"
+            if self.wanted.meshes == "decompose":
+                found = pieces_of_mesh(
+                    (vertices, triangles), most_vertices=self.wanted.most_vertices, repair=self.wanted.repair
+                )
+                self._mesh = max(self._mesh, (found.hausdorff, self.label(geom)))
+                self._meshes[mesh] = tuple(piece.shape for piece in found.pieces if isinstance(piece.shape, ConvexHull))
+            else:
+                whole = hull_of(vertices, name)
+                thin = reduced(whole, self.wanted.most_vertices, name)
+                lost = float(thin.distances(whole.points[whole.used]).max())
+                self._mesh = max(self._mesh, (lost, self.label(geom)))
+                self._meshes[mesh] = (ConvexHull(thin.points[thin.used]),)
+        return self._meshes[mesh]
+
+    def said(self) -> tuple[str, ...]:
+        """What the pieces made so far differ by from the file's geoms."""
+        found = []
+        if self._cylinders:
+            more, name = self._cylinder
+            found.append(
+                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.2g} mm wider ({name})"
+            )
+        if self._meshes:
+            lost, name = self._mesh
+            if self.wanted.meshes == "hull":
+                found.append(
+                    f"{len(self._meshes)} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices: "
+                    f"at most {1e3 * lost:.2g} mm of a hull is left out ({name})"
+                )
+            else:
+                count = sum(map(len, self._meshes.values()))
+                found.append(
+                    f"{len(self._meshes)} meshes are decomposed into {count} convex pieces, at most {1e3 * lost:.2g} mm off ({name})"
+                )
+        return tuple(found)
+
+
+def _vector(array: Array) -> Vector:
+    x, y, z = (float(value) for value in array)
+    return x, y, z
+
+
+def _turn(array: Array) -> Quaternion:
+    w, x, y, z = (float(value) for value in array)
+    return w, x, y, z
