@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.checks import real_array
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 
@@ -24,7 +25,7 @@ class Motion:
     rotations  (F, links, 4), as in TrackerSample: of a `Free` root in the world, of a `Ball` link against its rest orientation
     angles     (F, hinges) [rad], link by link
 
-    Raises InvalidInput where lengths differ, a number is not finite or the times do not ascend."""
+    Raises InvalidInput where shapes or lengths differ, a number is not finite or the times do not ascend."""
 
     times: Array
     positions: Array
@@ -33,7 +34,7 @@ class Motion:
 
     def __post_init__(self) -> None:
         for name in ("times", "positions", "rotations", "angles"):
-            array = np.ascontiguousarray(getattr(self, name), dtype=np.float64)
+            array = _real(f"{name} of a motion", getattr(self, name))
             object.__setattr__(self, name, array)
             if len(array) != len(self.times) or len(array) == 0:
                 raise InvalidInput(f"frames in the {name} of a motion", len(array), f"{max(1, len(self.times))}, as in its times")
@@ -41,7 +42,15 @@ class Motion:
             if bad.any():
                 frame = int(np.argmax(bad))
                 raise InvalidInput(f"{name} of frame {frame} of a motion", array[frame].tolist(), "finite numbers")
-        if self.times.ndim != 1 or not (np.diff(self.times) > 0.0).all():
+        links = self.positions.shape[1] if self.positions.ndim > 1 else 0
+        hinges = self.angles.shape[1] if self.angles.ndim > 1 else 0
+        for name, array, shape in (
+            ("times", self.times, (len(self),)), ("positions", self.positions, (len(self), links, 3)),
+            ("rotations", self.rotations, (len(self), links, 4)), ("angles", self.angles, (len(self), hinges)),
+        ):
+            if array.shape != shape:
+                raise InvalidInput(f"shape of the {name} of a motion", array.shape, f"{shape}")
+        if not (np.diff(self.times) > 0.0).all():
             raise InvalidInput("times of a motion [s]", "not ascending", "a row of numbers, each above the one before")
 
     def __len__(self) -> int:
@@ -94,3 +103,14 @@ class Motion:
         shares = np.repeat(share[:, None], self.rotations.shape[1], axis=1)
         turned = rotation.normalised(rotation.slerp(self.rotations[before], self.rotations[after], shares))
         return Motion(instants, on_line(self.positions), kept(self.rotations, turned), on_line(self.angles))
+
+
+def _real(thing: str, value: ArrayLike) -> Array:
+    """`value` as rows of float64. Raises InvalidInput for what is no array of real numbers."""
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        # a motion may be large: no copy of what is one already
+        return np.atleast_1d(np.ascontiguousarray(value))
+    try:
+        return np.atleast_1d(np.ascontiguousarray(real_array(value)))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput(thing, str(error), "an array of real numbers") from error

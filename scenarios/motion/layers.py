@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.errors import InvalidInput
-from scenarios.motion.mocap import Clip
 
 UPPER = ("chest", "neck", "right_shoulder", "right_elbow", "left_shoulder", "left_elbow")
 """Links that the upper layer moves. The root belongs to the legs, which carry it."""

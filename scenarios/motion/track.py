@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.motion.mocap import Clip, retimed
+from scenarios.motion.mocap import retimed
 from scenarios.scenario import RENDERED, Motion
 
 Array = NDArray[np.float64]

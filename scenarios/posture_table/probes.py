@@ -12,6 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from avatarsim.assets.motions.deepmimic import Clip, read_clip
 from avatarsim.errors import InvalidInput, InvalidScene, StartOverlaps, UnknownName
 from avatarsim.model.world import build
 from avatarsim.pose_queries import require_free
@@ -22,7 +23,7 @@ from scenarios.building import gallery, stage
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
 from scenarios.building.reach import reach
-from scenarios.motion.mocap import Clip, placed, read_clip, retimed
+from scenarios.motion.mocap import placed, retimed
 from scenarios.motion.track import LEAD_IN, Track, track_of
 from scenarios.scenario import Region, Scenario
 from scenarios.unseen import rooms

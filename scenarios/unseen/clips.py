@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.spatial import rotation
 from scenarios.motion.keyframes import minimum_jerk
 from scenarios.motion.layers import upper_body_of
-from scenarios.motion.mocap import Clip, placed, retimed
+from scenarios.motion.mocap import placed, retimed
 from scenarios.scenario import RENDERED
 
 Array = NDArray[np.float64]

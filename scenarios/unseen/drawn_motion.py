@@ -6,10 +6,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.tracker import TrackerSample, poses_of_links
 from scenarios.building.reach import reach
-from scenarios.motion.mocap import Clip, clip_names, load_clip, placed, repeated, retimed
+from scenarios.motion.mocap import clip_names, load_clip, placed, repeated, retimed
 from scenarios.motion.track import LEAD_IN, Track, track_of
 from scenarios.scenario import RENDERED
 from scenarios.unseen.clips import cut, faded, heading, layered, mirrored, warped

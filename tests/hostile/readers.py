@@ -12,6 +12,7 @@ import numpy as np
 from avatarsim.assets.meshes import cache, pieces_of_mesh
 from avatarsim.assets.meshes.mesh import read_mesh
 from avatarsim.assets.meshes.repairs import finite as finite_mesh
+from avatarsim.assets.motions.deepmimic import read_clip
 from avatarsim.scene.avatar import Avatar
 from reports import write_report
 from reports.reading import kept
@@ -21,7 +22,7 @@ from runfiles import record
 from scenarios.building.avatars.mjcf import Mjcf, parsed
 from scenarios.building.avatars.stl import hull_of
 from scenarios.job import Job
-from scenarios.motion.mocap import read_clip, retimed
+from scenarios.motion.mocap import retimed
 from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
 from scenarios.results.store import Store
 from scenarios.running.own_settings import read as read_settings

@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.checks import real_array
+from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 
@@ -51,7 +54,10 @@ class Coordinates:
         """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones, numbers of what is fixed are left.
 
         Raises InvalidInput for other shapes, numbers that are not finite and quaternions without length."""
-        q = np.asarray(q, dtype=np.float64)
+        try:
+            q = q if type(q) is np.ndarray and q.dtype == np.float64 else real_array(q)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InvalidInput("generalized coordinates", str(error), "an array of real numbers") from error
         if q.ndim != 2 or q.shape[1] != self.width:
             raise InvalidInput("shape of generalized coordinates", q.shape, f"(frames, {self.width}): {', '.join(self.names)}")
         bad = ~np.isfinite(q)
@@ -75,7 +81,12 @@ class Coordinates:
         return Motion(times, positions, rotations, angles)
 
     def rows(self, motion: Motion) -> Array:
-        """The rows (F, width) of a motion: the inverse of `motion`, but for what is fixed."""
+        """The rows (F, width) of a motion: the inverse of `motion`, but for what is fixed.
+
+        Raises InvalidInput for that of another avatar."""
+        shapes = motion.positions.shape[1], motion.angles.shape[1]
+        if shapes != (self.links, self.hinges):
+            raise InvalidInput("links and hinges of a motion", shapes, f"{(self.links, self.hinges)}, as these coordinates have")
         columns: list[Array] = []
         for slot in self.slots:
             if slot.kind == "hinge":
@@ -97,3 +108,19 @@ def _unit(name: str, quaternions: Array) -> Array:
         frame = int(np.argmin(lengths))
         raise InvalidInput(f"quaternion of {name} in frame {frame}", quaternions[frame].tolist(), "a quaternion of length 1")
     return np.where((np.abs(lengths - 1.0) < 1e-12)[:, None], quaternions, quaternions / lengths[:, None])
+
+
+def coordinates_of(avatar: Avatar) -> Coordinates:
+    """The coordinates of an avatar that comes from no file: its joints link by link, named by the link that they move; of several
+    hinges of a link `link.0`, `link.1` and so on."""
+    slots: list[Slot] = []
+    hinge = 0
+    for index, link in enumerate(avatar.links):
+        if isinstance(link.joint, Free | Ball):
+            slots.append(Slot(link.name, "free" if isinstance(link.joint, Free) else "ball", index))
+        elif isinstance(link.joint, Hinges):
+            several = len(link.joint.hinges) > 1
+            for k in range(len(link.joint.hinges)):
+                slots.append(Slot(f"{link.name}.{k}" if several else link.name, "hinge", index, hinge))
+                hinge += 1
+    return Coordinates(tuple(slots), len(avatar.links), hinge)

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import z_up
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 from avatarsim.scene.avatar import Avatar, Link
@@ -22,7 +23,6 @@ from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.limits import ball_limits, hinge_limits, reach_cone
 from scenarios.data_folder import data_file
-from scenarios.motion.mocap import z_up
 
 SCALE = 0.25
 """Size of our humanoid over the file's. The clips' root heights (0.9 m) are those of this scale."""

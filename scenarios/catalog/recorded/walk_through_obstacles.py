@@ -10,13 +10,14 @@ wall_door_north in 41 (0.073 m), inside table in 4 (0.023 m), inside paperweight
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
 from scenarios.building.gallery import gallery, inside
 from scenarios.building.promises import AVATAR
-from scenarios.motion.mocap import Clip, load_clip, repeated, retimed
+from scenarios.motion.mocap import load_clip, repeated, retimed
 from scenarios.motion.track import LEAD_IN, track_of
 from scenarios.scenario import Motion, Scenario
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
+from avatarsim.assets.motions.deepmimic import LAYOUT
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.avatar import Link
 from avatarsim.scene.joint import Ball, Free, Hinges, Rigid
@@ -22,7 +23,6 @@ from scenarios.building.reach import reach
 from scenarios.building.stage import floor
 from scenarios.data_folder import data_file
 from scenarios.measure.posture.limits import beyond_cone
-from scenarios.motion.mocap import LAYOUT
 
 Array = NDArray[np.float64]
 HUMAN = humanoid()

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from avatarsim.assets.motions.deepmimic import COLUMNS, read_clip
 from avatarsim.errors import InvalidFile
 from reports.__main__ import main as reports
 from scenarios.__main__ import main as scenarios
-from scenarios.motion.mocap import COLUMNS, read_clip
 from tests.scenarios.command_line import called
 
 Lay = Callable[[Path], object]

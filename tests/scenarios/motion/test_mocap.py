@@ -9,21 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from avatarsim.assets.motions.deepmimic import COLUMNS, LAYOUT, read_clip, z_up, z_up_rotation
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
 from avatarsim.spatial import rotation
 from scenarios import data_folder
-from scenarios.motion.mocap import (
-    COLUMNS,
-    LAYOUT,
-    clip_names,
-    load_clip,
-    placed,
-    read_clip,
-    repeated,
-    retimed,
-    z_up,
-    z_up_rotation,
-)
+from scenarios.motion.mocap import clip_names, load_clip, placed, repeated, retimed
 
 Array = NDArray[np.float64]
 NUMBER = st.floats(-3.0, 3.0)

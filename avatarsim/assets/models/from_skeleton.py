@@ -1,0 +1,175 @@
+"""A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
+
+The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of whoever was
+recorded, and the model says so.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.anthropometry import (
+    BODY_MASS,
+    RADII,
+    SEGMENT_OF,
+    SEGMENTS,
+    STATURE,
+    THICKEST,
+    THINNEST,
+    UNKNOWN_SHARE,
+    Part,
+    parts,
+)
+from avatarsim.assets.models.capsule_gaps import link_gaps
+from avatarsim.assets.models.coordinates import Coordinates, Slot
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.skeleton import Skeleton
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import Mass, solid, volume
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
+from avatarsim.scene.shape import Capsule, Piece, Sphere
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SHORTEST_BONE = 2e-3
+"""Length [m] below which two joints are at one place, and no capsule lies between them."""
+
+TOUCHING = 1e-4
+"""Gap [m] below which a pair of links counts as overlapping at rest: it would be in contact in every frame."""
+
+LEAST_MASS = 0.01
+"""Mass [kg] of a link without pieces: a hundred times less than a hand, so that it weighs nothing in what is added up."""
+
+
+def human(
+    skeleton: Skeleton, stature: float, first: tuple[Array, Array, Array], mass: float = BODY_MASS, limits: bool = True
+) -> Model:
+    """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
+
+    `first` is the first posture of its clip: positions (links, 3) [m], rotations (links, 4), angles (hinges,) [rad], as in
+    TrackerSample. Links that overlap in it or at rest may overlap. `limits` gives joints of known name their range of motion,
+    other joints none. Raises InvalidInput for sizes that no avatar has."""
+    named = parts(skeleton)
+    pieces = [_pieces(skeleton, k, named[k], mass, stature) for k in range(len(skeleton.bones))]
+    masses = _masses(named, pieces, mass)
+    joints = [_joint(skeleton, k) for k in range(len(skeleton.bones))]
+    links = tuple(
+        Link(bone.name, skeleton.bones[bone.parent].name if bone.parent >= 0 else None, joints[k], pieces[k], masses[k],
+             anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0), orientation=bone.turn)
+        for k, bone in enumerate(skeleton.bones)
+    )
+    ignored = _overlapping(Avatar(skeleton.name, links), first)
+    avatar = Avatar(skeleton.name, links, ignore=ignored)
+    said = [
+        f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by the names of its "
+        "joints and mean human bodies, not a measurement of what was recorded",
+    ]
+    unknown = [bone.name for bone, part in zip(skeleton.bones, named, strict=True) if not part.kind]
+    if unknown:
+        said.append(f"joints of unknown name, without limits and with radii by the length of their bones: {', '.join(unknown)}")
+    if ignored:
+        said.append("pairs that overlap at rest or in the first frame and may: " + ", ".join(f"{a} and {b}" for a, b in ignored))
+    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
+
+
+def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:
+    """The generalized coordinates in the file's order: root, then every joint that turns, hinges by what the file calls them."""
+    slots, hinge = [], 0
+    for k, (link, bone) in enumerate(zip(avatar.links, skeleton.bones, strict=True)):
+        if isinstance(link.joint, Hinges):
+            for turn in bone.turns:
+                slots.append(Slot(f"{bone.name} {turn}", "hinge", k, hinge))
+                hinge += 1
+        elif isinstance(link.joint, Ball | Free):
+            slots.append(Slot(bone.name, "free" if isinstance(link.joint, Free) else "ball", k))
+    return Coordinates(tuple(slots), len(avatar.links), hinge)
+
+
+def _joint(skeleton: Skeleton, k: int) -> Joint:
+    bone = skeleton.bones[k]
+    if bone.parent < 0:
+        return Free()
+    if len(bone.axes) == 3:
+        return Ball()
+    return Hinges(tuple(Hinge(axis) for axis in bone.axes)) if bone.axes else Rigid()
+
+
+def _radius(part: Part, length: float, mass: float, stature: float) -> float:
+    """Radius [m] of a bone of `length` [m]."""
+    if part.kind in RADII:
+        return RADII[part.kind] * stature / STATURE
+    if part.kind in SEGMENT_OF:
+        return SEGMENTS[SEGMENT_OF[part.kind]].radius(mass, stature)
+    return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
+
+
+def _pieces(skeleton: Skeleton, k: int, part: Part, mass: float, stature: float) -> tuple[Piece, ...]:
+    """A capsule to each joint that hangs on bone k, one to each tip that ends there, and a ball where neither is."""
+    if part.kind == "face":
+        return ()
+    found = []
+    for place in skeleton.ends(k):
+        end = np.array(place)
+        length = float(np.linalg.norm(end))
+        radius = _radius(part, length, mass, stature)
+        if length < SHORTEST_BONE:
+            continue
+        if not skeleton.children[k] and place in skeleton.bones[k].tips:
+            # what ends at its tip ends there, not a radius beyond it
+            end *= max(length - radius, 0.5 * length) / length
+        found.append(capsule(np.zeros(3), end, radius))
+    if not found and part.kind and not skeleton.children[k]:
+        found.append(Piece(Sphere(_radius(part, 0.0, mass, stature))))
+    return tuple(found)
+
+
+def capsule(start: Array, end: Array, radius: float) -> Piece:
+    """The capsule of `radius` [m] about the segment from `start` (3,) to `end` (3,) [m]."""
+    length = float(np.linalg.norm(end - start))
+    x, y, z = (float(v) for v in 0.5 * (start + end))
+    w, a, b, c = (float(v) for v in rotation.between((0.0, 0.0, 1.0), (end - start) / length))
+    return Piece(Capsule(radius, length), (x, y, z), (w, a, b, c))
+
+
+def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: float) -> list[Mass]:
+    """Masses of the links: a segment's share of the body by the volumes of its links; all by volume where a name is unknown.
+
+    Where segments are missing the others take their place, so that the body weighs `mass` [kg]."""
+    volumes = [sum(volume(piece.shape) for piece in of_link) for of_link in pieces]
+    known = all(part.kind or not size for part, size in zip(named, volumes, strict=True))
+    groups: dict[tuple[str, str], float] = {}
+    for part, size in zip(named, volumes, strict=True):
+        key = _segment(part, known)
+        groups[key] = groups.get(key, 0.0) + size
+    shares = {key: SEGMENTS[key[0]].share if known else size for key, size in groups.items() if size > 0.0}
+    total = sum(shares.values())
+    found = []
+    for part, size, of_link in zip(named, volumes, pieces, strict=True):
+        if not of_link:
+            found.append(solid((Piece(Sphere(THINNEST)),), LEAST_MASS))
+            continue
+        key = _segment(part, known)
+        found.append(solid(of_link, mass * shares[key] / total * size / groups[key]))
+    return found
+
+
+def _segment(part: Part, known: bool) -> tuple[str, str]:
+    """What shares a mass: a segment of one side; all links together where names are unknown."""
+    return (SEGMENT_OF[part.kind], part.side) if known and part.kind else ("", "")
+
+
+def _overlapping(avatar: Avatar, first: tuple[Array, Array, Array]) -> tuple[tuple[str, str], ...]:
+    """Pairs of links, not a link and its parent, that overlap at rest or in the first posture."""
+    resting = np.zeros_like(first[0]), np.tile(rotation.IDENTITY, (len(avatar.links), 1)), np.zeros_like(first[2])
+    found = np.zeros((len(avatar.links),) * 2, dtype=np.bool_)
+    for posture in (first, resting):
+        found |= link_gaps(avatar.links, *poses_of_links([avatar], *posture)) < TOUCHING
+    index = {link.name: k for k, link in enumerate(avatar.links)}
+    for k, link in enumerate(avatar.links):
+        if link.parent is not None:
+            found[k, index[link.parent]] = found[index[link.parent], k] = False
+    names = [link.name for link in avatar.links]
+    return tuple((names[a], names[b]) for a, b in np.argwhere(np.triu(found)))

@@ -1,0 +1,90 @@
+"""A recorded skeleton: a tree of bones with joints, as BVH and ASF describe it, in metres and with z up."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+Limits = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Bone:
+    """One joint and what it carries.
+
+    parent   number of the bone that it hangs on, an earlier one; -1 for the root
+    offset   the joint's centre in the parent's frame [m]
+    turn     the bone's frame in the parent's while the joint is at zero, (w, x, y, z)
+    axes     axes of its turns in the bone's frame, the first one nearest the parent; none for a joint that does not turn
+    turns    what the file calls each of them
+    tips     points in the bone's frame [m] where it ends without another joint
+    limits   the file's own limits of each turn [rad]; none where it states none"""
+
+    name: str
+    parent: int
+    offset: Vector
+    turn: Quaternion = rotation.IDENTITY
+    axes: tuple[Vector, ...] = ()
+    turns: tuple[str, ...] = ()
+    tips: tuple[Vector, ...] = ()
+    limits: tuple[Limits, ...] = ()
+
+
+@dataclass(frozen=True)
+class Skeleton:
+    """Bones, parents before children, of a recorded human or animal called `name`."""
+
+    name: str
+    bones: tuple[Bone, ...]
+
+    @cached_property
+    def children(self) -> tuple[tuple[int, ...], ...]:
+        """The bones that hang on each one."""
+        found: list[list[int]] = [[] for _ in self.bones]
+        for k, bone in enumerate(self.bones):
+            if bone.parent >= 0:
+                found[bone.parent].append(k)
+        return tuple(tuple(each) for each in found)
+
+    def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
+        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
+        shape = np.shape(positions)
+        places, turned = np.zeros(shape), np.zeros((*shape[:-1], 4))
+        hinge = 0
+        for k, bone in enumerate(self.bones):
+            if bone.parent < 0:
+                places[..., k, :], turned[..., k, :] = positions[..., k, :], rotations[..., k, :]
+                continue
+            places[..., k, :] = places[..., bone.parent, :] + rotation.rotate(turned[..., bone.parent, :], bone.offset)
+            own = rotation.multiply(turned[..., bone.parent, :], bone.turn)
+            if len(bone.axes) == 3:
+                own = rotation.multiply(own, rotations[..., k, :])
+            else:
+                for axis in bone.axes:
+                    own = rotation.multiply(own, rotation.from_axis_angle(axis, angles[..., hinge]))
+                    hinge += 1
+            turned[..., k, :] = own
+        carried = [(k, tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
+        tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, tip in carried]
+        return np.concatenate([places, np.stack(tips, axis=-2)], axis=-2) if tips else places
+
+    @cached_property
+    def rest(self) -> Array:
+        """Joints and tips (points, 3) [m] with every joint at zero and the root at the origin."""
+        hinges = sum(len(bone.axes) for bone in self.bones[1:] if len(bone.axes) < 3)
+        still = np.tile(np.array(rotation.IDENTITY), (len(self.bones), 1))
+        return self.points(np.zeros((len(self.bones), 3)), still, np.zeros(hinges))
+
+    @cached_property
+    def owners(self) -> tuple[int, ...]:
+        """The bone of each of the `points`."""
+        return (*range(len(self.bones)), *(k for k, bone in enumerate(self.bones) for _ in bone.tips))
+
+    def ends(self, k: int) -> tuple[Vector, ...]:
+        """Where bone k ends, in its own frame [m]: the joints that hang on it, then its tips."""
+        return tuple(self.bones[child].offset for child in self.children[k]) + self.bones[k].tips

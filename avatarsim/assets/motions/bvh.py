@@ -1,0 +1,405 @@
+"""Biovision hierarchies (BVH): a tree of joints with offsets and channels, then a line of numbers a frame.
+
+As in Meredith and Maddock, *Motion Capture File Formats Explained* (2001): turns of a joint are multiplied in the order of its
+channels. A position channel stands for the offset along its axis, as in Blender and MotionBuilder, unless it is zero throughout.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.anthropometry import BODY_MASS
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.skeleton import Bone, Skeleton
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_FRAMES, MOST_JOINTS
+from avatarsim.assets.motions.measures import guessed, standing
+from avatarsim.assets.motions.recording import Axes, Recording, Track, require_same_joints
+from avatarsim.errors import InvalidFile
+from avatarsim.files import read_bytes
+from avatarsim.scene.motion import Motion
+
+Array = NDArray[np.float64]
+
+DEGREE = float(np.pi / 180.0)
+
+CHANNELS = {f"{axis}{kind}".lower(): (kind, k) for kind in ("position", "rotation") for k, axis in enumerate("XYZ")}
+"""What a channel is called, in small letters: its kind and axis."""
+
+LONGEST_STEP = 10.0
+"""Seconds of a frame at most: what is slower is no motion, but pictures."""
+
+STILL = 1e-6
+"""Way [m] within which a joint's place counts as fixed on its parent: below what any of our promises is about."""
+
+END = -1
+"""Stands for an end site where others have the number of a joint."""
+
+BEARERS = ("root", "reference", "armature", "world", "origin", "skeleton", "scene")
+"""What joints are called that only carry the hips about."""
+
+
+@dataclass
+class _Joint:
+    """A joint as it stands in the file: `channels` (kind, axis), the `first` of whose columns is known."""
+
+    name: str
+    parent: int
+    line: int
+    offset: tuple[float, float, float] | None = None
+    channels: tuple[tuple[str, int], ...] | None = None
+    first: int = 0
+    tips: list[tuple[float, float, float]] = field(default_factory=list)
+    children: int = 0
+
+    def columns(self, kind: str) -> list[tuple[int, int]]:
+        """(column, axis) of the channels of a kind, in their order."""
+        return [(self.first + k, axis) for k, (of, axis) in enumerate(self.channels or ()) if of == kind]
+
+
+@dataclass(frozen=True, eq=False)
+class BvhFile:
+    """A BVH file that was read whole: `head` is its text down to the line MOTION, `step_text` its frame time as it says it."""
+
+    name: str
+    head: str
+    newline: str
+    encoding: str
+    step_text: str
+    recording: Recording
+    said: tuple[str, ...]
+    mass: float
+    limits: bool
+    format: str = "bvh"
+
+    @cached_property
+    def _model(self) -> Model:
+        motion = self.recording.motion
+        first = motion.positions[0], motion.rotations[0], motion.angles[0]
+        return human(self.recording.skeleton, standing(self.recording), first, self.mass, self.limits)
+
+    def model(self) -> Model:
+        """The human avatar of the file's skeleton."""
+        return self._model
+
+    def motion(self, model: Model) -> Motion:
+        """The clip; InvalidFile unless `model` has the file's joints."""
+        require_same_joints(self.name, model, self._model)
+        return self.recording.motion
+
+    def written(self, motion: Motion, model: Model) -> bytes:
+        """The file with this motion: hierarchy and channels as they were, numbers with all their digits.
+
+        Joints that the motion leaves as they were keep their numbers. Raises InvalidFile unless `model` has the file's joints,
+        and InvalidInput for steps that differ from each other."""
+        require_same_joints(self.name, model, self._model)
+        values, step = self.recording.rows(motion)
+        said = self.step_text if step == self.recording.step else repr(step)
+        lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {said}"]
+        lines += [" ".join(map(repr, row)) for row in values.tolist()]
+        return (self.newline.join(lines) + self.newline).encode(self.encoding)
+
+
+def read_bvh(
+    path: str | Path, *, scale: float | None = None, up: str | None = None, offsets: str = "refuse", mass: float = BODY_MASS,
+    limits: bool = True,
+) -> BvhFile:
+    """The BVH file at `path`.
+
+    scale    metres of a unit of length; by default guessed of the height of the skeleton
+    up       "y" or "z"; by default guessed of the postures
+    offsets  "mean" takes the mean of places of joints on their parents that vary; by default they are refused
+    mass     of the avatar [kg]
+    limits   whether its joints of known name get their range of motion
+
+    Raises InvalidFile for what is no BVH file, names its line, and for a unit that cannot be guessed."""
+    path = Path(path)
+    name = path.name
+    text, encoding = decoded(read_bytes(path, name, "a BVH file", MOST_BYTES))
+    newline = "\r\n" if "\r\n" in text else "\n"
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if offsets not in ("refuse", "mean"):
+        raise InvalidFile(f"offsets of {name}", offsets, '"refuse" or "mean"')
+    joints, motion_at = _hierarchy(name, lines)
+    values, step_text = _frames(name, lines, motion_at, joints)
+    root = _carried(joints, values)
+
+    def made(axes: Axes) -> Recording:
+        return _recording(name, joints, root, values, float(step_text), axes)
+
+    axes, said = guessed(name, made, DEGREE, scale, up)
+    said += _on_parents(name, joints, root, values, axes.scale, offsets)
+    recording = made(axes)
+    if root:
+        said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
+    head = newline.join(lines[:motion_at])
+    return BvhFile(name, head, newline, encoding, step_text, recording, tuple(said), mass, limits)
+
+
+def decoded(content: bytes) -> tuple[str, str]:
+    """The text of a file and its encoding: UTF-8, with or without a byte order mark, or else Latin-1, which takes all."""
+    encoding = "utf-8-sig" if content.startswith(b"\xef\xbb\xbf") else "utf-8"
+    try:
+        return content.decode(encoding), encoding
+    except UnicodeDecodeError:
+        return content.decode("latin-1"), "latin-1"
+
+
+def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
+    """(line, statement) of a hierarchy, braces by themselves; lines count from 1."""
+    for number, line in enumerate(lines, 1):
+        if len(line) > LONGEST_LINE:
+            raise InvalidFile(f"length of line {number} of {name}", len(line), f"up to {LONGEST_LINE} characters")
+        for piece in re.split(r"([{}])", line):
+            if piece.strip():
+                yield number, piece.strip()
+
+
+def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
+    """The joints, parents first, and how many lines stand before the frames. Raises InvalidFile."""
+    joints: list[_Joint] = []
+    stack: list[int] = []
+    awaited: int | None = None
+    begun = False
+    for number, said in _statements(name, lines):
+        words = said.split(None, 7)
+        word = words[0].lower()
+        at = f"line {number} of {name}"
+        if not begun:
+            if said.lower() != "hierarchy":
+                raise InvalidFile(at, said[:80], "HIERARCHY, with which a BVH file begins")
+            begun = True
+        elif awaited is not None:
+            if said != "{":
+                raise InvalidFile(at, said[:80], "{ after the name of a joint")
+            stack.append(awaited)
+            awaited = None
+        elif word == "motion" and not stack:
+            return _complete(name, joints), number
+        elif word in ("root", "joint"):
+            awaited = _open(at, name, said, word, joints, stack, number)
+        elif word == "end" and len(words) > 1 and words[1].lower() == "site":
+            if not stack or stack[-1] < 0:
+                raise InvalidFile(at, said, "an end site within a joint")
+            awaited = END
+        elif said == "}":
+            if not stack:
+                raise InvalidFile(at, said, "a } for a { only")
+            stack.pop()
+        elif word == "offset" and stack:
+            _offset(at, words, joints, stack[-1])
+        elif word == "channels" and stack and stack[-1] >= 0:
+            _channels(at, said, joints, joints[stack[-1]])
+        else:
+            raise InvalidFile(at, said[:80], "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
+    open_joint = f", with {joints[stack[-1]].name} of line {joints[stack[-1]].line} open" if stack and stack[-1] >= 0 else ""
+    raise InvalidFile(f"end of {name}", f"in the hierarchy{open_joint}", "a line MOTION and frames after it")
+
+
+def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
+    """A joint begins: its number."""
+    called = said[len(word) :].strip()
+    if not called or len(called) > LONGEST_NAME:
+        raise InvalidFile(f"name of a joint in {at}", called[:LONGEST_NAME], f"1 to {LONGEST_NAME} characters")
+    if (word == "root") != (not joints):
+        raise InvalidFile(at, said[:80], "one ROOT, before every JOINT")
+    if word == "joint" and (not stack or stack[-1] == END):
+        raise InvalidFile(at, said[:80], "a JOINT within the braces of another")
+    if len(joints) >= MOST_JOINTS:
+        raise InvalidFile(f"joints of {name}", f"more than {MOST_JOINTS} in line {line}", f"up to {MOST_JOINTS}")
+    same = [joint.line for joint in joints if joint.name == called]
+    if same:
+        raise InvalidFile(f"name of a joint in {at}", called, f"another than that of line {same[0]}")
+    joints.append(_Joint(called, stack[-1] if stack else -1, line))
+    if stack:
+        joints[stack[-1]].children += 1
+    return len(joints) - 1
+
+
+def _offset(at: str, words: list[str], joints: list[_Joint], top: int) -> None:
+    """An OFFSET line: of a joint, or of the end site of the joint that was opened last."""
+    found = tuple(number(at, word) for word in words[1:4])
+    if len(words) != 4:
+        raise InvalidFile(f"numbers after OFFSET in {at}", len(words) - 1, "3")
+    place = found[0], found[1], found[2]
+    if top == END:
+        joints[-1].tips.append(place)
+    elif joints[top].offset is not None:
+        raise InvalidFile(at, " ".join(words), f"one OFFSET for {joints[top].name}")
+    else:
+        joints[top].offset = place
+
+
+def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
+    """A CHANNELS line."""
+    words = said.split(None, 9)
+    count = words[1] if len(words) > 1 else ""
+    if not re.fullmatch(r"[0-6]", count):
+        raise InvalidFile(f"number of channels in {at}", count[:80], "0 to 6")
+    names = [word.lower() for word in words[2:]]
+    if len(names) != int(count):
+        raise InvalidFile(f"channels listed in {at}", len(names), f"{count}, as it says")
+    for k, called in enumerate(names):
+        if called not in CHANNELS or called in names[:k]:
+            valid = "Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation, each once at most"
+            raise InvalidFile(f"channel in {at}", words[2 + k][:80], valid)
+    if joint.channels is not None:
+        raise InvalidFile(at, said[:80], f"one CHANNELS for {joint.name}")
+    joint.channels = tuple(CHANNELS[called] for called in names)
+
+
+def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
+    """The joints with their columns counted; InvalidFile for none, and for one that lacks a line."""
+    if not joints:
+        raise InvalidFile(f"joints of {name}", 0, "a ROOT at least")
+    first = 0
+    for joint in joints:
+        for line, found in (("OFFSET", joint.offset), ("CHANNELS", joint.channels)):
+            if found is None:
+                thing = f"{line} of {joint.name}, line {joint.line} of {name}"
+                raise InvalidFile(thing, None, f"a line {line} within its braces")
+        joint.first = first
+        first += len(joint.channels or ())
+    return joints
+
+
+def number(at: str, word: str) -> float:
+    """The number that a word says; InvalidFile if it is none, or too large to mean anything."""
+    try:
+        found = float(word) if "_" not in word else np.nan
+    except ValueError:
+        found = np.nan
+    if not abs(found) <= LARGEST_NUMBER:
+        raise InvalidFile(f"number in {at}", word[:80], f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
+    return found
+
+
+def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tuple[Array, str]:
+    """The numbers (F, columns) and the frame time as it is written. Raises InvalidFile."""
+    rest = [(k, line) for k, line in enumerate(lines[first:], first + 1) if line and not line.isspace()]
+    count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
+    step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
+    if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= MOST_FRAMES):
+        raise InvalidFile(f"number of frames in {at_count}", count[:80], f"1 to {MOST_FRAMES}")
+    rows = rest[2:]
+    if len(rows) != int(count):
+        raise InvalidFile(f"lines of frames in {name}", len(rows), f"{int(count)}, as {at_count} says")
+    seconds = number(at_step, step)
+    if not (0.0 < seconds <= LONGEST_STEP or (seconds == 0.0 and len(rows) == 1)):
+        raise InvalidFile(f"frame time in {at_step} [s]", step[:80], f"above 0, up to {LONGEST_STEP:g}")
+    return table(name, rows, sum(len(joint.channels or ()) for joint in joints)), step
+
+
+def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: str) -> tuple[str, str]:
+    """What line k after MOTION says, by a pattern, and which line it is."""
+    if k >= len(rest):
+        raise InvalidFile(f"end of {name}", "after MOTION", valid)
+    line, text = rest[k]
+    found = re.fullmatch(pattern, text[:LONGEST_NAME].strip(), re.IGNORECASE)
+    if not found:
+        raise InvalidFile(f"line {line} of {name}", text.strip()[:80], valid)
+    return found[1], f"line {line} of {name}"
+
+
+def table(name: str, rows: list[tuple[int, str]], columns: int) -> Array:
+    """The numbers (rows, columns) of rows (line, text). InvalidFile names the line that has others than so many numbers."""
+    found = np.empty((len(rows), columns))
+    for k, (line, text) in enumerate(rows):
+        if len(text) > LONGEST_LINE:
+            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
+        words = text.split()
+        if len(words) != columns:
+            raise InvalidFile(f"numbers in line {line} of {name}", len(words), f"{columns}, as many as there are channels")
+        try:
+            found[k] = words
+        except ValueError:
+            found[k] = np.nan
+        if "_" in text or not (np.abs(found[k]) <= LARGEST_NUMBER).all():
+            for word in words:
+                number(f"line {line} of {name}", word)
+    return found
+
+
+def _carried(joints: list[_Joint], values: Array) -> int:
+    """The joint that is the avatar's root: the file's, or one below it that is carried about by joints that do nothing else."""
+    root = k = 0
+    while joints[k].children == 1 and not joints[k].tips:
+        k = next(child for child, joint in enumerate(joints) if joint.parent == k)
+        columns = [column for column, _ in joints[k].columns("position")]
+        if not columns:
+            continue
+        bearer = joints[joints[k].parent].name.lower().rpartition(":")[2] in BEARERS
+        if bearer or np.ptp(values[:, columns], axis=0).max() > STILL:
+            root = k
+    return root
+
+
+def _place(joint: _Joint, values: Array, root: bool) -> tuple[tuple[int, int, int], tuple[float, float, float]]:
+    """Columns of a joint's place, -1 where there is none, and what is added to them or stands for them."""
+    assert joint.offset is not None
+    columns, start = [-1, -1, -1], list(joint.offset)
+    channels = joint.columns("position")
+    added = not root and all(not values[:, column].any() for column, _ in channels)
+    if not added:
+        for column, axis in channels:
+            columns[axis], start[axis] = column, 0.0
+    return (columns[0], columns[1], columns[2]), (start[0], start[1], start[2])
+
+
+def _recording(name: str, joints: list[_Joint], root: int, values: Array, step: float, axes: Axes) -> Recording:
+    """The clip on its skeleton, in metres and with z up by `axes`; places of joints below the root are their means."""
+    above = [k for k in range(root) if k == 0 or joints[k].parent >= 0]
+    bones, tracks = [], []
+    for k, joint in enumerate(joints[root:], root):
+        columns, start = _place(joint, values, k == root)
+        turns = tuple(joint.columns("rotation"))
+        tracks.append(Track(columns, start, turns))
+        mean = np.array([values[:, c].mean() if c >= 0 else 0.0 for c in columns]) + np.array(start)
+        unit = np.eye(3)
+        bones.append(Bone(
+            joint.name, joint.parent - root if k > root else -1, _metres(axes, mean),
+            axes=tuple(_vector(axes.vectors(unit[axis])) for _, axis in turns),
+            turns=tuple(f"{'XYZ'[axis]}rotation" for _, axis in turns),
+            tips=tuple(_metres(axes, np.array(tip)) for tip in joint.tips),
+        ))
+    carriers = tuple(Track(*_place(joints[k], values, True), tuple(joints[k].columns("rotation"))) for k in above)
+    return Recording(name, Skeleton(Path(name).stem, tuple(bones)), tuple(tracks), values, step, axes, carriers)
+
+
+def _vector(array: Array) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in array)
+    return x, y, z
+
+
+def _metres(axes: Axes, array: Array) -> tuple[float, float, float]:
+    return _vector(axes.scale * axes.vectors(array))
+
+
+def _on_parents(name: str, joints: list[_Joint], root: int, values: Array, scale: float, offsets: str) -> list[str]:
+    """Sentences on the places of joints below the root; InvalidFile for one that varies, unless its mean is asked for."""
+    said, added, meant = [], [], []
+    for joint in joints[root + 1 :]:
+        channels = joint.columns("position")
+        if not channels:
+            continue
+        columns = [column for column, _ in channels]
+        ways = scale * np.ptp(values[:, columns], axis=0)
+        if not values[:, columns].any():
+            added.append(joint.name)
+        elif not (ways <= STILL).all():
+            if offsets != "mean":
+                thing = f"way of {joint.name} on its parent in {name} [m]"
+                raise InvalidFile(thing, float(ways.max()), f'up to {STILL:g}, or offsets="mean" for the mean of its places')
+            mean = values[:, columns].mean(axis=0)
+            off = scale * float(np.linalg.norm(values[:, columns] - mean, axis=1).max())
+            meant.append(f"{joint.name} (up to {1e3 * off:.3g} mm off)")
+    if added:
+        said.append(f"places of joints that are zero throughout are taken as added to their offsets: {', '.join(added)}")
+    if meant:
+        said.append(f"joints that move on their parents sit at the mean of their places: {', '.join(meant)}")
+    return said

@@ -1,0 +1,44 @@
+"""Motion files by the end of their names: which reader takes which, imported when it is first asked for."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import cast
+
+from avatarsim.assets.motions.motion_file import MotionFile
+from avatarsim.errors import InvalidFile, InvalidInput
+
+READERS = {
+    ".amc": ("asf_amc", "read_amc"),
+    ".bvh": ("bvh", "read_bvh"),
+    ".csv": ("table", "read_csv"),
+    ".npz": ("npz", "read_npz"),
+    ".txt": ("deepmimic", "read_deepmimic"),
+}
+"""The module of this folder, and the function in it, that reads files whose names end so."""
+
+PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
+"""Ends of names of pickles, which run what their author wrote into them."""
+
+
+def load_motion(path: str | Path, **options: object) -> MotionFile:
+    """The motion in a file, by the end of its name. `options` are those of its reader.
+
+    Raises InvalidFile for an ending that no reader takes and for what is wrong with the file, InvalidInput for options that its
+    reader has not."""
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix in PICKLES:
+        convert = (
+            f"import pickle, numpy; numpy.savez('{path.stem}.npz', **{{key: numpy.asarray(value) for key, value in "
+            f"pickle.load(open('{path.name}', 'rb')).items()}})"
+        )
+        valid = f'a file that runs no program when it is read. If you trust it, convert it: python -c "{convert}"'
+        raise InvalidFile(f"motion {path.name}", "a pickle", valid)
+    if suffix not in READERS:
+        raise InvalidFile(f"end of the name of {path.name}", path.suffix, f"one of {', '.join(sorted(READERS))}")
+    module, function = READERS[suffix]
+    reader = getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
+    unknown = sorted(set(options) - set(reader.__kwdefaults__ or ()))
+    if unknown:
+        raise InvalidInput(f"option for {path.name}", unknown[0], f"one of {', '.join(sorted(reader.__kwdefaults__ or ()))}")
+    return cast(MotionFile, reader(path, **options))

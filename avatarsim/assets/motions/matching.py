@@ -1,0 +1,168 @@
+"""Columns of a file to generalized coordinates and back: by the joints' names where a file has them, else by their number."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.coordinates import WIDTHS, Coordinates
+from avatarsim.assets.models.model import Model
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.scene.joint import MANY_TURNS
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial.rotation import Array
+
+Columns = NDArray[np.int64]
+
+ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
+"""Orders in which files hold a quaternion, and where its w, x, y and z are there."""
+
+FARTHEST = 1e5
+"""Largest coordinate [m] of a root. A recording is made in a hall; farther out another unit was meant or a column shifted."""
+
+SHORTEST, LONGEST = 0.5, 1.5
+"""Lengths between which a stored quaternion is taken as a rotation: blends of them leave some that are off 1. Further out is a
+shifted column."""
+
+NAMED = 8
+"""Most names that a message lists of those that do not fit."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the columns of a file's table are.
+
+    joints  names in the file's order; None for a file without names, whose order is the model's
+    order   of quaternions, of ORDERS
+    rooted  whether position and quaternion of the root come first, before the named joints"""
+
+    joints: tuple[str, ...] | None
+    order: str
+    rooted: bool = True
+
+
+def require_order(order: str) -> str:
+    """`order`, if it is one of ORDERS. Raises UnknownName."""
+    if order not in ORDERS:
+        raise UnknownName("quaternion", order, ORDERS)
+    return order
+
+
+def coordinates_of_model(name: str, model: Model) -> Coordinates:
+    """The coordinates of a model with an avatar; InvalidFile, which names the motion's file, for a room."""
+    if model.avatar is None or model.coordinates is None:
+        raise InvalidFile(f"avatar for {name}", None, "a model with an avatar: a robot in MJCF or URDF, a skeleton")
+    return model.coordinates
+
+
+def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> Columns:
+    """For each generalized coordinate its column in a table of `width` columns. Raises InvalidFile, with what is missing."""
+    free = [slot.name for slot in coordinates.slots if slot.kind == "free"]
+    if layout.joints is None:
+        if width != coordinates.width:
+            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}"
+            raise InvalidFile(f"columns of {name}, which names no joints,", width, valid)
+        starts = [sum(WIDTHS[slot.kind] for slot in coordinates.slots[:k]) for k in range(len(coordinates.slots))]
+    else:
+        named = _starts(name, layout, width, coordinates, free)
+        starts = [named[slot.name] for slot in coordinates.slots]
+    found: list[int] = []
+    turned = ORDERS[layout.order]
+    for slot, start in zip(coordinates.slots, starts, strict=True):
+        if slot.kind == "hinge":
+            found.append(start)
+            continue
+        if slot.kind == "free":
+            found += [start, start + 1, start + 2]
+            start += 3
+        found += [start + k for k in turned]
+    return np.array(found, dtype=np.int64)
+
+
+def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, free: list[str]) -> dict[str, int]:
+    """The first column of each joint, by name."""
+    assert layout.joints is not None
+    kinds = {slot.name: slot.kind for slot in coordinates.slots}
+    starts: dict[str, int] = {}
+    column = 0
+    listed = layout.joints
+    if layout.rooted and not any(joint in free for joint in listed):
+        if not free:
+            valid = "joints alone, since this avatar stands fixed; or an avatar that is loaded with a free root"
+            raise InvalidFile(f"root of {name}", "position and quaternion", valid)
+        listed = (free[0], *listed)
+    for joint in listed:
+        if joint in starts:
+            raise InvalidFile(f"joint of {name}", joint, "names, each once")
+        starts[joint] = column
+        column += WIDTHS[kinds.get(joint, "hinge")]
+    missing = [joint for joint in coordinates.names if joint not in starts]
+    if missing:
+        unused = [joint for joint in layout.joints if joint not in kinds]
+        valid = f"all joints of the avatar; missing: {shortened(missing)}; not the avatar's: {shortened(unused) or 'none'}"
+        raise InvalidFile(f"joints of {name}", f"{len(layout.joints)} names", valid)
+    if column != width:
+        raise InvalidFile(f"columns of {name}", width, f"{column}, as its joint names say")
+    return starts
+
+
+def left_alone(layout: Layout, coordinates: Coordinates) -> tuple[str, ...]:
+    """Joints of the file that the avatar does not have."""
+    return tuple(joint for joint in layout.joints or () if joint not in coordinates.names)
+
+
+def shortened(names: list[str] | tuple[str, ...]) -> str:
+    """Names in a row, of many the first and how many more."""
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return ", ".join(names[:NAMED]) + more
+
+
+def _with_widths(coordinates: Coordinates) -> list[str]:
+    """The joints, with how many numbers each has where that is not one."""
+    return [slot.name + ("" if slot.kind == "hinge" else f" ({WIDTHS[slot.kind]})") for slot in coordinates.slots]
+
+
+def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Motion:
+    """The motion of rows of generalized coordinates. Raises InvalidFile for what no recording holds, with frame and joint."""
+    first = 0
+    for slot in coordinates.slots:
+        width = WIDTHS[slot.kind]
+        part = q[:, first : first + width]
+        first += width
+        if slot.kind == "hinge":
+            _require(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
+            continue
+        if slot.kind == "free":
+            _require(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")
+        lengths = np.sqrt((np.clip(part[:, -4:], -1e100, 1e100) ** 2).sum(axis=1))
+        _require(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
+    try:
+        return coordinates.motion(q, times)
+    except InvalidInput as error:
+        raise InvalidFile(f"{error.thing} of {name}", error.value, error.valid) from error
+
+
+def _require(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
+    bad = ~((values >= least) & (values <= most))
+    if bad.any():
+        frame = int(np.argmax(bad))
+        raise InvalidFile(f"{thing} in frame {frame} of {name} [{unit}]", float(values[frame]), f"{least:g} to {most:g}")
+
+
+def rows_near(motion: Motion, coordinates: Coordinates, near: Array | None) -> Array:
+    """Generalized coordinates (F, width) of a motion, quaternions of the sign that is nearer to those of `near`, or to the frame
+    before: q and -q are one rotation, and a reader may draw lines between numbers."""
+    rows = coordinates.rows(motion).copy()
+    first = 0
+    for slot in coordinates.slots:
+        end = first + WIDTHS[slot.kind]
+        if slot.kind != "hinge":
+            quaternions = rows[:, end - 4 : end]
+            if near is not None:
+                sign = np.where((quaternions * near[:, end - 4 : end]).sum(axis=1) < 0.0, -1.0, 1.0)
+            else:
+                steps = np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
+                sign = np.cumprod(np.concatenate([[1.0], steps]))
+            rows[:, end - 4 : end] = sign[:, None] * quaternions
+        first = end
+    return rows

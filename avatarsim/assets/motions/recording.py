@@ -1,0 +1,239 @@
+"""A recorded clip on its own skeleton: columns of Cardan angles and places to a motion, and a motion back to those columns.
+
+A column that the motion leaves as it was keeps its number bit for bit; others get the angle nearest the one that stood there.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.skeleton import Skeleton
+from avatarsim.assets.motions import euler
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.joint import Hinges
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SAME = 1e-12
+"""Angle [rad] and length [m] by which a joint may differ and still be where it was: what its quaternion is rounded by, and ten
+thousand times less than a millionth of a degree."""
+
+EVEN = 1e-6
+"""Share of a step by which steps of a motion may differ: files of this kind have one step for all frames, to six digits."""
+
+UNSAID = 1e-9
+"""Length [m] and angle [rad] by which the root may leave what the file has columns for before that is refused."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """How a file's numbers are measured: `scale` [m] of its unit of length, `angle` [rad] of its unit of angle, `up` "y" or "z".
+
+    Vectors of a file with y up become ours by (x, y, z) -> (x, -z, y), a turn that rounds nothing."""
+
+    scale: float
+    angle: float
+    up: str
+
+    def vectors(self, of_file: Array) -> Array:
+        """Directions and axes (..., 3) with z up; no scale."""
+        return of_file if self.up == "z" else np.stack([of_file[..., 0], -of_file[..., 2], of_file[..., 1]], axis=-1)
+
+    def in_file(self, vectors: Array) -> Array:
+        """The inverse of `vectors`."""
+        return vectors if self.up == "z" else np.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)
+
+    def turned(self, of_file: Array) -> Array:
+        """Quaternions (..., 4) with z up."""
+        return np.concatenate([of_file[..., :1], self.vectors(of_file[..., 1:])], axis=-1)
+
+    def turned_in_file(self, quaternions: Array) -> Array:
+        """The inverse of `turned`."""
+        return np.concatenate([quaternions[..., :1], self.in_file(quaternions[..., 1:])], axis=-1)
+
+
+@dataclass(frozen=True)
+class Track:
+    """The columns of one bone. Numbers of columns are -1 where there is none.
+
+    places  columns of x, y, z, in the file's axes
+    start   (3,) what is added to them, and stands for those that have no column, in the file's unit
+    turns   (column, axis 0 to 2) of each turn, the outermost first"""
+
+    places: tuple[int, int, int]
+    start: tuple[float, float, float]
+    turns: tuple[tuple[int, int], ...]
+
+    def place(self, values: Array) -> Array:
+        """Places (F, 3) in the file's unit and axes."""
+        found = np.tile(np.array(self.start), (len(values), 1))
+        for k, column in enumerate(self.places):
+            if column >= 0:
+                found[:, k] += values[:, column]
+        return found
+
+    def angles(self, values: Array, angle: float) -> Array:
+        """Angles (F, turns) [rad]."""
+        return values[:, [column for column, _ in self.turns]] * angle
+
+    @property
+    def axes(self) -> tuple[int, ...]:
+        """Axis of each turn."""
+        return tuple(axis for _, axis in self.turns)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A clip: its `skeleton`, a track of columns for each bone, `values` (F, columns), one row every `step` [s].
+
+    `above` are the tracks of joints above the skeleton's root that carry it about and are no links themselves."""
+
+    thing: str
+    skeleton: Skeleton
+    tracks: tuple[Track, ...]
+    values: Array
+    step: float
+    axes: Axes
+    above: tuple[Track, ...] = ()
+
+    def carrier(self, values: Array) -> tuple[Array, Array]:
+        """Where the joints above the root are: places (F, 3) in the file's unit and turns (F, 4), in the file's axes."""
+        place, turned = np.zeros((len(values), 3)), np.tile(rotation.IDENTITY, (len(values), 1))
+        for track in self.above:
+            place = place + rotation.rotate(turned, track.place(values))
+            turned = rotation.multiply(turned, euler.quaternion(track.axes, track.angles(values, self.axes.angle)))
+        return place, turned
+
+    def looked_at(self, frames: int) -> Motion:
+        """At most so many postures, evenly from the first to the last."""
+        chosen = np.unique(np.linspace(0, len(self.values) - 1, frames).round().astype(np.int64))
+        return replace(self, values=self.values[chosen], step=1.0).motion
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The clip for the skeleton's own avatar."""
+        bones = self.skeleton.bones
+        positions = np.zeros((len(self.values), len(bones), 3))
+        rotations = np.tile(np.array(rotation.IDENTITY), (len(self.values), len(bones), 1))
+        hinges: list[Array] = []
+        for k, (bone, track) in enumerate(zip(bones, self.tracks, strict=True)):
+            angles = track.angles(self.values, self.axes.angle)
+            if bone.parent < 0:
+                place, carried = self.carrier(self.values)
+                place = place + rotation.rotate(carried, track.place(self.values))
+                own = rotation.multiply(carried, euler.quaternion(track.axes, angles))
+                positions[:, k] = self.axes.scale * self.axes.vectors(place)
+                rotations[:, k] = rotation.normalised(rotation.multiply(bone.turn, self.axes.turned(own)))
+            elif len(track.turns) == 3:
+                rotations[:, k] = rotation.normalised(self.axes.turned(euler.quaternion(track.axes, angles)))
+            else:
+                hinges.append(angles)
+        all_hinges: Array = np.concatenate([np.zeros((len(self.values), 0)), *hinges], axis=1)
+        times = np.arange(len(self.values), dtype=np.float64) * self.step
+        return Motion(times, positions, rotations, all_hinges)
+
+    def rows(self, motion: Motion) -> tuple[Array, float]:
+        """The columns (frames, columns) of another motion of the same avatar, and its step [s].
+
+        Raises InvalidInput for steps that differ from each other, and where the root goes where no column can say."""
+        step = self._step(motion)
+        near = np.zeros(len(motion), dtype=np.int64)
+        if self.step > 0.0:
+            near = np.clip(np.rint((motion.times - motion.times[0]) / self.step), 0, len(self.values) - 1).astype(np.int64)
+        values = self.values[near]
+        hinge = 0
+        for k, (bone, track) in enumerate(zip(self.skeleton.bones, self.tracks, strict=True)):
+            if bone.parent < 0:
+                self._write_root(values, motion, near)
+            elif len(track.turns) == 3:
+                self._write_turns(values, track, motion.rotations[:, k], self.motion.rotations[near, k], self.axes.turned_in_file)
+            else:
+                for column, _ in track.turns:
+                    _write_angle(values, column, motion.angles[:, hinge], self.motion.angles[near, hinge], self.axes.angle)
+                    hinge += 1
+        return values, step
+
+    def _step(self, motion: Motion) -> float:
+        own = self.motion.times
+        if len(motion) == 1:
+            return self.step
+        if len(motion) == len(own) and np.abs(motion.times - motion.times[0] - own).max() <= EVEN * self.step:
+            return self.step
+        steps = np.diff(motion.times)
+        mean = float(motion.times[-1] - motion.times[0]) / len(steps)
+        if not np.abs(steps - mean).max() <= EVEN * mean:
+            valid = "equal steps, as motion.resampled(rate) makes them"
+            raise InvalidInput("steps of a motion [s]", (float(steps.min()), float(steps.max())), valid)
+        return mean
+
+    def _write_turns(self, values: Array, track: Track, turned: Array, before: Array, in_file: Callable[[Array], Array]) -> None:
+        """Write the angles of quaternions `turned` (n, 4) into `values`, where they differ from those `before`."""
+        moved = np.flatnonzero(away(turned, before) > SAME)[:, None]
+        columns = np.array([column for column, _ in track.turns])
+        near = values[moved, columns] * self.axes.angle
+        a, b, c = track.axes
+        values[moved, columns] = euler.cardan((a, b, c), in_file(turned[moved[:, 0]]), near) / self.axes.angle
+
+    def _write_root(self, values: Array, motion: Motion, near: NDArray[np.int64]) -> None:
+        bone, track = self.skeleton.bones[0], self.tracks[0]
+        place, carried = self.carrier(values)
+        moved = np.linalg.norm(motion.positions[:, 0] - self.motion.positions[near, 0], axis=1) > SAME
+        wanted = self.axes.in_file(motion.positions[:, 0]) / self.axes.scale - place
+        wanted = rotation.rotate(rotation.conjugate(carried), wanted) - np.array(track.start)
+        for axis, column in enumerate(track.places):
+            if column >= 0:
+                values[moved, column] = wanted[moved, axis]
+            elif (np.abs(wanted[moved, axis]) * self.axes.scale > UNSAID).any():
+                far = float(np.abs(wanted[moved, axis]).max() * self.axes.scale)
+                valid = f"0: {self.thing} has no column for it"
+                raise InvalidInput(f"way of {bone.name} along {'xyz'[axis]} of the file [m]", far, valid)
+
+        def in_file(turned: Array) -> Array:
+            own = self.axes.turned_in_file(rotation.multiply(rotation.conjugate(bone.turn), turned))
+            return rotation.multiply(rotation.conjugate(carried), own)
+
+        turned = in_file(motion.rotations[:, 0])
+        before = in_file(self.motion.rotations[near, 0])
+        if len(track.turns) == 3:
+            self._write_turns(values, track, turned, before, lambda same: same)
+        elif (away(turned, before) > UNSAID).any():
+            valid = f"0: {self.thing} has no three columns for it"
+            raise InvalidInput(f"turn of {bone.name} [rad]", float(away(turned, before).max()), valid)
+
+
+def _write_angle(values: Array, column: int, angles: Array, before: Array, unit: float) -> None:
+    """Write hinge angles (n,) [rad] into a column, where they differ from those `before`, on the turn that stood there."""
+    moved = np.abs(angles - before) > SAME
+    wanted = angles[moved]
+    whole = 2.0 * np.pi * np.round((wanted - before[moved]) / (2.0 * np.pi))
+    values[moved, column] = (wanted - whole) / unit
+
+
+def away(a: Array, b: Array) -> Array:
+    """Angle [rad] from unit quaternions a to b, (..., 4)."""
+    left = rotation.multiply(rotation.conjugate(a), b)
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(left[..., 1:], axis=-1), np.abs(left[..., 0])))
+
+
+def require_same_joints(thing: str, model: Model, own: Model) -> None:
+    """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the avatar's tree and joints."""
+    assert own.avatar is not None
+    links = () if model.avatar is None else model.avatar.links
+    for k, want in enumerate(own.avatar.links):
+        if k >= len(links):
+            raise InvalidFile(f"link {k} of the avatar for {thing}", None, f"{want.name}: the file brings its own avatar")
+        link = links[k]
+        if (link.name, link.parent) != (want.name, want.parent):
+            raise InvalidFile(f"link {k} of the avatar for {thing}", link.name, f"{want.name}: the file brings its own avatar")
+        turns = [len(joint.hinges) if isinstance(joint, Hinges) else type(joint).__name__ for joint in (link.joint, want.joint)]
+        if turns[0] != turns[1]:
+            raise InvalidFile(f"joint of {link.name}", link.joint, f"one as {want.joint}, which {thing} has turns for")
+    if len(links) > len(own.avatar.links):
+        beyond = links[len(own.avatar.links)].name
+        raise InvalidFile(f"link of the avatar for {thing}", beyond, "none: the file has no such joint")

@@ -1,0 +1,229 @@
+"""Bodies of the SMPL family in NumPy archives: AMASS (Mahmood et al. 2019) and SMPL-X files, a rotation vector a joint and frame.
+
+`poses` (F, 72, 156 or 165) has the rotation vectors [rad] of 24, 52 or 55 joints, `trans` (F, 3) [m] the root's; SMPL-X files may
+hold the same in parts (`root_orient`, `pose_body`, ...), alone or beside `poses`. The pelvis stands at `trans` plus its place in
+the body at rest. Shape and soft tissue (`betas`, `dmpls`) are not used.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.assets import caps
+from avatarsim.assets.models import smpl_skeleton
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.skeleton import Skeleton
+from avatarsim.assets.motions import matching
+from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, opened, packed
+from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
+from avatarsim.spatial.rotation import Array
+
+POSES, TRANS = "poses", "trans"
+
+PARTS = {"root_orient": 1, "pose_body": 21, "pose_jaw": 1, "pose_eye": 2, "pose_hand": 30}
+"""Entries of SMPL-X in the order of its joints, and how many joints each has."""
+
+DERIVED = ("joints", "keypoints", "joints3d", "verts", "vertices")
+"""Entries that follow from the pose through the body model: left out with another motion."""
+
+TURNS = {"z": (1.0, 0.0, 0.0, 0.0), "y": (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)}
+"""Rotations of a world with this axis up onto ours."""
+
+AXES = np.array([0.5, 0.5, 0.5, 0.5])
+"""Rotation of our link frames (x forward, z up) to the family's (z forward, y up): what is along our x is along their z."""
+
+
+def is_one(archive: Archive) -> bool:
+    """Whether an archive holds a body of the family."""
+    return archive.first((TRANS,)) is not None and archive.first((POSES, "pose_body")) is not None
+
+
+def of_archive(
+    archive: Archive, *, rate: float | None = None, offsets: str | Path | None = None, up: str | None = None,
+    stature: float | None = None,
+) -> "SmplFile":
+    """The motion of a body of the family; options as in `npz.read_npz`. Raises InvalidFile."""
+    name = archive.name
+    if (up or "z") not in TURNS:
+        raise UnknownName("up", str(up), TURNS)
+    poses = archive.table(POSES) if archive.first((POSES,)) else _of_parts(archive)
+    member = smpl_skeleton.tree_of(poses.shape[1] // 3) if poses.shape[1] % 3 == 0 else None
+    if member is None:
+        raise InvalidFile(f"columns of {POSES} of {name}", poses.shape[1], "72 (SMPL), 156 (SMPL-H, AMASS) or 165 (SMPL-X)")
+    trans = archive.table(TRANS, 3)
+    if len(trans) != len(poses):
+        raise InvalidFile(f"frames of {TRANS} of {name}", len(trans), f"{len(poses)}, as of {POSES}")
+    notes = [f'{name}: world taken as {up or "z"} up' + ("" if up else ', as in AMASS; up="y" says otherwise')]
+    if offsets is None:
+        skeleton, pelvis = smpl_skeleton.approximate(member, smpl_skeleton.STATURE if stature is None else stature)
+        notes.append(
+            f"{name}: joints stand where an approximate skeleton of our own has them, for a stature of "
+            f"{stature or smpl_skeleton.STATURE:g} m; betas are not used. offsets=FILE.npz with J (n, 3) of a body model places "
+            "them exactly"
+        )
+    else:
+        skeleton, pelvis = smpl_skeleton.measured(member, _rest_joints(Path(offsets), member))
+    if archive.left_out:
+        notes.append(f"{name}: left out, {matching.shortened(archive.left_out)}: Python objects (a pickle) are not read")
+    times = times_of(archive, len(poses), rate)
+    caps.require_frames(name, len(poses), len(skeleton.bones))
+    return SmplFile(archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, up or "z", notes)
+
+
+def _of_parts(archive: Archive) -> Array:
+    """The poses (F, 165) of a file that has them in parts; joints whose part is missing are not turned."""
+    found = {key: archive.table(key, 3 * count) for key, count in PARTS.items() if archive.first((key,))}
+    frames = {key: len(values) for key, values in found.items()}
+    if "root_orient" not in found or len(set(frames.values())) != 1:
+        raise InvalidFile(f"poses of {archive.name}", frames, "root_orient and pose_body of as many frames")
+    count = len(found["root_orient"])
+    return np.concatenate([found.get(key, np.zeros((count, 3 * n))) for key, n in PARTS.items()], axis=1)
+
+
+def _rest_joints(path: Path, member: str) -> Array:
+    """J (n, 3) [m] of a body model's file. Raises InvalidFile."""
+    archive = opened(path)
+    joints = archive.numbers("J")
+    count = len(smpl_skeleton.TREES[member])
+    if joints.ndim != 2 or joints.shape[1] != 3 or len(joints) < count or not np.abs(joints).max() < 10.0:
+        raise InvalidFile(f"J of {path.name}", joints.shape, f"({count}, 3), places of the joints at rest [m]")
+    if not np.ptp(joints[:, 1]) > 0.1:
+        raise InvalidFile(f"height of J of {path.name} [m]", float(np.ptp(joints[:, 1])), "above 0.1, along y")
+    return joints
+
+
+@dataclass(frozen=True, eq=False)
+class SmplFile:
+    """A file of a body of the family: a MotionFile.
+
+    times (F,) [s]; poses (F, joints, 3) [rad], trans (F, 3) [m], as in the file; `pelvis` (3,) [m] its place at rest"""
+
+    archive: Archive
+    times: Array
+    poses: Array
+    trans: Array
+    skeleton: Skeleton
+    pelvis: Array
+    up: str
+    notes: list[str] = field(default_factory=list)
+    format: str = "npz"
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """Sentences for the user."""
+        return tuple(self.notes)
+
+    @property
+    def name(self) -> str:
+        """The file's name."""
+        return self.archive.name
+
+    def model(self) -> Model:
+        """The avatar of the file's skeleton, with flesh and limits of a mean human."""
+        return self._model
+
+    @cached_property
+    def _model(self) -> Model:
+        rotations, root = self._rotations(slice(0, 1))
+        positions = np.zeros((len(self.skeleton.bones), 3))
+        positions[0] = root[0]
+        stature = float(np.ptp(self.skeleton.rest[:, 2]))
+        return human(self.skeleton, stature, (positions, rotations[0], np.zeros(0)))
+
+    def _rotations(self, frames: slice) -> tuple[Array, Array]:
+        """Rotations (F, joints, 4) as in TrackerSample, for links whose frames are ours, and the root's place (F, 3) [m]."""
+        turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses[frames]))
+        upright = np.array(TURNS[self.up])
+        root = rotation.multiply(rotation.from_rotation_vector(self.poses[frames, 0]), AXES)
+        turns[:, 0] = rotation.multiply(upright, root)
+        return rotation.normalised(turns), rotation.rotate(upright, self.trans[frames] + self.pelvis)
+
+    def motion(self, model: Model) -> Motion:
+        """The motion for an avatar whose joints are called as the family's, its root free and the others balls.
+
+        Raises InvalidFile for other joints, by name."""
+        slots = self._slots(model)
+        coordinates = matching.coordinates_of_model(self.name, model)
+        caps.require_frames(self.name, len(self.times), coordinates.links)
+        turns, root = self._rotations(slice(None))
+        positions = np.zeros((len(turns), coordinates.links, 3))
+        rotations = np.tile(np.array(rotation.IDENTITY), (len(turns), coordinates.links, 1))
+        for joint, link in slots.items():
+            rotations[:, link] = turns[:, joint]
+        positions[:, slots[0]] = root
+        return Motion(self.times, positions, rotations, np.zeros((len(turns), coordinates.hinges)))
+
+    def _slots(self, model: Model) -> dict[int, int]:
+        """The avatar's link of each of the family's joints that it has."""
+        coordinates = matching.coordinates_of_model(self.name, model)
+        assert model.avatar is not None
+        numbers = {name: k for k, name in enumerate(self.skeleton_names)}
+        found: dict[int, int] = {}
+        unknown = []
+        for slot in coordinates.slots:
+            link = model.avatar.links[slot.link].name
+            joint = 0 if slot.kind == "free" else numbers.get(slot.name, numbers.get(link, -1))
+            if joint < 0 or slot.kind == "hinge":
+                unknown.append(slot.name)
+            else:
+                found[joint] = slot.link
+        if unknown or 0 not in found:
+            names = matching.shortened(self.skeleton_names)
+            valid = f"a free root and balls called {names}; others than these: {matching.shortened(unknown) or 'none'}"
+            raise InvalidFile(f"joints for {self.name}", matching.shortened(coordinates.names), valid)
+        return found
+
+    @property
+    def skeleton_names(self) -> tuple[str, ...]:
+        """Names of the joints, in order."""
+        return tuple(bone.name for bone in self.skeleton.bones)
+
+    def written(self, motion: Motion, model: Model) -> bytes:
+        """The file again with this motion; joints of frames that are as they were keep the file's numbers, to the bit."""
+        slots, before = self._slots(model), self.motion(model)
+        same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
+        nearest = np.abs(np.searchsorted(self.times, motion.times - 1e-9)).clip(0, len(self.times) - 1)
+        poses, trans = self.poses[nearest].copy(), self.trans[nearest].copy()
+        down = rotation.conjugate(np.array(TURNS[self.up]))
+        for joint, link in slots.items():
+            turns = motion.rotations[:, link]
+            if joint == 0:
+                turns = rotation.multiply(rotation.multiply(down, turns), rotation.conjugate(AXES))
+                vectors = rotation.to_rotation_vector(turns)
+            else:
+                vectors = smpl_skeleton.theirs(rotation.to_rotation_vector(turns))
+            moved = (motion.rotations[:, link] != before.rotations[nearest, link]).any(axis=1)
+            poses[moved, joint] = vectors[moved]
+        place = rotation.rotate(down, motion.positions[:, slots[0]]) - self.pelvis
+        moved = (motion.positions[:, slots[0]] != before.positions[nearest, slots[0]]).any(axis=1)
+        trans[moved] = place[moved]
+        if same_times and (poses == self.poses).all() and (trans == self.trans).all():
+            return packed(self.archive.arrays, self.archive.packed)
+        return self._packed(poses.reshape(len(poses), -1), trans, {} if same_times else restated(self.archive, motion))
+
+    def _packed(self, poses: Array, trans: Array, times: Mapping[str, AnyArray]) -> bytes:
+        """The archive with these poses, whole and in parts, as the file has them."""
+        now = {POSES: poses, TRANS: trans}
+        first = 0
+        for key, count in PARTS.items():
+            # in a file of SMPL-H the parts are not those of SMPL-X
+            if poses.shape[1] == 165:
+                now[key] = poses[:, first : first + 3 * count]
+            first += 3 * count
+        found: dict[str, AnyArray] = {}
+        frames = len(self.times)
+        for key, recorded in self.archive.arrays.items():
+            if key in now and recorded.shape[1:] == now[key].shape[1:]:
+                found[key] = narrowed(now[key], recorded)
+            elif key in times:
+                found[key] = times[key]
+            elif key not in DERIVED and not (times and recorded.ndim > 0 and len(recorded) == frames):
+                found[key] = recorded
+        return packed(found, self.archive.packed)

@@ -1,0 +1,136 @@
+"""Generalized coordinates: rows to a motion and back, link by link and in a file's order; what is none is refused by name."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.assets.models.coordinates import Coordinates, Slot, coordinates_of
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+from tests.assets.motions.robots import puppet, robot
+
+MODEL = """<mujoco><worldbody>
+<body name="root" pos="0 0 .3"><freejoint/><geom size=".05"/>
+ <body name="head" pos="0 0 .3"><joint type="ball"/><geom size=".05"/>
+  <body name="hand" pos="0 0 .3"><joint axis="1 0 0"/><joint axis="0 1 0"/><geom size=".05"/></body></body></body>
+</worldbody></mujoco>"""
+"""The puppet in MJCF."""
+
+
+def rows(frames: int, seed: int) -> np.ndarray:
+    """Rows (frames, 13) of the puppet: a free root, a ball, two hinges."""
+    rng = np.random.default_rng(seed)
+    root, ball = (rotation.normalised(rng.normal(size=(frames, 4))) for _ in range(2))
+    return np.concatenate([rng.normal(size=(frames, 3)), root, ball, rng.normal(size=(frames, 2))], axis=1)
+
+
+def of_puppet() -> Coordinates:
+    found = puppet().coordinates
+    assert found is not None
+    return found
+
+
+def test_names_and_width_are_those_of_the_slots() -> None:
+    assert of_puppet().names == ("root", "head", "hand.0", "hand.1")
+    assert of_puppet().width == 13
+    of_robot = robot().coordinates
+    assert of_robot is not None and of_robot.width == 11
+
+
+@given(st.integers(1, 6), st.integers(0, 99))
+def test_rows_of_a_motion_are_the_rows_that_it_was_made_of(frames: int, seed: int) -> None:
+    q = rows(frames, seed)
+    motion = of_puppet().motion(q, np.arange(frames) / 30.0)
+    assert (of_puppet().rows(motion) == q).all()
+
+
+@given(st.integers(0, 99), st.floats(0.5, 2.0))
+def test_quaternions_become_unit_ones_and_stay_what_they_became(seed: int, length: float) -> None:
+    q = rows(3, seed)
+    q[:, 3:7] *= length
+    once = of_puppet().rows(of_puppet().motion(q, np.arange(3.0)))
+    assert np.allclose(np.linalg.norm(once[:, 3:7], axis=1), 1.0, atol=1e-15)
+    assert (of_puppet().rows(of_puppet().motion(once, np.arange(3.0))) == once).all()
+
+
+@given(st.integers(0, 99))
+def test_poses_are_those_of_mujoco(seed: int) -> None:
+    q = rows(1, seed)
+    model = mujoco.MjModel.from_xml_string(MODEL)
+    data = mujoco.MjData(model)
+    data.qpos[:] = q[0]
+    mujoco.mj_kinematics(model, data)
+    motion, avatar = of_puppet().motion(q, np.zeros(1)), puppet().avatar
+    assert avatar is not None
+    places, turns = poses_of_links((avatar,), motion.positions, motion.rotations, motion.angles)
+    assert np.abs(places[0] - data.xpos[1:]).max() < 1e-12
+    assert np.abs(np.abs((turns[0] * data.xquat[1:]).sum(axis=1)) - 1.0).max() < 1e-12
+
+
+def test_a_reference_angle_is_taken_off_and_put_back() -> None:
+    coordinates = Coordinates((Slot("knee", "hinge", 1, 0, rest=0.5),), 2, 1)
+    motion = coordinates.motion(np.array([[0.75]]), np.zeros(1))
+    assert motion.angles[0, 0] == 0.25
+    assert coordinates.rows(motion)[0, 0] == 0.75
+
+
+def test_the_order_of_the_file_is_not_that_of_the_links() -> None:
+    coordinates = robot().coordinates
+    assert coordinates is not None
+    q = np.array([[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4]])
+    motion = coordinates.motion(q, np.zeros(1))
+    assert np.allclose(motion.angles, [[0.1, 0.2, 0.15, 0.3]])
+    assert np.allclose(coordinates.rows(motion), q, atol=1e-15)
+
+
+def test_an_avatar_without_joints_has_rows_without_numbers() -> None:
+    coordinates = Coordinates((), 1, 0)
+    motion = coordinates.motion(np.zeros((4, 0)), np.arange(4.0))
+    assert coordinates.rows(motion).shape == (4, 0)
+
+
+def test_coordinates_of_an_avatar_are_its_joints_link_by_link() -> None:
+    avatar = robot().avatar
+    assert avatar is not None
+    found = coordinates_of(avatar)
+    assert found.names == ("pelvis", "torso", "left_arm", "left_forearm", "right_arm")
+    assert [slot.hinge for slot in found.slots] == [-1, 0, 1, 2, 3]
+    assert (found.links, found.hinges) == (6, 4)
+
+
+def changed(frame: int, column: int, value: float) -> np.ndarray:
+    q = rows(3, 0)
+    q[frame, column] = value
+    return q
+
+
+@pytest.mark.parametrize(("q", "says"), [
+    (rows(3, 0)[:, :12], "shape of generalized coordinates.*12.*13: root, head"),
+    (rows(3, 0)[0], "shape of generalized coordinates"),
+    (changed(1, 12, float("nan")), "column 12 of frame 1"),
+    (changed(2, 0, float("inf")), "column 0 of frame 2"),
+    (np.concatenate([rows(3, 0)[:, :3], np.zeros((3, 4)), rows(3, 0)[:, 7:]], axis=1), "quaternion of root in frame 0"),
+    (np.full((3, 13), "1"), "generalized coordinates"),
+    ([[1.0], [1.0, 2.0]], "generalized coordinates"),
+])
+def test_rows_that_are_none_are_refused_by_name(q: Any, says: str) -> None:
+    with pytest.raises(InvalidInput, match=says):
+        of_puppet().motion(q, np.arange(3.0))
+
+
+def test_times_of_another_length_are_refused() -> None:
+    with pytest.raises(InvalidInput, match="frames in the"):
+        of_puppet().motion(rows(3, 0), np.arange(4.0))
+
+
+def test_a_motion_of_another_avatar_is_refused() -> None:
+    motion = of_puppet().motion(rows(2, 0), np.arange(2.0))
+    of_robot = robot().coordinates
+    assert of_robot is not None
+    with pytest.raises(InvalidInput, match=r"links and hinges.*\(3, 2\).*\(6, 4\)"):
+        of_robot.rows(motion)

@@ -1,0 +1,67 @@
+"""A small robot of every kind of joint, made by hand, and motions of it; files are written of them as other tools write theirs."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from avatarsim.assets.models.coordinates import Coordinates, Slot, coordinates_of
+from avatarsim.assets.models.model import Model
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid
+from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.spatial import rotation
+from avatarsim.spatial.rotation import Array
+
+BALL = (Piece(Sphere(0.05)),)
+MASS = solid(BALL, 1.0)
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+JOINTS = ("waist", "left_shoulder", "right_shoulder", "left_elbow")
+"""The robot's hinges, in its model's order."""
+
+
+def link(name: str, parent: str | None, joint: Any, anchor: tuple[float, float, float] = (0.0, 0.0, 0.3)) -> Link:
+    return Link(name, parent, joint, BALL, MASS, anchor=anchor)
+
+
+def robot(free: bool = True) -> Model:
+    """A free pelvis, four hinges and a rigid hand; coordinates as a file names them, one hinge with a reference angle."""
+    root = Free() if free else Rigid()
+    avatar = Avatar("robot", (
+        link("pelvis", None, root),
+        link("torso", "pelvis", Hinges((Hinge(Z),))),
+        link("left_arm", "torso", Hinges((Hinge(Y),)), (0.0, 0.2, 0.2)),
+        link("left_forearm", "left_arm", Hinges((Hinge(Y),)), (0.0, 0.0, -0.3)),
+        link("left_hand", "left_forearm", Rigid(), (0.0, 0.0, -0.2)),
+        link("right_arm", "torso", Hinges((Hinge(X),)), (0.0, -0.2, 0.2)),
+    ))
+    slots = (
+        *((Slot("floating_base", "free", 0),) if free else ()), Slot("waist", "hinge", 1, 0), Slot("left_shoulder", "hinge", 2, 1),
+        Slot("right_shoulder", "hinge", 5, 3), Slot("left_elbow", "hinge", 3, 2, rest=0.25),
+    )
+    return Model(avatar, Coordinates(slots, 6, 4), (), ())
+
+
+def puppet() -> Model:
+    """A free root, a ball and a link of two hinges, with coordinates link by link."""
+    avatar = Avatar("puppet", (link("root", None, Free()), link("head", "root", Ball()), link("hand", "head", Hinges((Hinge(X), Hinge(Y))))))
+    return Model(avatar, coordinates_of(avatar), (), ())
+
+
+def walk(frames: int, joints: int = len(JOINTS), seed: int = 0) -> Array:
+    """Rows (frames, 7 + joints) of a smooth motion: root position, unit quaternion w first, angles."""
+    rng = np.random.default_rng(seed)
+    u = np.linspace(0.0, 1.0, frames)[:, None]
+    places = np.array([0.5, 0.2, 0.9]) + u * np.array([1.0, 0.3, 0.05])
+    turns = rotation.from_rotation_vector(np.sin(2.0 * u) * np.array([0.1, 0.2, 0.6]))
+    angles = 0.4 * np.sin(3.0 * u + rng.uniform(0.0, 3.0, joints))
+    return np.concatenate([places, turns, angles], axis=1)
+
+
+def saved(path: Path, arrays: Mapping[str, Any], save: Callable[..., None] = np.savez) -> Path:
+    """An .npz file of these entries."""
+    save(path, **{key: np.asarray(values) for key, values in arrays.items()})
+    return path

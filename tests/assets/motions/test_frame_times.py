@@ -1,0 +1,70 @@
+"""When frames were recorded: as the file states it, or the user; and stated again for a motion at another rate."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from avatarsim.assets.motions.archive import Archive
+from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.motion import Motion
+
+
+def archive(**arrays: Any) -> Archive:
+    return Archive("some.npz", {key: np.asarray(values) for key, values in arrays.items()}, False, ())
+
+
+def motion(times: list[float]) -> Motion:
+    frames = len(times)
+    return Motion(np.array(times), np.zeros((frames, 1, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (frames, 1, 1)), np.zeros((frames, 0)))
+
+
+@pytest.mark.parametrize("stated", [
+    {"fps": 50}, {"fps": [50]}, {"fps": 50.0}, {"mocap_framerate": 50}, {"mocap_frame_rate": np.array(50.0)}, {"frequency": 50.0},
+    {"dt": 0.02}, {"times": [0.0, 0.02, 0.04]}, {"time": [5.0, 5.02, 5.04]}, {"times": [[0.0], [0.02], [0.04]]},
+])
+def test_every_way_to_state_a_rate(stated: dict[str, Any]) -> None:
+    assert np.allclose(times_of(archive(**stated), 3, None), [0.0, 0.02, 0.04], atol=1e-12)
+
+
+def test_what_the_user_says_counts() -> None:
+    assert times_of(archive(fps=50), 3, 100.0).tolist() == [0.0, 0.01, 0.02]
+
+
+@pytest.mark.parametrize(("stated", "says"), [
+    ({}, r"not stated.*rate=30"), ({"fps": [50, 60]}, "one number"), ({"fps": "50"}, "type of fps"), ({"fps": 0}, "frames a second"),
+    ({"fps": -30.0}, "frames a second"), ({"fps": np.nan}, "finite"), ({"fps": 1e12}, "frames a second"), ({"dt": 0.0}, "frames a second"),
+    ({"times": [0.0, 0.1]}, "instants of times.*2.*3"), ({"times": [0.0, 0.2, 0.1]}, "step from frame 1 to the next"),
+    ({"times": [0.0, 0.0, 0.1]}, "step from frame 0 to the next"), ({"times": [0.0, np.inf, 0.1]}, "finite"),
+    ({"times": [0.0, 1.0, 1e9]}, "step from frame 1 to the next"),
+])
+def test_rates_that_no_recording_has_are_refused(stated: dict[str, Any], says: str) -> None:
+    with pytest.raises(InvalidFile, match=says):
+        times_of(archive(**stated), 3, None)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf"), 1e9])
+def test_rates_that_no_user_means_are_refused(rate: float) -> None:
+    with pytest.raises(InvalidInput, match="rate"):
+        times_of(archive(fps=50), 3, rate)
+
+
+def test_another_rate_is_stated_in_the_files_own_way() -> None:
+    faster = motion([0.0, 0.01, 0.02])
+    found = restated(archive(fps=np.array([50]), dt=np.float32(0.02), times=np.array([5.0, 5.02]), more=3), faster)
+    assert set(found) == {"fps", "dt", "times"}
+    assert found["fps"].tolist() == [100] and found["fps"].dtype == np.int64
+    assert found["dt"] == pytest.approx(0.01)
+    assert np.allclose(found["times"], [5.0, 5.01, 5.02])
+
+
+def test_a_rate_that_is_not_whole_is_not_cut_off() -> None:
+    found = restated(archive(fps=50), motion([0.0, 1 / 29.97, 2 / 29.97]))
+    assert found["fps"] == pytest.approx(29.97)
+
+
+def test_uneven_steps_do_not_fit_into_a_rate() -> None:
+    with pytest.raises(InvalidInput, match="equal steps"):
+        restated(archive(fps=50), motion([0.0, 0.01, 0.03]))
+    assert np.allclose(restated(archive(times=np.arange(4.0)), motion([0.0, 0.01, 0.03]))["times"], [0.0, 0.01, 0.03])

@@ -1,0 +1,46 @@
+"""The door for motion files: a reader per suffix, and sentences for what is not read."""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from avatarsim.assets.motions.load import READERS, load_motion
+from avatarsim.errors import InvalidFile, InvalidInput
+from tests.assets.motions.robots import saved, walk
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".txt"])
+def test_readers_are_there(suffix: str) -> None:
+    module, function = READERS[suffix]
+    assert callable(getattr(import_module(f"avatarsim.assets.motions.{module}"), function))
+
+
+def test_a_suffix_is_known_in_capitals_too(tmp_path: Path) -> None:
+    path = saved(tmp_path / "some.npz", {"qpos": walk(3), "fps": 30}).rename(tmp_path / "SOME.NPZ")
+    assert load_motion(str(path)).format == "npz"
+
+
+@pytest.mark.parametrize("name", ["some.pkl", "some.pickle", "some.joblib", "some.pt"])
+def test_pickles_are_refused_with_a_way_out(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(b"cos\nsystem\n(S'touch sprung'\ntR.")
+    with pytest.raises(InvalidFile, match=r"a pickle.*numpy\.savez\('some\.npz'"):
+        load_motion(path)
+
+
+@pytest.mark.parametrize("name", ["some.fbx", "some", "some.npz.zip"])
+def test_other_suffixes_are_refused_with_those_that_are_read(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InvalidFile, match=r"end of the name.*\.csv.*\.npz.*\.txt"):
+        load_motion(tmp_path / name)
+
+
+def test_an_option_of_another_format_is_refused_by_name(tmp_path: Path) -> None:
+    path = saved(tmp_path / "some.npz", {"qpos": walk(3), "fps": 30})
+    with pytest.raises(InvalidInput, match=r"option for some\.npz is 'units'.*quaternion.*rate"):
+        load_motion(path, units="cm")
+
+
+def test_an_archive_of_something_else_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match=r"entries of some\.npz is \['a'\].*qpos.*trans with poses"):
+        load_motion(saved(tmp_path / "some.npz", {"a": walk(3)}))

@@ -1,0 +1,199 @@
+"""Tables of text: the LAFAN1 convention without names, columns by name, and rows that keep their text where nothing moved."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.assets import caps
+from avatarsim.assets.motions.load import load_motion
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.scene.motion import Motion
+from tests.assets.motions.robots import JOINTS, robot, walk
+
+FRAMES = 20
+LAFAN = walk(FRAMES)[:, [0, 1, 2, 4, 5, 6, 3, 7, 8, 9, 10]]
+ROOT = ("root_x", "root_y", "root_z", "root_qx", "root_qy", "root_qz", "root_qw")
+
+
+def text(rows: np.ndarray, names: tuple[str, ...] = (), delimiter: str = ",", end: str = "\n", digits: str = ".6f") -> str:
+    lines = [delimiter.join(names)] if names else []
+    return end.join([*lines, *(delimiter.join(format(value, digits) for value in row) for row in rows)]) + end
+
+
+def written(folder: Path, content: str | bytes, name: str = "some.csv") -> Path:
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def expected(rate: float = 30.0) -> Motion:
+    coordinates = robot().coordinates
+    assert coordinates is not None
+    return coordinates.motion(walk(FRAMES), np.arange(FRAMES) / rate)
+
+
+def differs(a: Motion, b: Motion) -> float:
+    return max(float(np.abs(getattr(a, name) - getattr(b, name)).max()) for name in ("times", "positions", "rotations", "angles"))
+
+
+COUNTED = np.c_[np.arange(FRAMES), LAFAN]
+TIMED = np.c_[LAFAN[:, 3:], np.arange(FRAMES) / 50.0, LAFAN[:, :3]]
+BACKWARDS = np.c_[LAFAN[:, :7], LAFAN[:, :6:-1]]
+
+FORMS = {
+    "LAFAN1": (text(LAFAN), {}, 30.0),
+    "other rate": (text(LAFAN), {"rate": 50.0}, 50.0),
+    "scalar first": (text(walk(FRAMES)), {"quaternion": "wxyz"}, 30.0),
+    "rows counted": (text(COUNTED), {}, 30.0),
+    "names": (text(BACKWARDS, (*ROOT, *(f"{joint}_dof" for joint in JOINTS[::-1]))), {}, 30.0),
+    "names and times": (text(TIMED, (*ROOT[3:], *JOINTS, "time", *ROOT[:3]), digits=".9f"), {}, 50.0),
+    "names and a count": (text(np.c_[COUNTED, COUNTED[:, 0]], ("Frame", *ROOT, *JOINTS, "tail")), {}, 30.0),
+    "names by the user": (text(BACKWARDS), {"joints": ",".join(JOINTS[::-1])}, 30.0),
+    "other names of a root": (
+        text(LAFAN, ("base_pos_x", "base_pos_y", "base_pos_z", "base_quat_x", "base_quat_y", "base_quat_z", "base_quat_w", *JOINTS)), {}, 30.0),
+    "semicolons": (text(LAFAN, delimiter=";"), {}, 30.0),
+    "tabs": (text(LAFAN, ROOT + JOINTS, delimiter="\t"), {}, 30.0),
+    "spaces": (text(LAFAN, delimiter="  "), {}, 30.0),
+    "lines of Windows": (text(LAFAN, end="\r\n"), {}, 30.0),
+    "shortest digits": (text(LAFAN, digits=""), {}, 30.0),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_tables_of_every_kind_are_one_motion(tmp_path: Path, form: str) -> None:
+    content, options, rate = FORMS[form]
+    found = load_motion(written(tmp_path, content), **options)
+    assert found.format == "csv" and found.model() is None
+    assert differs(found.motion(robot()), expected(rate)) < 2e-6
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_motion_left_alone_keeps_the_file(tmp_path: Path, form: str) -> None:
+    content, options, _ = FORMS[form]
+    found = load_motion(written(tmp_path, content), **options)
+    assert found.written(found.motion(robot()), robot()) == content.encode()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_is_written_is_read_back(tmp_path: Path, form: str) -> None:
+    content, options, _ = FORMS[form]
+    found = load_motion(written(tmp_path, content), **options)
+    motion = found.motion(robot())
+    angles = motion.angles.copy()
+    angles[5:9, 2] += 1.0 / 3.0
+    changed = replace(motion, angles=angles)
+    other = found.written(changed, robot())
+    assert differs(load_motion(written(tmp_path, other, "other.csv"), **options).motion(robot()), changed) < 1e-12
+    lines, were = other.decode().splitlines(), content.splitlines()
+    moved = [k for k, (now, was) in enumerate(zip(lines, were, strict=True)) if now != was]
+    first = len(lines) - FRAMES
+    assert moved == [first + k for k in (5, 6, 7, 8)]
+
+
+@given(st.integers(0, 30), st.integers(2, 8))
+def test_every_number_survives(tmp_path_factory: pytest.TempPathFactory, seed: int, frames: int) -> None:
+    folder = tmp_path_factory.mktemp("table")
+    found = load_motion(written(folder, text(LAFAN[:frames])))
+    motion = found.motion(robot())
+    angles = np.random.default_rng(seed).uniform(-3.0, 3.0, motion.angles.shape)
+    again = load_motion(written(folder, found.written(replace(motion, angles=angles), robot()), "other.csv")).motion(robot())
+    # one hinge has a reference angle, which is taken off and put back
+    assert np.abs(again.angles - angles).max() < 1e-15
+
+
+@pytest.mark.parametrize("form", ["LAFAN1", "names and times", "names and a count", "rows counted"])
+def test_another_rate_has_other_rows(tmp_path: Path, form: str) -> None:
+    content, options, rate = FORMS[form]
+    found = load_motion(written(tmp_path, content), **options)
+    motion = found.motion(robot()).resampled(2.0 * rate)
+    again = load_motion(written(tmp_path, found.written(motion, robot()), "other.csv"), **options | {"rate": 2.0 * rate})
+    assert len(again.motion(robot())) == 2 * FRAMES - 1
+    assert differs(again.motion(robot()), motion) < 1e-9
+    if "times" in form:
+        stated = load_motion(tmp_path / "other.csv").motion(robot())
+        assert np.abs(stated.times - motion.times).max() < 1e-9
+
+
+def test_rows_counted_go_on_counting(tmp_path: Path) -> None:
+    found = load_motion(written(tmp_path, FORMS["names and a count"][0]))
+    lines = found.written(found.motion(robot()).resampled(60.0), robot()).decode().splitlines()
+    assert [line.partition(",")[0] for line in lines[1:4]] == ["0", "1", "2"]
+
+
+def test_uneven_steps_need_a_column_of_times(tmp_path: Path) -> None:
+    found = load_motion(written(tmp_path, FORMS["LAFAN1"][0]))
+    motion = found.motion(robot())
+    uneven = replace(motion, times=motion.times**1.1)
+    with pytest.raises(InvalidInput, match="equal steps"):
+        found.written(uneven, robot())
+    timed = load_motion(written(tmp_path, FORMS["names and times"][0]))
+    again = load_motion(written(tmp_path, timed.written(uneven, robot()), "other.csv")).motion(robot())
+    assert np.abs(again.times - uneven.times).max() < 1e-9
+
+
+def test_what_was_assumed_is_said(tmp_path: Path) -> None:
+    said = load_motion(written(tmp_path, FORMS["LAFAN1"][0])).said
+    assert 'quaternion="wxyz"' in said[0] and "30 rows a second" in said[1]
+    assert load_motion(written(tmp_path, FORMS["names and times"][0])).said == ()
+
+
+def cell(row: int, column: int, word: str) -> str:
+    lines = [line.split(",") for line in text(LAFAN).splitlines()]
+    lines[row][column] = word
+    return "\n".join(",".join(line) for line in lines) + "\n"
+
+
+HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {
+    "empty": (lambda: "", "rows of table"),
+    "white": (lambda: "\n \n\t\n", "rows of table"),
+    "names alone": (lambda: ",".join(ROOT + JOINTS), "rows of numbers"),
+    "prose": (lambda: "It walks.\nIt runs, and then it falls.\n", "root's columns|columns of row"),
+    "prose of numbers": (lambda: "a,b\n" + "c,d\n" * 5, "root's columns|numbers of table"),
+    "mixed columns": (lambda: text(LAFAN) + "1,2,3\n", f"columns of row {FRAMES + 1} of some.csv is 3; valid: 11"),
+    "a word": (lambda: cell(3, 8, "x"), "numbers of table some.csv"),
+    "no number": (lambda: cell(3, 8, ""), "numbers of table some.csv"),
+    "nan": (lambda: cell(3, 8, "nan"), "column 8 of frame 3 of table some.csv"),
+    "infinity": (lambda: cell(3, 8, "-inf"), "column 8 of frame 3"),
+    "overflow": (lambda: cell(3, 8, "1e400"), "column 8 of frame 3"),
+    "huge angle": (lambda: cell(3, 8, "1e300"), "angle of left_shoulder in frame 3"),
+    "huge place": (lambda: cell(3, 0, "1e300"), "distance of floating_base"),
+    "no rotation": (lambda: cell(3, 6, "100"), "length of the quaternion of floating_base in frame 3"),
+    "too few joints": (lambda: text(LAFAN[:, :9]), "names no joints.*9.*11"),
+    "a name twice": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], JOINTS[0])), "name of column 10"),
+    "unknown joints": (lambda: text(LAFAN, (*ROOT, "a", "b", "c", "d")), "missing: waist.*not the avatar's: a, b, c, d"),
+    "angles of a root": (lambda: text(LAFAN[:, :10], (*ROOT[:3], "root_rot_x", "root_rot_y", "root_rot_z", *JOINTS)), "root's columns"),
+    "times that stand still": (lambda: text(np.c_[np.zeros(FRAMES), LAFAN], ("time", *ROOT, *JOINTS)), "instant of row 2"),
+    "many columns": (lambda: ",".join(["1"] * (caps.COLUMNS + 1)) + "\n", f"columns of row 1 of some.csv is {caps.COLUMNS + 1}"),
+    "long name": (lambda: text(LAFAN, (*ROOT, *JOINTS[:3], "x" * 300)), "name of column 10"),
+    "one endless line": (lambda: "a" * (caps.COLUMNS * caps.NAME + 1), "characters of the first line"),
+    "no text": (lambda: bytes(range(256)) * 4, "not UTF-8"),
+    "another encoding": (lambda: text(LAFAN).encode("utf-16"), "not UTF-8"),
+    "noughts": (lambda: bytes(1000), "root's columns|numbers of table|name of column"),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_tables_end_in_a_sentence(tmp_path: Path, name: str) -> None:
+    make, says = HOSTILE[name]
+    with pytest.raises(InvalidFile, match=says):
+        load_motion(written(tmp_path, make())).motion(robot())
+
+
+def test_a_large_table_is_refused_by_its_size(tmp_path: Path) -> None:
+    with (tmp_path / "some.csv").open("wb") as file:
+        file.truncate(caps.TEXT_BYTES + 1)
+    with pytest.raises(InvalidFile, match="size of table"):
+        load_motion(tmp_path / "some.csv")
+
+
+def test_options_that_are_none_are_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, FORMS["LAFAN1"][0])
+    with pytest.raises(UnknownName, match="wxyz, xyzw"):
+        load_motion(path, quaternion="x")
+    with pytest.raises(InvalidInput, match="rate"):
+        load_motion(path, rate=0.0)

@@ -1,0 +1,285 @@
+"""Robot trajectories in archives: the conventions of several tools, joints by name, and what is written again beside the pose."""
+
+import io
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.load import load_motion
+from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+from tests.assets.motions.robots import JOINTS, puppet, robot, saved, walk
+
+FRAMES = 40
+XYZW = [0, 1, 2, 4, 5, 6, 3]
+"""Columns of a root whose quaternion is written x, y, z, w."""
+
+
+def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Poses of the world, the robot's links, and a badge on its torso that its model does not have."""
+    assert model.avatar is not None
+    places, turns = poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)
+    frames = len(motion)
+    badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
+    still = np.tile(np.array(rotation.IDENTITY), (frames, 1, 1))
+    return (np.concatenate([np.zeros((frames, 1, 3)), places, badge], axis=1), np.concatenate([still, turns, turns[:, 1:2]], axis=1))
+
+
+def holosoma() -> dict[str, Any]:
+    q = walk(FRAMES)
+    model = robot()
+    assert model.coordinates is not None and model.avatar is not None
+    motion = model.coordinates.motion(q, np.arange(FRAMES) / 50.0)
+    places, turns = bodies(model, motion)
+    times = motion.times
+    return {
+        "fps": np.array([50]), "joint_pos": q,
+        "joint_vel": np.concatenate([np.gradient(q[:, :3], times, axis=0), spin(q[:, 3:7], times), np.gradient(q[:, 7:], times, axis=0)],
+                                    axis=1),
+        "body_pos_w": places, "body_quat_w": turns, "body_lin_vel_w": np.gradient(places, times, axis=0),
+        "body_ang_vel_w": np.stack([spin(turns[:, k], times) for k in range(turns.shape[1])], axis=1),
+        "joint_names": np.array(JOINTS), "body_names": np.array(["world", *(link.name for link in model.avatar.links), "badge"]),
+        "contact": np.arange(FRAMES) % 2 == 0,
+    }
+
+
+def spin(turns: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Angular velocities in the world, by differences of neighbours on both sides."""
+    found = np.empty((len(turns), 3))
+    for k in range(len(turns)):
+        a, b = max(k - 1, 0), min(k + 1, len(turns) - 1)
+        found[k] = rotation.to_rotation_vector(rotation.multiply(turns[b], rotation.conjugate(turns[a]))) / (times[b] - times[a])
+    return found
+
+
+def gmr(dtype: type = np.float64) -> dict[str, Any]:
+    q = walk(FRAMES)[:, [*XYZW, 7, 8, 9, 10]].astype(dtype)
+    return {"fps": 50.0, "root_pos": q[:, :3], "root_rot": q[:, 3:7], "dof_pos": q[:, 7:]}
+
+
+def isaac() -> dict[str, Any]:
+    whole = holosoma()
+    order = [3, 1, 0, 2]
+    return {
+        "fps": 50, "dof_names": np.array([JOINTS[k] for k in order]), "dof_positions": whole["joint_pos"][:, 7:][:, order],
+        "body_names": whole["body_names"][1:], "body_positions": whole["body_pos_w"][:, 1:], "body_rotations": whole["body_quat_w"][:, 1:],
+    }
+
+
+def reordered() -> dict[str, Any]:
+    whole, order = holosoma(), [2, 0, 3, 1]
+    return {"fps": 50, "joint_pos": whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]], "joint_names": [JOINTS[k] for k in order]}
+
+
+def loco() -> dict[str, Any]:
+    return {"qpos": walk(FRAMES), "frequency": 50.0, "joint_names": np.array(["floating_base", *JOINTS])}
+
+
+FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
+    "holosoma": (holosoma(), {}), "GMR": (gmr(), {}), "Isaac Lab": (isaac(), {}), "other order": (reordered(), {}), "all names": (loco(), {}),
+    "qpos alone": ({"qpos": walk(FRAMES), "fps": 50}, {}),
+    "qpos at times": ({"qpos": walk(FRAMES), "times": np.arange(FRAMES) / 50.0}, {}),
+    "rate by the user": ({"qpos": walk(FRAMES)}, {"rate": 50.0}),
+    "scalar last": ({"qpos": walk(FRAMES)[:, [*XYZW, 7, 8, 9, 10]], "fps": 50}, {"quaternion": "xyzw"}),
+    "scalar first": ({**gmr(), "root_rot": walk(FRAMES)[:, 3:7]}, {"quaternion": "wxyz"}),
+    "names by the user": ({"qpos": reordered()["joint_pos"], "fps": 50}, {"joints": ", ".join(reordered()["joint_names"])}),
+    "a joint too many": ({"joint_pos": np.c_[walk(FRAMES), np.ones(FRAMES)], "fps": 50, "joint_names": [*JOINTS, "tail"]}, {}),
+}
+"""Entries and options of files that all hold the same motion."""
+
+
+def entries(content: bytes) -> dict[str, Any]:
+    with np.load(io.BytesIO(content), allow_pickle=False) as found:
+        return dict(found)
+
+
+def raised(motion: Motion, first: int, last: int) -> Motion:
+    """The motion with a shoulder and the root raised from one frame to another."""
+    angles, positions = motion.angles.copy(), motion.positions.copy()
+    angles[first : last + 1, 1] += 0.2
+    positions[first : last + 1, 0, 2] += 0.05
+    return replace(motion, angles=angles, positions=positions)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_conventions_of_several_tools_are_one_motion(tmp_path: Path, form: str) -> None:
+    arrays, options = FORMS[form]
+    found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
+    motion, model = found.motion(robot()), robot()
+    assert model.coordinates is not None
+    expected = model.coordinates.motion(walk(FRAMES), np.arange(FRAMES) / 50.0)
+    assert found.format == "npz" and found.model() is None
+    for name in ("times", "positions", "rotations", "angles"):
+        assert np.abs(getattr(motion, name) - getattr(expected, name)).max() < 1e-12, name
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_motion_left_alone_is_written_bit_for_bit(tmp_path: Path, form: str) -> None:
+    arrays, options = FORMS[form]
+    found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
+    written = entries(found.written(found.motion(robot()), robot()))
+    assert list(written) == list(arrays)
+    for key, values in arrays.items():
+        assert written[key].dtype == np.asarray(values).dtype and written[key].tobytes() == np.asarray(values).tobytes()
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_what_is_written_is_read_back(tmp_path: Path, form: str) -> None:
+    arrays, options = FORMS[form]
+    found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
+    changed = raised(found.motion(robot()), 10, 19)
+    (tmp_path / "other.npz").write_bytes(found.written(changed, robot()))
+    again = load_motion(tmp_path / "other.npz", **options).motion(robot())
+    for name in ("times", "positions", "rotations", "angles"):
+        assert np.abs(getattr(again, name) - getattr(changed, name)).max() < 1e-9, name
+    written = entries((tmp_path / "other.npz").read_bytes())
+    free = np.r_[:8, 22:FRAMES]
+    for key, values in arrays.items():
+        recorded = np.asarray(values)
+        same = recorded[free] if recorded.ndim and len(recorded) == FRAMES else recorded
+        shown = written[key][free] if recorded.ndim and len(recorded) == FRAMES else written[key]
+        assert (shown == same).all(), key
+
+
+def test_bodies_and_speeds_are_those_of_the_new_motion(tmp_path: Path) -> None:
+    arrays = holosoma()
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    changed = raised(found.motion(robot()), 10, 19)
+    written = entries(found.written(changed, robot()))
+    places, turns = bodies(robot(), changed)
+    assert np.abs(written["body_pos_w"] - places).max() < 1e-12
+    assert np.abs(np.abs((written["body_quat_w"] * turns).sum(axis=2)) - 1.0).max() < 1e-12
+    assert np.abs(written["body_lin_vel_w"] - np.gradient(places, changed.times, axis=0)).max() < 1e-9
+    assert np.abs(written["joint_vel"][:, :3] - np.gradient(changed.positions[:, 0], changed.times, axis=0)).max() < 1e-9
+    assert (written["contact"] == arrays["contact"]).all()
+    assert any("body_pos_w" in sentence and "written anew" in sentence for sentence in found.said)
+
+
+def test_entries_that_we_cannot_compute_are_left_out(tmp_path: Path) -> None:
+    arrays = holosoma()
+    rng = np.random.default_rng(1)
+    arrays["body_lin_vel_w"] = rng.normal(size=arrays["body_lin_vel_w"].shape)
+    arrays["joint_vel"] = arrays["joint_vel"] + 3.0
+    arrays["qacc"] = np.zeros((FRAMES, 10))
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    written = entries(found.written(raised(found.motion(robot()), 3, 5), robot()))
+    assert set(arrays) - set(written) == {"body_lin_vel_w", "joint_vel", "qacc"}
+    arrays["body_pos_w"] = rng.normal(size=arrays["body_pos_w"].shape)
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    written = entries(found.written(raised(found.motion(robot()), 3, 5), robot()))
+    assert "body_pos_w" not in written and "body_quat_w" not in written
+
+
+def test_a_root_among_bodies_that_fit_no_link_cannot_be_written(tmp_path: Path) -> None:
+    arrays = isaac()
+    arrays["body_positions"] = arrays["body_positions"].copy()
+    arrays["body_positions"][:, -1] += np.random.default_rng(1).normal(size=(FRAMES, 3))
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    with pytest.raises(InvalidFile, match="body_positions"):
+        found.written(raised(found.motion(robot()), 3, 5), robot())
+
+
+def test_speeds_in_the_roots_own_frame_are_known(tmp_path: Path) -> None:
+    q = walk(FRAMES)
+    times = np.arange(FRAMES) / 50.0
+    own = rotation.rotate(rotation.conjugate(q[:, 3:7]), spin(q[:, 3:7], times))
+    speeds = np.concatenate([np.gradient(q[:, :3], times, axis=0), own, np.gradient(q[:, 7:], times, axis=0)], axis=1)
+    found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "qvel": speeds, "fps": 50}))
+    written = entries(found.written(raised(found.motion(robot()), 10, 19), robot()))
+    assert np.abs(written["qvel"][:, 3:6] - own).max() < 1e-9
+    assert written["qvel"][10, 2] > speeds[10, 2] + 1.0
+
+
+def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
+    found = load_motion(saved(tmp_path / "some.npz", holosoma()))
+    motion = found.motion(robot()).resampled(100.0)
+    (tmp_path / "other.npz").write_bytes(found.written(motion, robot()))
+    written = entries((tmp_path / "other.npz").read_bytes())
+    assert written["fps"].tolist() == [100] and len(written["joint_pos"]) == 2 * FRAMES - 1
+    # a row a frame that is of no pose fits no other frames
+    assert "contact" not in written and len(written["body_pos_w"]) == 2 * FRAMES - 1
+    again = load_motion(tmp_path / "other.npz").motion(robot())
+    assert np.abs(again.angles - motion.angles).max() < 1e-12 and np.abs(again.times - motion.times).max() < 1e-12
+
+
+def test_float32_stays_where_it_is_fine_enough(tmp_path: Path) -> None:
+    arrays = gmr(np.float32)
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    changed = raised(found.motion(robot()), 10, 19)
+    written = entries(found.written(changed, robot()))
+    assert {key: values.dtype for key, values in written.items()} == {"fps": np.dtype(float), **dict.fromkeys(
+        ("root_pos", "root_rot", "dof_pos"), np.dtype(np.float32))}
+    away = replace(changed, positions=changed.positions + np.array([100.0, 0.0, 0.0]))
+    assert entries(found.written(away, robot()))["root_pos"].dtype == np.float64
+
+
+def test_a_compressed_file_stays_compressed(tmp_path: Path) -> None:
+    found = load_motion(saved(tmp_path / "some.npz", holosoma(), np.savez_compressed))
+    content = found.written(raised(found.motion(robot()), 3, 5), robot())
+    assert len(content) < 0.9 * sum(values.nbytes for values in entries(content).values())
+    assert content == found.written(raised(found.motion(robot()), 3, 5), robot())
+
+
+def test_balls_are_rows_of_four(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    q = np.concatenate([walk(5, 0), rotation.normalised(rng.normal(size=(5, 4))), rng.normal(size=(5, 2))], axis=1)
+    found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
+    motion = found.motion(puppet())
+    assert np.allclose(motion.rotations[:, 1], q[:, 7:11]) and np.allclose(motion.angles, q[:, 11:])
+
+
+def test_what_was_assumed_and_left_alone_is_said(tmp_path: Path) -> None:
+    arrays, _ = FORMS["a joint too many"]
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    found.motion(robot())
+    found.motion(robot())
+    assert [sentence for sentence in found.said if "tail" in sentence] == [found.said[-1]]
+    assert 'quaternion="xyzw"' in found.said[0]
+    np.savez(tmp_path / "objects.npz", **gmr(), names=np.array([{}], dtype=object))
+    assert any("pickle" in sentence for sentence in load_motion(tmp_path / "objects.npz").said)
+
+
+def without(key: str) -> dict[str, Any]:
+    return {name: values for name, values in holosoma().items() if name != key}
+
+
+def spoiled(key: str, value: Any) -> dict[str, Any]:
+    return {**{name: values for name, values in gmr().items()}, key: value}
+
+
+@pytest.mark.parametrize(("arrays", "says"), [
+    ({"fps": 50}, "entries of some.npz.*qpos"),
+    ({"fps": 50, "joint_pos": walk(5)[:, :9]}, "names no joints.*9.*11"),
+    (without("fps"), "frames a second of some.npz"),
+    ({**holosoma(), "joint_names": np.array(["a", "b", "c", "d"])}, "missing: waist, left_shoulder"),
+    ({**holosoma(), "joint_names": np.array([1, 2, 3, 4])}, "row of names"),
+    (spoiled("root_rot", np.zeros((FRAMES, 3))), "shape of root_rot"),
+    (spoiled("root_rot", np.zeros((FRAMES, 4))), "length of the quaternion of floating_base in frame 0"),
+    (spoiled("root_pos", np.zeros((FRAMES - 1, 3))), "frames of some.npz"),
+    (spoiled("dof_pos", np.full((FRAMES, 4), np.nan)), "column 0 of frame 0 of dof_pos in some.npz"),
+    (spoiled("dof_pos", np.full((FRAMES, 4), 1e300)), "angle of waist in frame 0"),
+    (spoiled("dof_pos", np.zeros((FRAMES, 0))), "names no joints.*7.*11"),
+    (spoiled("root_pos", np.full((FRAMES, 3), 1e300)), "distance of floating_base"),
+    ({"fps": 50, "qpos": np.zeros((0, 11))}, "shape of qpos"),
+])
+def test_files_that_do_not_fit_end_in_a_sentence(tmp_path: Path, arrays: Mapping[str, Any], says: str) -> None:
+    with pytest.raises(InvalidFile, match=says):
+        load_motion(saved(tmp_path / "some.npz", arrays)).motion(robot())
+
+
+def test_pickled_rows_are_refused_by_name(tmp_path: Path) -> None:
+    np.savez(tmp_path / "some.npz", fps=50, qpos=np.array([[1.0], [1.0, 2.0]], dtype=object))
+    with pytest.raises(InvalidFile, match=r"qpos in some\.npz.*pickle"):
+        load_motion(tmp_path / "some.npz")
+
+
+def test_an_order_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="wxyz, xyzw"):
+        load_motion(saved(tmp_path / "some.npz", gmr()), quaternion="zyxw")

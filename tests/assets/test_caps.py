@@ -1,0 +1,43 @@
+"""Limits on files from strangers: what is at a limit passes, what is beyond is refused with the limit, before it is read."""
+
+from pathlib import Path
+
+import pytest
+
+from avatarsim.assets import caps
+from avatarsim.errors import InvalidFile
+
+
+def test_a_motion_may_be_as_long_as_the_limits_say() -> None:
+    caps.require_frames("some.npz", caps.FRAMES)
+    caps.require_frames("some.npz", caps.LINK_FRAMES // 30, 30)
+    with pytest.raises(InvalidFile, match=rf"frames of some\.npz.*{caps.FRAMES}"):
+        caps.require_frames("some.npz", caps.FRAMES + 1)
+    with pytest.raises(InvalidFile, match=rf"{caps.LINK_FRAMES // 30} for an avatar of 30 links"):
+        caps.require_frames("some.npz", caps.LINK_FRAMES // 30 + 1, 30)
+
+
+@pytest.mark.parametrize("name", ["", "x" * (caps.NAME + 1), "a\nb", "a\x00", "\u202eabc"])
+def test_names_that_cannot_be_shown_are_refused(name: str) -> None:
+    with pytest.raises(InvalidFile, match="printable"):
+        caps.require_name("joint", name)
+    assert caps.require_name("joint", "x" * caps.NAME) == "x" * caps.NAME
+
+
+def test_a_large_file_is_refused_by_its_size_alone(tmp_path: Path) -> None:
+    path = tmp_path / "large.npz"
+    with path.open("wb") as file:
+        # a file with a hole: it takes no disk, and would take its size in memory
+        file.truncate(caps.BYTES + 1)
+    with pytest.raises(InvalidFile, match=f"size of it .bytes. is {caps.BYTES + 1}"):
+        caps.content(path, "it", "an archive")
+    with pytest.raises(InvalidFile, match="size of it"):
+        caps.content(path, "it", "an archive", 100)
+    path.write_bytes(b"abc")
+    assert caps.content(path, "it", "an archive", 3) == b"abc"
+
+
+def test_what_is_no_regular_file_is_refused(tmp_path: Path) -> None:
+    for path, says in ((tmp_path, "a folder"), (tmp_path / "absent", "No such file"), (Path("/dev/zero"), "a device")):
+        with pytest.raises(InvalidFile, match=says):
+            caps.content(path, "it", "an archive")
