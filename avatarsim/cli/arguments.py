@@ -8,9 +8,11 @@ from avatarsim.files import VARIABLE
 
 RAW = argparse.RawDescriptionHelpFormatter
 
+MOTION = ".bvh .amc .npz .csv .txt, or a folder of them"
+
 CLEAN = """\
-The nearest motions without overlap, within joint limits, in the format they came in. Every written frame is proved free, and so is
-every way from one frame to the next, as a player shows it. Folders are taken whole; clips that are done are not done again.
+The nearest motions without overlap, within joint limits, in the format they came in. Every written frame is proved free, and so
+is every way from one frame to the next, as a player shows it. Folders are taken whole; clips that are done are not done again.
 
 examples:
   avatarsim clean walk.bvh --room floor -o cleaned
@@ -20,15 +22,15 @@ examples:
   avatarsim clean 02_01.amc --asf 02.asf --room floor --rate 30 -o cleaned"""
 
 CLEAN_END = """\
-in the output folder: the motions, with the layout of the folders that were named; certificate.json, with what was measured of each
-clip; index.html, which leads to a page that plays each clip before and after.
+in the output folder: the motions, with the layout of the folders that were named; certificate.json, with what was measured of
+each clip; index.html, which leads to a page that plays each clip before and after.
 
-exit codes: 0 clean; 1 overlap is left, or no free posture was found; 2 wrong usage; 3 something could not be read or done, which is
-named, and the rest is done; 130 stopped, and the same command goes on."""
+exit codes: 0 clean; 1 overlap is left, or no free posture was found; 2 wrong usage; 3 something could not be read or done, which
+is named, and the rest is done; 130 stopped, and the same command goes on."""
 
 AUDIT = """\
-Measures of motions as they are: frames and depth in overlap, ways between frames that are not certified free, joints outside their
-limits, jerk. Nothing is written, unless -o names a folder for audit.json.
+Measures of motions as they are: frames and depth in overlap, ways between frames that are not certified free, joints outside
+their limits, jerk. Nothing is written, unless -o names a folder for audit.json.
 
 examples:
   avatarsim audit walk.bvh --room floor
@@ -44,20 +46,22 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--parts", metavar="PART", nargs="+", help=argparse.SUPPRESS)
     commands = top.add_subparsers(dest="command", title="commands", metavar="COMMAND")
     clean = commands.add_parser(
-        "clean", help="motions made free of overlap, with a certificate", description=CLEAN, epilog=CLEAN_END, formatter_class=RAW,
+        "clean", help="motions made free of overlap, with a certificate", description=CLEAN, epilog=CLEAN_END,
+        formatter_class=RAW, usage="avatarsim clean MOTION ... -o DIR [--avatar FILE] [--room FILE | floor] [options]",
     )
-    clean.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=".bvh .amc .npz .csv .txt, or a folder of them")
+    clean.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=MOTION)
     clean.add_argument("-o", "--out", required=True, metavar="DIR", type=path_option, help="folder of what is written")
     _scene(clean)
     _cleaning(clean)
     clean.add_argument("--no-page", action="store_true", help="no pages that play clips")
-    clean.add_argument("--force", action="store_true", help="do clips again that are done, and write over files of other programs")
+    clean.add_argument("--force", action="store_true", help="do again what is done, and write over files of other programs")
     _running(clean)
     _reading(clean)
     audit = commands.add_parser(
         "audit", help="what is wrong with motions, measured", description=AUDIT, epilog=AUDIT_END, formatter_class=RAW,
+        usage="avatarsim audit MOTION ... [--avatar FILE] [--room FILE | floor] [-o DIR] [options]",
     )
-    audit.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=".bvh .amc .npz .csv .txt, or a folder of them")
+    audit.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=MOTION)
     audit.add_argument("-o", "--out", metavar="DIR", type=path_option, help="folder for audit.json")
     _scene(audit)
     audit.add_argument("--margin", type=float, default=None, metavar="M", help=argparse.SUPPRESS)
@@ -75,7 +79,8 @@ def _scene(one: argparse.ArgumentParser) -> None:
                        help="MJCF or URDF model of the avatar; a BVH or AMC recording brings its own skeleton")
     scene.add_argument("--room", metavar="FILE", type=path_option,
                        help="MJCF, URDF or mesh (.obj .stl .ply .glb) of what stands still, or the word floor")
-    scene.add_argument("--loose", action="store_true", help="leave out loose bodies of the files; else they stand still where they are")
+    scene.add_argument("--loose", action="store_true",
+                       help="leave out the loose bodies of files; else they stand still where they are")
 
 
 def _cleaning(one: argparse.ArgumentParser) -> None:
@@ -95,7 +100,7 @@ def _running(one: argparse.ArgumentParser) -> None:
 
 def _reading(one: argparse.ArgumentParser) -> None:
     motion = one.add_argument_group("how motions are read")
-    motion.add_argument("--rate", type=float, metavar="HZ", help="frames a second of what is cleaned and written (default: the file's)")
+    motion.add_argument("--rate", type=float, metavar="HZ", help="frames a second of what is written (default: the file's)")
     motion.add_argument("--file-rate", type=float, metavar="HZ", help="frames a second of files that state none")
     motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
     motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
@@ -105,11 +110,11 @@ def _reading(one: argparse.ArgumentParser) -> None:
     motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")
     motion.add_argument("--stature", type=float, metavar="M", help="height of an SMPL body without offsets")
     model = one.add_argument_group("how models are read")
-    model.add_argument("--fix", nargs="+", default=[], metavar="JOINT",
+    model.add_argument("--fix", default="", metavar="A,B,...",
                        help="hold these joints at the file's reference; all: those that an avatar cannot have")
     model.add_argument("--couplings", choices=("refuse", "leave"), help="joints coupled by an equality (default refuse)")
-    model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: as in the file)")
-    model.add_argument("--leave", nargs="+", default=[], metavar="GEOM", help="leave out these geoms")
+    model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
+    model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
     model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
     model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
     model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of a room that is a mesh (default 1)")

@@ -144,7 +144,7 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
     reading = Reading(
         scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
-        asf=_absolute(asked.asf), fix=tuple(asked.fix), couplings=asked.couplings, root=asked.root, leave=tuple(asked.leave),
+        asf=_absolute(asked.asf), fix=_listed(asked.fix), couplings=asked.couplings, root=asked.root, leave=_listed(asked.leave),
         folder=_absolute(asked.folder), meshes=asked.meshes, room_scale=asked.room_scale, room_up=asked.room_up,
     )
     room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
@@ -156,6 +156,11 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
 
 def _absolute(path: Path | None) -> str | None:
     return None if path is None else str(path.absolute())
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    """Names with commas between."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
 def row(command: str, one: Outcome) -> str:
@@ -180,7 +185,7 @@ def _deepest(one: dict[str, Any]) -> str:
 
 def plain(text: str) -> str:
     """A text from a file as a terminal may have it: what cannot be printed by its code."""
-    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape", "surrogatepass").decode() for letter in text)
+    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
 def say(sentence: str) -> None:

@@ -1,7 +1,7 @@
 """All clips of a command: one task each, side by side (Pebble, Dask) or here, and what the whole of them leaves.
 
-A batch can be killed at any time and be gone on with by the same command: clips that are done are known by their certificates, and
-what is left in the folder in the end are the same bytes.
+A batch can be killed at any time and be gone on with by the same command: clips that are done are known by their certificates,
+and what is left in the folder in the end are the same bytes.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -119,7 +119,7 @@ def tasks_of(clips: Sequence[Clip], wishes: Wishes, out: Path | None, force: boo
 
 
 def leave(out: Path, batch: Batch) -> dict[str, object]:
-    """Write `certificate.json` and `index.html` of all clips that the folder holds, of earlier commands too; the former's value."""
+    """Write `certificate.json` and `index.html` of all clips in the folder, of earlier commands too; the former's value."""
     entries = {str(one["motion"]): one for one in earlier(out)}
     entries.update({str(one["motion"]): one for one in batch.entries})
     whole = certificate.summary("clean", list(entries.values()), batch.troubles)

@@ -1,4 +1,4 @@
-"""Certificates: what was measured of a clip, of which files, with which options and versions, as JSON of the same bytes every time.
+"""Certificates: what was measured of a clip, of which files, with which options and versions; as JSON, and the same bytes always.
 
 No time, no machine and no path is in them, so that two runs of one command leave equal files. The layout is
 `certificate.schema.json` (JSON Schema 2020-12), beside this file.

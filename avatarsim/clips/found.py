@@ -1,4 +1,4 @@
-"""Clips that a command line names: files, and folders taken whole (recursive and sorted), each with its place below the output."""
+"""Clips that a command line names: files, and folders taken whole (recursive, sorted), each with its place below the output."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -78,7 +78,8 @@ def is_motion(path: Path) -> bool:
     if suffix != ".txt":
         return suffix in (*MOTIONS, *PICKLES)
     try:
-        with path.open("rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        # not to wait for a writer, should the name lead to a pipe
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
             return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"["))
     except OSError:
         # named later, as what cannot be read

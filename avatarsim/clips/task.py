@@ -1,11 +1,11 @@
 """One clip from its file to its outputs: read, cleaned, written, read back, measured and certified; or audited alone.
 
-The certificate of a clip is written last, and names its inputs, its options and its outputs by their hashes: a clip whose certificate
-still agrees with all of them is done.
+The certificate of a clip is written last, and names its inputs, its options and its outputs by their hashes: a clip whose
+certificate still agrees with all of them is done.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +89,8 @@ class _Clip:
         told = tuple(f"--{name} is not for {self.path.suffix} files" for name in unused)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)
-            entry = certificate.entry(self.place, file.format, key, motion, before, said=said)
-            return Outcome(self.place, entry, said=told)
+            measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
+            return Outcome(self.place, measured, said=told)
         cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress)
         entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, bodies, said)
         return Outcome(self.place, entry, said=told)
@@ -131,8 +131,13 @@ class _Clip:
         back = read(path, asked)[0].motion(model)
         if len(back) != len(motion):
             raise InvalidFile(f"frames of {self.place} as it was written", len(back), f"{len(motion)}, as it was cleaned")
-        same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in ("positions", "rotations", "angles"))
-        return back, cleaned.after if same else audit(back, model, bodies, self.wishes.cleaning)
+        kept = ("positions", "rotations", "angles")
+        same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in kept)
+        if same:
+            return back, cleaned.after
+        found = audit(back, model, bodies, self.wishes.cleaning)
+        # over the frames where the input was free, which is not to be seen in what was written; rounding moves no digit of it
+        return back, replace(found, jerk_free=cleaned.after.jerk_free, jerk_held=cleaned.after.jerk_held)
 
     def _require_free(self, target: Path, content: str) -> None:
         """Raise InvalidInput where a file stands in the place of the result that no command of ours wrote."""

@@ -112,7 +112,7 @@ def sha256_of(path: Path) -> str:
     """SHA-256 of a file, in hexadecimal digits. Raises OSError."""
     digest = hashlib.sha256()
     # not to wait for a writer, should the name lead to a pipe
-    with path.open("rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
         while part := file.read(AT_ONCE):
             digest.update(part)
     return digest.hexdigest()

@@ -44,7 +44,7 @@ class Reading:
         """Options for readers of motions, by the readers' names."""
         asked = {
             "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
-            "offsets": self.offsets, "stature": self.stature, "asf": self.asf,
+            "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
         }
         return {name: value for name, value in asked.items() if value is not None}
 
@@ -56,7 +56,8 @@ class Reading:
 
     def of_room(self, is_model: bool) -> dict[str, object]:
         """Options of `load_room`, for a model or for a mesh."""
-        asked = {"folder": self.folder, "meshes": self.meshes} if is_model else {"scale": self.room_scale, "y_up": self.room_up == "y"}
+        asked: dict[str, object] = {"meshes": self.meshes}
+        asked.update({"folder": self.folder} if is_model else {"scale": self.room_scale, "y_up": self.room_up == "y"})
         return {name: value for name, value in asked.items() if value}
 
 
@@ -84,7 +85,8 @@ class Wishes:
             if reading[name] is not None:
                 reading[name] = Path(reading[name]).name
         return {
-            "avatar": self.avatar.name if self.avatar else None, "room": self.room.name if self.room else None, "rate_hz": self.rate,
+            "avatar": self.avatar.name if self.avatar else None, "room": self.room.name if self.room else None,
+            "rate_hz": self.rate,
             "reading": {name: list(value) if isinstance(value, tuple) else value for name, value in reading.items()},
             "cleaning": {field.name: getattr(self.cleaning, field.name) for field in fields(Options)}, "page": self.page,
         }

@@ -71,7 +71,8 @@ def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
         f"<h1>{esc(name)}</h1>",
         f'<p class="verdict{"" if clean else " left"}"><b>{esc(verdict)}</b><br>'
         f'<span class=soft>{esc(entry["frames"])} frames, {esc(_rate(entry))}; '
-        f'<a href="{up}{address(name)}">the motion</a>, <a href="{up}certificates/{address(name)}.json">its certificate</a></span></p>',
+        f'<a href="{up}{address(name)}">the motion</a>, '
+        f'<a href="{up}certificates/{address(name)}.json">its certificate</a></span></p>',
         STAGE,
         time_line(shown),
         CONTROLS.format(last=len(shown.before) - 1),
@@ -126,7 +127,8 @@ def _buttons(moments: Sequence[Moment]) -> str:
     if not moments:
         return "<p class=soft>Nothing was flagged.</p>"
     buttons = [
-        f'<button type=button data-frame="{one.frame}"{" class=worst" if one.worst else ""}>{esc(one.said)}</button>' for one in moments
+        f'<button type=button data-frame="{one.frame}"{" class=worst" if one.worst else ""}>{esc(one.said)}</button>'
+        for one in moments
     ]
     return f"<div class=moments>{''.join(buttons)}</div>"
 
@@ -175,15 +177,16 @@ def measures(entry: Mapping[str, Any]) -> str:
     """The table of measures, before and after."""
     rows = []
 
-    def row(name: str, of: str, before: str, after: str) -> None:
-        rows.append([esc(name), esc(of), before, after])
+    def row(name: str, of: str, *told: str) -> None:
+        rows.append([esc(name), esc(of), *told])
 
+    both = ("before", "after")
     overlap, chords, limits = entry["overlap"], entry["between_frames"], entry["limits"]
-    frames, ways = entry["frames"], chords["chords"]
-    row("frames in overlap", f"of {frames}", _count(overlap["before"]["frames"]), _count(overlap["after"]["frames"]))
-    row("deepest overlap", "by this program", esc(length(overlap["before"]["deepest_m"])), esc(length(overlap["after"]["deepest_m"])))
-    row("ways between frames not certified", f"of {ways}", _count(chords["not_certified_before"]), _count(chords["not_certified_after"]))
-    opinions = [entry["second_opinion"][when] for when in ("before", "after")]
+    row("frames in overlap", f"of {entry['frames']}", *(_count(overlap[when]["frames"]) for when in both))
+    row("deepest overlap", "by this program", *(esc(length(overlap[when]["deepest_m"])) for when in both))
+    ways = (_count(chords[f"not_certified_{when}"]) for when in both)
+    row("ways between frames not certified", f"of {chords['chords']}", *ways)
+    opinions = [entry["second_opinion"][when] for when in both]
     by = next((one["by"] for one in opinions if one), None)
     if by:
         told = [f"{length(one['frames_deepest_m'])} / {length(one['between_deepest_m'])}" if one else "—" for one in opinions]
@@ -191,9 +194,13 @@ def measures(entry: Mapping[str, Any]) -> str:
     row("joints outside limits, most", "", esc(angle(limits["excess_before_rad"])), esc(angle(limits["excess_after_rad"])))
     jerk = entry["jerk_p95_m_s3"]
     for name, key in (("where the input is free", "where_free"), ("elsewhere", "elsewhere")):
-        told = [f"{jerk[when][key]:.3g} m/s³" if jerk[when] and jerk[when][key] is not None else "—" for when in ("before", "after")]
+        told = [_per_cubed(jerk[when][key]) for when in both]
         row("jerk, 95th percentile", name, esc(told[0]), esc(told[1]))
     return table(["", "", "before", "after"], rows)
+
+
+def _per_cubed(jerk: float | None) -> str:
+    return "—" if jerk is None else f"{jerk:.3g} m/s³"
 
 
 def _count(number: int) -> str:
@@ -203,13 +210,15 @@ def _count(number: int) -> str:
 def _moved(entry: Mapping[str, Any]) -> str:
     links = sorted(entry["moved"]["links"], key=lambda one: -one["p95_m"])
     joints = sorted(entry["moved"]["joints"], key=lambda one: -one["p95_rad"])
-    parts = [f"<h2>How far it moved</h2><p class=soft>{entry['changed_frames']} of {entry['frames']} frames differ from the input.</p>"]
+    changed = f"{entry['changed_frames']} of {entry['frames']} frames differ from the input."
+    parts = [f"<h2>How far it moved</h2><p class=soft>{changed}</p>"]
     for title, rows in (
         ("link", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in links]),
         ("joint", [[esc(one["name"]), esc(angle(one["rms_rad"])), esc(angle(one["p95_rad"]))] for one in joints]),
     ):
         if rows:
-            parts.append(f"<details><summary>By {title}</summary>{table([title, 'root mean square', '95th percentile'], rows)}</details>")
+            found = table([title, "root mean square", "95th percentile"], rows)
+            parts.append(f"<details><summary>By {title}</summary>{found}</details>")
     return "\n".join(parts)
 
 

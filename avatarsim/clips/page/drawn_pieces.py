@@ -46,11 +46,11 @@ def surface_of(pieces: Sequence[Piece]) -> Surface:
 def corners(shape: Shape) -> Array:
     """Points (n, 3) whose hull is drawn for a shape."""
     if isinstance(shape, Box):
-        return 0.5 * np.array(shape.size) * _signs()
+        return np.asarray(0.5 * np.array(shape.size) * _signs())
     if isinstance(shape, Sphere):
-        return shape.radius * _ball(RINGS)
+        return np.asarray(shape.radius * _ball(RINGS))
     if isinstance(shape, Ellipsoid):
-        return np.array(shape.radii) * _ball(RINGS)
+        return np.asarray(np.array(shape.radii) * _ball(RINGS))
     if isinstance(shape, Capsule):
         ball = shape.radius * _ball(RINGS)
         half = np.array([0.0, 0.0, 0.5 * shape.length])

@@ -19,8 +19,8 @@ def index_page(whole: Mapping[str, Any]) -> bytes:
     said = verdict(len(clips), len(left), len(troubles))
     parts = [
         "<main>", "<h1>Cleaned motion</h1>",
-        f'<p class="verdict{" left" if left or troubles else ""}"><b>{esc(said)}</b><br><span class=soft>Overlap is the depth by which '
-        "shapes go through one another; a way is what a player shows from one frame to the next. "
+        f'<p class="verdict{" left" if left or troubles else ""}"><b>{esc(said)}</b><br><span class=soft>Overlap is the depth by '
+        "which shapes go through one another; a way is what a player shows from one frame to the next. "
         'All figures: <a href="certificate.json">certificate.json</a>.</span></p>',
         table(HEAD, [_row(one) for one in clips]) if clips else "<p class=soft>No clip.</p>",
     ]
@@ -32,7 +32,8 @@ def index_page(whole: Mapping[str, Any]) -> bytes:
 
 def verdict(clips: int, left: int, troubles: int) -> str:
     """One sentence on a folder."""
-    done = f"{clips} clip{'' if clips == 1 else 's'}: " + ("all free of overlap, in and between frames" if not left else f"{left} not clean")
+    state = f"{left} not clean" if left else "all free of overlap, in and between frames"
+    done = f"{clips} clip{'' if clips == 1 else 's'}: {state}"
     return f"{done}; {troubles} could not be done" if troubles else done
 
 
@@ -58,7 +59,7 @@ def _overlap(one: Mapping[str, Any]) -> str:
 
 def jerk_ratio(one: Mapping[str, Any]) -> str:
     """How many times the input's the jerk of what was written is, over the frames where the input is free."""
-    before, after = (one["jerk_p95_m_s3"][when]["where_free"] if one["jerk_p95_m_s3"][when] else None for when in ("before", "after"))
+    before, after = (one["jerk_p95_m_s3"][when]["where_free"] for when in ("before", "after"))
     if after is None or not before:
         return "—"
     return f"{after / before:.3g} x"

@@ -40,10 +40,10 @@ def _hash(content: str) -> str:
 
 
 def page(title: str, body: str, script: str = "") -> bytes:
-    """A whole page. `body` is HTML, `script` JavaScript; the policy lets this style and this script work, and nothing be fetched."""
+    """A whole page. `body` is HTML, `script` JavaScript; the policy lets this style and script work, and nothing be fetched."""
     style = resource("page.css")
-    policy = f"default-src 'none'; style-src {_hash(style)}; script-src {_hash(script) if script else chr(39) + 'none' + chr(39)}; " \
-             "img-src data:; base-uri 'none'; form-action 'none'"
+    scripts = _hash(script) if script else "'none'"
+    policy = f"default-src 'none'; style-src {_hash(style)}; script-src {scripts}; base-uri 'none'; form-action 'none'"
     code = f"<script>{script}</script>\n" if script else ""
     whole = (
         f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{esc(title)}</title>\n'
