@@ -20,7 +20,7 @@ from avatarsim.clips.page.layout import length
 from avatarsim.clips.task import OVERLAPS, UNREADABLE, Outcome, Task
 from avatarsim.clips.whole_files import alone_in, write_whole
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
-from avatarsim.console import Progress
+from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
 
@@ -167,7 +167,7 @@ def row(command: str, one: Outcome) -> str:
     """One line of the table."""
     entry: dict[str, Any] = dict(one.entry or {})
     overlap, chords, limits = entry["overlap"], entry["between_frames"], entry["limits"]
-    name = plain(one.place)
+    name = printable(one.place)
     name = name if len(name) <= WIDEST else f"...{name[3 - WIDEST:]}"
     last = ("clean" if entry["is_clean"] else "OVERLAPS") + (", done before" if one.kept else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
@@ -183,14 +183,9 @@ def _deepest(one: dict[str, Any]) -> str:
     return f"{one['frames']} frames, {length(one['deepest_m'])}"
 
 
-def plain(text: str) -> str:
-    """A text from a file as a terminal may have it: what cannot be printed by its code."""
-    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
-
-
 def say(sentence: str) -> None:
     """One line on the error stream."""
-    print(f"avatarsim: {plain(sentence)}", file=sys.stderr, flush=True)
+    print(f"avatarsim: {printable(sentence)}", file=sys.stderr, flush=True)
 
 
 def _say_left(clips: Found) -> None:

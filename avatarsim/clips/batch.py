@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
 from avatarsim.clips.page.index_page import index_page
-from avatarsim.clips.task import CERTIFICATES, UNREADABLE, Outcome, Task, outcome
+from avatarsim.clips.task import CERTIFICATES, REFUSED, Outcome, Task, outcome
 from avatarsim.clips.whole_files import write_whole
 from avatarsim.clips.wishes import Wishes
-from avatarsim.errors import MissingPackage
+from avatarsim.errors import AvatarsimError, MissingPackage
 from avatarsim.running.sources import about, code_hash
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def run(
     for more workers than 0, InvalidInput for a cluster that does not fit."""
     for task, found in _answers(tasks, workers, progress):
         if not isinstance(found, Outcome):
-            found = Outcome(task.clip.place, trouble=(UNREADABLE, str(found)))
+            found = Outcome(task.clip.place, trouble=(REFUSED, str(found)))
         batch.outcomes.append(found)
         if found.trouble is not None:
             batch.troubles.append((found.place, *found.trouble))
@@ -80,6 +80,12 @@ def _here(task: Task, progress: Callable[[float], None] | None) -> object:
         return outcome(task, progress)
     except OSError as error:
         return _refused(error)
+    except AvatarsimError:
+        # of no clip alone: a package that is missing
+        raise
+    except Exception as error:
+        # as of a process, whose end costs its clip alone
+        return f"{type(error).__name__}: {error}"
 
 
 def answer(task: Task) -> Outcome:
@@ -87,7 +93,7 @@ def answer(task: Task) -> Outcome:
     try:
         return outcome(task)
     except OSError as error:
-        return Outcome(task.clip.place, trouble=(UNREADABLE, _refused(error)))
+        return Outcome(task.clip.place, trouble=(REFUSED, _refused(error)))
 
 
 def _refused(error: OSError) -> str:

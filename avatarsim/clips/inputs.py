@@ -25,6 +25,9 @@ FILE_BYTES = 2**28
 Hashes = tuple[tuple[str, str], ...]
 """(name, SHA-256) of files."""
 
+MEAN = "mean"
+"""The word that stands for a way to read BVH in place of a file of offsets."""
+
 
 @dataclass(frozen=True, eq=False)
 class Given:
@@ -95,24 +98,29 @@ def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
             break
 
 
-@dataclass(frozen=True, eq=False)
-class Read:
-    """A motion file with the hashes of what it was read from, and of the options those that its format has none of."""
-
-    file: MotionFile
-    files: Hashes
-    unused: tuple[str, ...]
-
-
 def motion_files(path: Path, reading: Reading) -> Hashes:
     """Hashes of a motion file and of the skeleton beside it. Raises InvalidFile."""
-    found = [_hashed(path, path.name)]
-    for beside in (reading.asf, reading.offsets):
-        if beside is not None and Path(beside).is_file():
-            found.append(_hashed(Path(beside), Path(beside).name))
-    if path.suffix.lower() == ".amc" and reading.asf is None:
-        found += [_hashed(one, one.name) for one in sorted(path.parent.glob("*.[aA][sS][fF]"))]
-    return tuple(found)
+    suffix = path.suffix.lower()
+    beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
+    if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
+        beside.append(Path(reading.offsets))
+    return tuple(_hashed(one, one.name) for one in [path, *beside] if one is not None)
+
+
+def skeleton_of(path: Path, reading: Reading) -> Path | None:
+    """The ASF file of an AMC file: the one that was asked for, else by its name: 02_01.asf or 02.asf beside 02_01.amc."""
+    if reading.asf is not None:
+        return Path(reading.asf)
+    names = dict.fromkeys([path.stem, path.stem.partition("_")[0]])
+    found = (path.with_name(name + end) for name in names for end in (".asf", ".ASF"))
+    return next((one for one in found if one.is_file()), None)
+
+
+def options_for(path: Path, reading: Reading) -> dict[str, object]:
+    """What is asked of the reader of a motion; the skeleton of an AMC file by its path, so that a copy elsewhere has the same."""
+    asked = reading.of_motion()
+    skeleton = skeleton_of(path, reading) if path.suffix.lower() == ".amc" else None
+    return asked if skeleton is None else {**asked, "skeleton": str(skeleton)}
 
 
 def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:

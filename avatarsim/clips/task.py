@@ -14,18 +14,21 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
-from avatarsim.clips.inputs import Given, given, motion_files, read
+from avatarsim.clips.inputs import Given, given, motion_files, options_for, options_of, read
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.whole_files import beside, moved, put, sha256_of, write_whole
 from avatarsim.clips.wishes import Wishes
-from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, StartOverlaps
+from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
 
 CERTIFICATES, PAGES = "certificates", "pages"
 """Folders of the output for what belongs to one clip each."""
 
-UNREADABLE, OVERLAPS = "unreadable", "no free posture"
+WORDS = {"rate": "file-rate", "skeleton": "asf"}
+"""Options of readers that have another name on the command line."""
+
+UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
 """Kinds of trouble."""
 
 
@@ -53,14 +56,17 @@ class Outcome:
 
 
 def outcome(task: Task, progress: Callable[[float], None] | None = None) -> Outcome:
-    """The task done. What is wrong with files is in the outcome; OSError where an output cannot be written."""
+    """The task done. What is wrong with files is in the outcome. Raises MissingPackage, and OSError where an output cannot be
+    written."""
     place = task.clip.place
     try:
         return _Clip(task).done(progress)
     except StartOverlaps as error:
         return Outcome(place, trouble=(OVERLAPS, str(error)))
-    except AvatarsimError as error:
+    except InvalidFile as error:
         return Outcome(place, trouble=(UNREADABLE, str(error)))
+    except InvalidInput as error:
+        return Outcome(place, trouble=(REFUSED, str(error)))
 
 
 class _Clip:
@@ -69,7 +75,7 @@ class _Clip:
     def __init__(self, task: Task) -> None:
         self.task, self.wishes = task, task.wishes
         self.place, self.path = task.clip.place, task.clip.path
-        self.asked = task.wishes.reading.of_motion()
+        self.asked = options_for(task.clip.path, task.wishes.reading)
 
     def done(self, progress: Callable[[float], None] | None) -> Outcome:
         avatar, room = given(self.wishes)
@@ -86,7 +92,7 @@ class _Clip:
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
         bodies = room.model.bodies if room else ()
-        told = tuple(f"--{name} is not for {self.path.suffix} files" for name in unused)
+        told = tuple(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
@@ -122,12 +128,9 @@ class _Clip:
     ) -> tuple[Motion, Audit]:
         """The motion that was written, as a reader finds it, and its measures."""
         asked = dict(self.asked)
-        if "rate" in asked and self.wishes.rate is not None:
+        if self.wishes.rate is not None and "rate" in options_of(self.path.suffix.lower()):
+            # of a file that states none
             asked["rate"] = self.wishes.rate
-        if self.path.suffix.lower() == ".amc" and "asf" not in asked:
-            skeletons = sorted(self.path.parent.glob("*.[aA][sS][fF]"))
-            if skeletons:
-                asked["asf"] = str(skeletons[0])
         back = read(path, asked)[0].motion(model)
         if len(back) != len(motion):
             raise InvalidFile(f"frames of {self.place} as it was written", len(back), f"{len(motion)}, as it was cleaned")

@@ -246,13 +246,16 @@ def replay(shown: Shown, moments: Sequence[Moment]) -> dict[str, object]:
     places = np.stack([places[:, drawn] for places, _ in motions])
     least = places.min(axis=(0, 1, 2)) if places.size else np.zeros(3)
     size = float(max((places.max(axis=(0, 1, 2)) - least).max(), 1e-3)) if places.size else 1.0
+    # what is in view: the avatar at its widest, about its root
+    radius = max((float(np.linalg.norm(surfaces[k].vertices, axis=1).max()) for k in drawn), default=0.0)
+    extent = float(np.linalg.norm(places - places[:, :, :1], axis=-1).max()) + radius if places.size else 1.0
     coded = []
     for k, (_, turned) in enumerate(motions):
         whole = np.round((places[k] - least) / size * STEPS).astype("<u2")
         coded.append({"places": _base64(whole), "turns": _base64(np.round(turned[:, drawn] * UNIT).astype("<i2"))})
     return {
         "frames": at.tolist(), "seconds": [float(f"{t:.6g}") for t in shown.before.times[at] - shown.before.times[0]],
-        "least": _rounded(least), "size": size, "root": 0,
+        "least": _rounded(least), "size": size, "extent": float(f"{extent:.3g}"),
         "links": [_surface(surfaces[k]) for k in drawn],
         "room": [_placed(body) for body in (*shown.model.bodies, *shown.room)],
         "before": coded[0], "after": coded[1],

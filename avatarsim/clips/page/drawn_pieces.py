@@ -56,11 +56,11 @@ def corners(shape: Shape) -> Array:
         half = np.array([0.0, 0.0, 0.5 * shape.length])
         return np.concatenate([ball[ball[:, 2] >= -1e-12] + half, ball[ball[:, 2] <= 1e-12] - half])
     assert isinstance(shape, ConvexHull)
-    points = np.asarray(shape.vertices)
+    points: Array = np.asarray(shape.vertices)
     if len(points) <= CORNERS:
         return points
     farthest = np.unique(np.argmax(points @ _directions(CORNERS).T, axis=0))
-    return points[farthest]
+    return np.asarray(points[farthest])
 
 
 def _signs() -> Array:

@@ -6,7 +6,7 @@ from typing import Any
 from avatarsim.clips.page.layout import address, esc, length, page, table
 
 HEAD = [
-    "clip", "frames", "overlap before", "overlap after", "ways not certified, before / after", "second opinion after",
+    "clip", "length", "overlap before", "overlap after", "ways not certified, before / after", "second opinion after",
     "moved, 95th percentile of the link that moved most", "jerk where free, after / before", "flagged",
 ]
 
@@ -46,9 +46,9 @@ def _row(one: Mapping[str, Any]) -> list[str]:
     most = max(one["moved"]["links"], key=lambda link: link["p95_m"], default=None)
     moved = "—" if most is None else f"{length(most['p95_m'])}, {most['name']}"
     return [
-        f"{link}<br>{verdict}", esc(one["frames"]), _overlap(overlap["before"]), _overlap(overlap["after"]),
+        f"{link}<br>{verdict}", esc(f"{one['frames']} frames"), _overlap(overlap["before"]), _overlap(overlap["after"]),
         esc(f"{chords['not_certified_before']} / {chords['not_certified_after']}"), esc(told), esc(moved), esc(jerk_ratio(one)),
-        esc(f"{len(one['flagged'])} runs, {one['changed_frames']} frames changed"),
+        esc(f"{one['changed_frames']} frames changed, flagged runs: {len(one['flagged'])}"),
     ]
 
 

@@ -11,6 +11,8 @@ import os
 from importlib.resources import files as resources
 from urllib.parse import quote
 
+from avatarsim.console import printable
+
 
 def resource(name: str) -> str:
     """A file of this folder, as the wheel holds it."""
@@ -18,8 +20,8 @@ def resource(name: str) -> str:
 
 
 def esc(text: object) -> str:
-    """Any text as HTML, also within attributes."""
-    return html.escape(str(text), quote=True)
+    """Any text as HTML, also within attributes; what cannot be printed by its code."""
+    return html.escape(printable(str(text)), quote=True)
 
 
 def address(name: str) -> str:
@@ -29,8 +31,8 @@ def address(name: str) -> str:
 
 def data(name: str, value: object) -> str:
     """A value that the page's script reads."""
-    content = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
+    content = json.dumps(value, allow_nan=False, separators=(",", ":"))
+    for letter in "<>&":
         content = content.replace(letter, f"\\u{ord(letter):04x}")
     return f'<script type="application/json" id="{esc(name)}">{content}</script>'
 
@@ -51,8 +53,7 @@ def page(title: str, body: str, script: str = "") -> bytes:
         f'<meta http-equiv="Content-Security-Policy" content="{esc(policy)}">\n<style>{style}</style>\n</head>\n'
         f"<body>\n{body}\n{code}</body>\n</html>\n"
     )
-    # a name that is no text of Unicode's shows as it can
-    return whole.encode("utf-8", "replace")
+    return whole.encode()
 
 
 def length(metres: object) -> str:

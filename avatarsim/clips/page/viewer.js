@@ -4,7 +4,7 @@
   const clip = JSON.parse(document.getElementById("clip").textContent);
   const at = (id) => document.getElementById(id);
   const canvas = at("view"), stage = at("stage"), pen = canvas.getContext("2d"), bar = at("bar");
-  const STEPS = 65535, UNIT = 32767, LIGHT = [0.35, -0.5, 0.8];
+  const STEPS = 65535, UNIT = 32767, LIGHT = [0.55, -0.25, 0.8];
 
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
   const motions = [clip.before, clip.after].map((one) => ({
@@ -12,7 +12,7 @@
   }));
   const links = clip.links.map((one) => ({ v: Float64Array.from(one.v), t: one.t }));
   const room = clip.room.map((one) => ({ v: Float64Array.from(one.v), t: one.t }));
-  let shown = 0, playing = false, began = 0, from = 0, yaw = 0.7, pitch = 0.35, zoom = 1, centre = [0, 0, 0];
+  let shown = 0, playing = false, began = 0, from = 0, yaw = -0.6, pitch = 0.35, zoom = 1, centre = [0, 0, 0];
 
   // where the vertices of a link are in the world: a quaternion, scalar first, made unit again after rounding
   function placed(motion, k, link) {
@@ -45,7 +45,7 @@
       const normal = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
       const size = Math.hypot(...normal);
       if (!(size > 0) || dot(normal, view.to) <= 0) continue;
-      const bright = 0.62 + 0.38 * Math.max(-1, Math.min(1, dot(normal, LIGHT) / size));
+      const bright = 0.72 + 0.28 * Math.max(-1, Math.min(1, dot(normal, LIGHT) / size));
       into.push({ p: [a, b, c], depth: dot(a, view.to) + dot(b, view.to) + dot(c, view.to), colour, bright, alpha, normal });
     }
   }
@@ -77,7 +77,7 @@
     pen.globalAlpha = 1;
     pen.clearRect(0, 0, width, height);
     pen.lineWidth = 0.6;
-    const view = axes(), scale = zoom * Math.min(width, height) / 2.6;
+    const view = axes(), scale = zoom * Math.min(width, height) / (2.1 * clip.extent);
     const wanted = [at("show-before").checked, at("show-after").checked];
     const inks = [colour(".key.before"), colour(".key:not(.before):not(.red):not(.chord)")];
     const body = [];

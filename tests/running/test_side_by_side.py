@@ -8,8 +8,7 @@ import threading
 import pytest
 
 from avatarsim.errors import InvalidInput
-from avatarsim.running.processes import Died
-from scenarios.running.processes import side_by_side
+from avatarsim.running.processes import Died, side_by_side
 
 
 def answer(task: int) -> int:
