@@ -229,7 +229,8 @@
   });
   window.addEventListener("resize", draw);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
-  const asked = /^#f=(\d+)$/.exec(location.hash);
+  const asked = () => { const found = /^#f=(\d+)$/.exec(location.hash); return found ? Number(found[1]) : clip.first; };
+  window.addEventListener("hashchange", () => { play(false); go(asked()); });
   stage.dataset.state = "paused";
-  go(asked ? Number(asked[1]) : clip.first);
+  go(asked());
 })();
