@@ -61,6 +61,7 @@ Files
 -----
     load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
     load_room       a room from such a file, from a mesh, or the word "floor"
+    load_motion     a motion file: BVH, AMC, npz, csv, the 44 columns of DeepMimic; and how to write it again
     Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
 
 Frames
@@ -71,6 +72,13 @@ Frames
     Snapshot        positions, orientations and velocities of all bodies at one instant
     Contact         where two bodies touch: their names, point, normal, gap
     advance_many    a frame of many engines at once, on several threads
+
+Motions
+-------
+    Motion          postures of one avatar at times
+    clean           the nearest motion without overlap, proved free in frames and between them
+    audit           measures of a motion as it is
+    Shield          the same for a stream of postures: generalized coordinates in, certified ones out
 
 Errors
 ------
@@ -92,6 +100,8 @@ if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
     from avatarsim.assets.models.load import load_avatar, load_room
     from avatarsim.assets.models.model import Model
+    from avatarsim.assets.motions.load import load_motion
+    from avatarsim.cleaning import Shield, audit, clean
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -99,6 +109,7 @@ if TYPE_CHECKING:
     from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+    from avatarsim.scene.motion import Motion
     from avatarsim.scene.scene import Scene
     from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
     from avatarsim.scene.tracker import TrackerSample, rest
@@ -106,9 +117,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "PairTable", "Piece", "Rigid",
-    "Scene", "Settings", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__",
-    "advance_many", "fixed", "load_avatar", "load_room", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable",
+    "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample",
+    "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_motion", "load_room",
+    "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -117,10 +129,13 @@ _MODULES = {
     "assets.meshes": ("pieces_of_mesh",),
     "assets.models.load": ("load_avatar", "load_room"),
     "assets.models.model": ("Model",),
+    "assets.motions.load": ("load_motion",),
+    "cleaning": ("Shield", "audit", "clean"),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
+    "scene.motion": ("Motion",),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),

@@ -21,6 +21,8 @@ from typing import TextIO, cast
 import numba
 import numpy as np
 
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning import Options, clean
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.console import Progress
@@ -38,6 +40,7 @@ from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -78,11 +81,11 @@ class Compiled:
         return f"{told}, about {self.left(done):.0f} s left" if tells else told
 
 
-SHARES = (("distance", "posture"), ("motion", "paper", "worlds"))
+SHARES = (("distance", "posture", "cleaning"), ("motion", "paper", "worlds"))
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
 that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds are what calls these
-for many engines at once, and contacts. Memory grows by half a gigabyte per process."""
+for many engines at once, and contacts; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
@@ -114,6 +117,9 @@ def compile_part(part: str) -> None:
     gc.disable()
     if part == "distance":
         compile_distances()
+        return
+    if part == "cleaning":
+        compile_cleaning()
         return
     scene, preset = part_scene(part)
     engine = AvatarsimEngine()
@@ -150,6 +156,18 @@ def compile_distances() -> None:
     world = build(part_scene("motion")[0])
     question = (world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), np.inf, make_scratch())
     cast(KernelDispatcher, signed_distance_up_to).called.compile(tuple(numba.typeof(part) for part in question))
+
+
+def compile_cleaning() -> None:
+    """Clean a motion that comes from above and ends in the floor, whose last posture is beyond a limit."""
+    scene, _ = part_scene("posture")
+    first = scene.first_sample
+    positions = np.tile(first.positions, (3, 1, 1)) - np.array([0.0, 0.3, 0.6])[:, None, None] * np.array([0.0, 0.0, 1.0])
+    motion = Motion(
+        np.arange(3) / 60.0, positions, np.tile(first.rotations, (3, 1, 1)), np.array([[0.0], [0.0], [1.5]])
+    )
+    model = Model(scene.avatars[0], None, scene.bodies, ())
+    clean(motion, model, options=Options(opinion=False))
 
 
 def stamp_name(cpu: Cpu) -> Path:

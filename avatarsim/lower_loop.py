@@ -13,8 +13,10 @@ from avatarsim.coupling.virtual_coupling import Springs, give, make_springs, no_
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.broad_phase import notice_bodies
+from avatarsim.ik.kinematics import carry_avatar, place_avatar
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.solve import begin_frame, solve
+from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import (
     ADOPTED,
     BAD_QUERIES,
@@ -30,6 +32,7 @@ from avatarsim.ik.state import (
     Mode,
     state_is_sound,
 )
+from avatarsim.ik.target import copy_posture
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Array, Index
@@ -50,6 +53,8 @@ MOST = 2**60
 
 STEPS_KEPT = 64
 """Most steps of one frame whose poses a recording keeps; more are counted. Each island takes a step of its own."""
+
+TRACK = int(Mode.TRACK)
 
 NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
@@ -97,6 +102,37 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     solve(geometry, skeleton, avatars, settings, posture, poses, state, working)
     if dt > 0.0:
         supervise(geometry, skeleton, avatars, settings, tracker, dt, posture, poses, plan, ghost, state, working)
+
+
+@entry_kernel
+def show_posture(world: Index, kept: Index) -> None:
+    """Poses of all avatars at the world's posture, and nothing else."""
+    w, own = opened(world, WorldParts), opened(kept, IkParts)
+    for avatar in range(own.avatars.first_link.shape[0] - 1):
+        carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.working.still, w.poses, own.working.axes)
+        place_avatar(w.geometry, w.skeleton, own.avatars, avatar, w.poses)
+
+
+@entry_kernel
+def stand(world: Index, kept: Index, has_user: bool) -> None:
+    """All avatars stand at the world's posture, which was written: their poses, and nothing of what they touched elsewhere. With
+    `has_user` their users were led there too, and what these showed before is forgotten."""
+    w, own = opened(world, WorldParts), opened(kept, IkParts)
+    geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
+    avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        carry_avatar(skeleton, avatars, avatar, posture, working.still, poses, state.axes)
+        place_avatar(geometry, skeleton, avatars, avatar, poses)
+        copy_poses(geometry, skeleton, avatars, avatar, poses, working.trial)
+        forget_forces(avatars, avatar, state)
+        tracking.mode[avatar], tracking.has_model[avatar], tracking.has_arrived[avatar] = TRACK, 0, 0
+        tracking.stalled[avatar], tracking.since[avatar], tracking.objective[avatar] = 0.0, 0.0, 0.0
+        if has_user:
+            copy_posture(skeleton, avatars, avatar, posture, state.before)
+            copy_posture(skeleton, avatars, avatar, posture, state.own)
+            tracking.speed[avatar] = 0.0
+    state.touching.used[0], state.contacts.used[0] = 0, 0
+    state.pairs.step[0] += 1
 
 
 class IkLoop:
@@ -179,6 +215,14 @@ class IkLoop:
         # bodies that have not moved since keep their cached axes
         notice_bodies(self.world.geometry, self.world.skeleton, self.world.poses, NOT_KNOWN, self.working)
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
+
+    def show(self) -> None:
+        """The world's posture was written: links are where it says; nothing else changes."""
+        show_posture(self.world.words, self.words)
+
+    def stand(self, has_user: bool) -> None:
+        """The world's posture was written: avatars stand there, and have touched nothing yet."""
+        stand(self.world.words, self.words, has_user)
 
     def watch(self, moving: Index) -> None:
         """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""

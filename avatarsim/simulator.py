@@ -16,14 +16,17 @@ from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
-from avatarsim.model.world import Array, build, shown_again, shown_poses
+from avatarsim.lower_loop import IkLoop
+from avatarsim.model.conversion import read_sample
+from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
+from avatarsim.spatial import rotation
 from avatarsim.tolerances import NOTHING
 from avatarsim.version import VERSION
 
@@ -109,7 +112,8 @@ class AvatarsimEngine:
     """The engine: `load` a scene, then `advance` frame by frame. Implements `avatarsim.engine.Engine`.
 
     Beyond that protocol: `with AvatarsimEngine() as engine` closes it at the end; `contacts` says where bodies touch; `change`
-    lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it.
+    lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it,
+    `posture` and `put` do so for the avatars alone.
 
     Presets: `default`, whose states are certified to be free of overlap; `paper`, the equations of Schmidl and Lin as printed. In
     a scene without simulated bodies all velocities are zero. An engine cannot be copied or pickled. It answers one call at a
@@ -208,6 +212,51 @@ class AvatarsimEngine:
             if within is None:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
             return contacts_of(world, within)
+
+    def posture(self) -> TrackerSample:
+        """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
+        with self._alone():
+            frames = self._running()
+            posture = frames.world.posture
+            turns = rotation.from_matrix(posture.turn)
+            return TrackerSample(frames.time, posture.root.copy(), turns, posture.angle[frames.world.hinges])
+
+    def put(self, sample: TrackerSample, has_user: bool = True) -> FrameRecord:
+        """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.
+
+        Forward kinematics of `sample`; contacts and paths are forgotten. With `has_user` the next frame takes the users to have
+        been led there as well; without, what they showed last still counts, and the avatars catch up with it. Some ten
+        microseconds and the check of near pairs, where `reset` builds the scene anew.
+
+        Raises InvalidSample for what does not fit the avatars, StartOverlaps where they would overlap, InvalidScene for a posture
+        beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset `paper`, whose coupling would take
+        the way there for a motion of the users. If it raises, the engine is what it was.
+        """
+        with self._alone():
+            frames = self._running()
+            world = frames.world
+            checked(sample, world.scene.avatars)
+            if not frames.driven or not isinstance(frames.lower, IkLoop) or frames.effects.dynamics:
+                valid = "one with avatars and without moving bodies, loaded with the preset default and with overlaps removed"
+                raise InvalidInput("scene to put avatars in", world.scene.name, valid)
+            posture, first = world.posture, world.skeleton.first
+            piece = int(world.geometry.first_shape[first])
+            firsts = first, first, int(world.geometry.shapes.start[piece]), piece, first
+            before = [array.copy() for array in posture], [a[k:].copy() for a, k in zip(world.poses, firsts, strict=True)]
+            try:
+                read_sample(*sample_arrays(sample), world.hinges, posture)
+                frames.lower.show()
+                require_within_limits(world, NOTHING)
+                require_free(world)
+            except AvatarsimError:
+                for array, kept in zip(posture, before[0], strict=True):
+                    array[...] = kept
+                for array, k, kept in zip(world.poses, firsts, before[1], strict=True):
+                    array[k:] = kept
+                raise
+            frames.lower.stand(has_user)
+            frames.passed = ()
+            return self._record({}, {}, ())
 
     def snapshot(self) -> bytes:
         """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process

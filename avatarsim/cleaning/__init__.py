@@ -3,7 +3,9 @@
 from collections.abc import Callable, Sequence
 
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.result import Array, Audit, Cleaned, Excluded, Flagged, Moved, Opinion, Options
+from avatarsim.cleaning.result import DEFAULTS, Audit, Cleaned, Excluded, Flagged, Moved, Opinion, Options
+from avatarsim.cleaning.stream import Shield
+from avatarsim.cleaning.whole_clip import audit_motion, clean_motion
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
 
@@ -11,25 +13,24 @@ __all__ = ["Audit", "Cleaned", "Excluded", "Flagged", "Moved", "Opinion", "Optio
 
 
 def clean(
-    motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = Options(), progress: Callable[[float], None] | None = None
+    motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS,
+    progress: Callable[[float], None] | None = None,
 ) -> Cleaned:
-    """The nearest motion to `motion` without overlap and within limits. `progress` is called with the share that is done, 0 to 1.
+    """The nearest motion to `motion` that is found free of overlap and within limits, in each frame and on the way between frames.
 
-    Raises InvalidInput for a model without avatar, StartOverlaps where no free posture is found to start from."""
-    raise NotImplementedError
+    The avatar is the model's; it meets the model's bodies and those of `room`, which stand still. Frames that are free, and that
+    are reached on a free way, stay as they are, to the bit. `progress` is called with the share that is done, 0 to 1. Method and
+    sources: docs/cleaning.md.
+
+    Raises InvalidInput for a model without avatar and a motion that does not fit it, StartOverlaps where no free posture is found
+    near the first one.
+    """
+    return clean_motion(motion, model, room, options, progress)
 
 
-def audit(motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = Options()) -> Audit:
-    """Measures of a motion as it is."""
-    raise NotImplementedError
+def audit(motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS) -> Audit:
+    """Measures of a motion as it is: overlap in frames and proof between them, limits, jerk, and what is excluded from all that.
 
-
-class Shield:
-    """Generalized coordinates in, certified ones out, frame by frame (for teleoperation)."""
-
-    def __init__(self, model: Model, room: Sequence[Body] = (), rate: float = 60.0, options: Options = Options()) -> None:
-        raise NotImplementedError
-
-    def __call__(self, q: Array) -> Array:
-        """The nearest free posture to q (width,) that is reached on a free way from the last one."""
-        raise NotImplementedError
+    Raises InvalidInput for a model without avatar and a motion that does not fit it.
+    """
+    return audit_motion(motion, model, room, options)

@@ -23,6 +23,7 @@ class Options:
     blend     how long before and after contact limbs give way [s], 0: not at all; at least 4 frames are taken
     loose     whether the bodies that the files call loose are left out; else they are fixed where they are
     seed      of the engine's random directions
+    opinion   whether an independent library is asked as well, where it is installed: as long again as all else
 
     Raises InvalidInput for numbers outside these ranges."""
 
@@ -30,12 +31,17 @@ class Options:
     blend: float = 0.1
     loose: bool = False
     seed: int = 0
+    opinion: bool = True
 
     def __post_init__(self) -> None:
         if not 1e-5 <= self.margin <= 0.1:
             raise InvalidInput("margin [m]", self.margin, "1e-5 to 0.1")
         if not 0.0 <= self.blend <= 2.0:
             raise InvalidInput("blend [s]", self.blend, "0 to 2")
+
+
+DEFAULTS = Options()
+"""What holds unless told otherwise."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,119 @@
+"""Queries of recorded postures: the way from one to the next proved free, nearest pairs, limits. On arrays of their own.
+
+The kernels, the method and its source are those of `avatarsim.ik.chord`.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning.result import Options
+from avatarsim.errors import InvalidInput
+from avatarsim.ik.chord import clip_posture, free_until, make_chord, nearest_at, pair_gaps
+from avatarsim.jit.arena import packed
+from avatarsim.model.skeleton import BALL, FREE
+from avatarsim.model.world import build, sample_arrays
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+Pair = tuple[str, str]
+
+
+class Chords:
+    """Queries of postures of the avatars of `scene`, whose bodies are all fixed."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.world = scene, build(scene)
+        self.words, self.parts = packed(make_chord(self.world))
+        self._owner, self._hinges = self.world.geometry.body, self.world.hinges
+        kinds = self.world.skeleton.kind
+        self.free_roots, self.turning = np.flatnonzero(kinds == FREE), np.flatnonzero((kinds == FREE) | (kinds == BALL))
+
+    def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
+        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m] apart,
+        and the pair that ends it. The samples must fit the avatars."""
+        arrays = (*sample_arrays(before), *sample_arrays(after))
+        share, a, b = free_until(self.world.words, self.words, *arrays, least)
+        return share, self._pair(a, b)
+
+    def nearest(self, sample: TrackerSample, within: float) -> tuple[float, Pair | None]:
+        """Smallest signed distance [m] of all pairs that must not overlap, negative where they do, and the pair; a number above
+        `within` [m] where none is as near."""
+        gap, a, b = nearest_at(self.world.words, self.words, *sample_arrays(sample), within)
+        return gap, self._pair(a, b)
+
+    def clipped(self, sample: TrackerSample) -> tuple[TrackerSample, float]:
+        """The posture with each joint at the nearest place within its limits, and by how much [rad] it was outside."""
+        beyond = clip_posture(self.world.words, self.words, *sample_arrays(sample))
+        if beyond == 0.0:
+            return sample, 0.0
+        end = self.parts.end
+        return TrackerSample(sample.time, end.root.copy(), rotation.from_matrix(end.turn), end.angle[self._hinges]), beyond
+
+    def gaps(self, sample: TrackerSample, pairs: NDArray[np.int64]) -> Array:
+        """(m,) signed distance [m] of pairs (m, 2) of bodies by their numbers, some number above 0 where they are apart."""
+        found = np.zeros(len(pairs))
+        pair_gaps(self.world.words, self.words, *sample_arrays(sample), pairs, found)
+        return found
+
+    def _pair(self, a: int, b: int) -> Pair | None:
+        if a < 0:
+            return None
+        names = self.scene.names
+        return names[self._owner[a]], names[self._owner[b]]
+
+
+class Certified(NamedTuple):
+    """Of the F-1 ways between the postures of a motion: until (F-1,) the share that is proved, pair the pair that ends it."""
+
+    until: Array
+    pair: tuple[Pair | None, ...]
+
+
+def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
+    """Which ways between neighbouring postures of a motion keep all pairs at least `least` [m] apart."""
+    samples = [motion.sample(frame) for frame in range(len(motion))]
+    found = [chords.free_until(a, b, least) for a, b in zip(samples, samples[1:], strict=False)]
+    return Certified(np.array([share for share, _ in found], dtype=np.float64), tuple(pair for _, pair in found))
+
+
+def scene_of(model: Model, room: Sequence[Body], options: Options, start: TrackerSample | None = None) -> Scene:
+    """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out.
+
+    Raises InvalidInput for a model without avatar."""
+    if model.avatar is None:
+        raise InvalidInput("avatar of the model", None, "one: a file of a robot, a hand or a skeleton")
+    bodies = [body for body in (*model.bodies, *room) if body.role is Role.FIXED or not options.loose]
+    standing = [
+        replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0)) for body in bodies
+    ]
+    bodies_named = tuple(_with_own_names(standing, model.avatar))
+    # what bodies are made of matters to impacts only, of which there are none
+    made_of = sorted({body.material for body in standing} | {link.material for link in model.avatar.links})
+    law = ContactLaw(0.0, 0.0)
+    materials = PairTable({(one, other): law for one in made_of for other in made_of})
+    return Scene("clean", bodies_named, (model.avatar,), materials, start=start)
+
+
+def _with_own_names(bodies: Iterable[Body], avatar: Avatar) -> list[Body]:
+    """The bodies with a number behind names that occur before, or are those of links."""
+    links = avatar.links
+    taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
+    found: list[Body] = []
+    for body in bodies:
+        name, count = body.name, 1
+        while name in taken:
+            count += 1
+            name = f"{body.name} ({count})"
+        taken.add(name)
+        found.append(body if name == body.name else replace(body, name=name))
+    return found

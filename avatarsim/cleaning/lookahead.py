@@ -1,0 +1,147 @@
+"""Look-ahead smoothing of what was displaced: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
+
+Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may give
+way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
+same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again. Its support
+is bounded, so frames far from contact keep the input to the bit.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.cleaning.chords import Chords, certified
+from avatarsim.cleaning.measures import high, jerk
+from avatarsim.cleaning.result import Options
+from avatarsim.cleaning.track import Follower, Judged, Kind, Written, track
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+LEAST_FRAMES = 4
+"""Frames of a window at least: fewer can not be smooth."""
+
+WIDEST = 1.0
+"""[rad] a displacement of a joint beyond this is no small one that may be scaled and averaged."""
+
+TRIES = 2
+"""Windows that are tried, each twice as long as the one before."""
+
+
+class Episode(NamedTuple):
+    """Frames first .. last that are not the input's, both included."""
+
+    first: int
+    last: int
+
+
+def episodes(is_input: NDArray[np.bool_], grow: int) -> list[Episode]:
+    """Runs of frames that are not the input's; those whose surroundings of `grow` frames meet are one."""
+    away = np.flatnonzero(~is_input)
+    if not away.size:
+        return []
+    parts = np.split(away, np.flatnonzero(np.diff(away) > 2 * grow + 2) + 1)
+    return [Episode(int(part[0]), int(part[-1])) for part in parts]
+
+
+def displacement(chords: Chords, motion: Motion, written: Motion, some: slice) -> Array | None:
+    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the axes of the joint's
+    parent, hinges by difference. None where a joint turned by more than WIDEST."""
+    free, turning = chords.free_roots, chords.turning
+    before, after = motion.rotations[some][:, turning], written.rotations[:, turning]
+    turns = rotation.to_rotation_vector(rotation.multiply(after, rotation.conjugate(before)))
+    if turns.size and not float(np.linalg.norm(turns, axis=2).max()) <= WIDEST:
+        return None
+    moves = written.positions[:, free] - motion.positions[some][:, free]
+    count = len(turns)
+    hinges = written.angles - motion.angles[some]
+    return np.concatenate([moves.reshape(count, -1), turns.reshape(count, -1), hinges], axis=1)
+
+
+def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
+    """The motion with a displacement (n, w) added in frames `some`; where that is zero nothing changes, to the bit."""
+    free, turning = chords.free_roots, chords.turning
+    positions, rotations, angles = motion.positions.copy(), motion.rotations.copy(), motion.angles.copy()
+    where = np.arange(some.start, some.stop)[np.any(d != 0.0, axis=1)]
+    d = d[np.any(d != 0.0, axis=1)]
+    moves, turns = d[:, : 3 * len(free)], d[:, 3 * len(free) : 3 * len(free) + 3 * len(turning)]
+    positions[where[:, None], free] += moves.reshape(-1, len(free), 3)
+    steps = rotation.from_rotation_vector(turns.reshape(-1, len(turning), 3))
+    turned = rotation.multiply(steps, rotations[where[:, None], turning])
+    rotations[where[:, None], turning] = rotation.normalised(turned)
+    angles[where] += d[:, 3 * len(free) + 3 * len(turning) :]
+    return Motion(motion.times, positions, rotations, angles)
+
+
+def smoothed(d: Array, half: int) -> Array:
+    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each side;
+    where there is none the nearest one's direction is taken."""
+    size = np.linalg.norm(d, axis=1)
+    moving = np.flatnonzero(size > 0.0)
+    if not moving.size:
+        return d
+    at = moving[np.clip(np.searchsorted(moving, np.arange(len(d))), 0, len(moving) - 1)]
+    before = moving[np.clip(np.searchsorted(moving, np.arange(len(d)), side="right") - 1, 0, len(moving) - 1)]
+    nearest = np.where(np.abs(at - np.arange(len(d))) < np.abs(np.arange(len(d)) - before), at, before)
+    directions = d[nearest] / size[nearest][:, None]
+    padded = np.pad(size, half, mode="edge")
+    envelope = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).max(axis=1)
+    weights = np.hanning(2 * half + 3)[1:-1]
+    raised = np.pad(directions * envelope[:, None], ((half, half), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(raised, 2 * half + 1, axis=0)
+    return np.asarray(windows @ (weights / weights.sum()))
+
+
+def improve(
+    chords: Chords, follower: Follower, motion: Motion, written: Written, options: Options,
+    progress: Callable[[float], None],
+) -> None:
+    """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
+    half = max(LEAST_FRAMES, round(options.blend * motion.rate))
+    found = episodes(written.kind == Kind.INPUT, 2 * half) if options.blend > 0.0 else []
+    for n, episode in enumerate(found):
+        for attempt in range(TRIES):
+            if again(chords, follower, motion, written, options, episode, half << attempt):
+                break
+        progress((n + 1) / len(found))
+
+
+def again(
+    chords: Chords, follower: Follower, motion: Motion, written: Written, options: Options, episode: Episode, half: int
+) -> bool:
+    """Track an episode again with a window of `half` frames on each side, and take what is written if it is better."""
+    first, last = max(0, episode.first - 2 * half - 1), min(len(motion) - 1, episode.last + 2 * half + 1)
+    some, is_input = slice(first, last + 1), written.kind == Kind.INPUT
+    if last - first < LEAST_FRAMES or (first > 0 and not is_input[first]) or (last < len(motion) - 1 and not is_input[last]):
+        # a doubled window that reaches into the next episode
+        return False
+    old = part_of(written.motion, some)
+    d = displacement(chords, motion, old, some)
+    if d is None:
+        return False
+    d[is_input[some]] = 0.0
+    d = smoothed(d, half)
+    aim = part_of(displaced(chords, motion, some, d), some)
+    trial, start = Written(aim), old.sample(0)
+    follower.begin(start, bool(is_input[first]))
+    trial.put(0, start, Kind.TRACKED)
+    track(follower, aim, Judged(chords, aim, options.margin).is_free, range(len(aim)), trial)
+    if is_input[last] and trial.kind[-1] != Kind.INPUT:
+        return False
+    new = trial.motion
+    if not high(jerk(chords, new)) < high(jerk(chords, old)) or not (certified(chords, new).until >= 1.0).all():
+        return False
+    trial.kind[0] = written.kind[first]
+    trial.kind[(trial.kind == Kind.INPUT) & np.any(d != 0.0, axis=1)] = Kind.BLENDED
+    written.positions[some], written.rotations[some], written.angles[some] = new.positions, new.rotations, new.angles
+    written.kind[some] = trial.kind
+    return True
+
+
+def part_of(motion: Motion, some: slice) -> Motion:
+    """Some frames of a motion, at their times."""
+    times = motion.times[some]
+    return Motion(times, motion.positions[some], motion.rotations[some], motion.angles[some])

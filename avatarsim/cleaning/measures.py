@@ -1,0 +1,98 @@
+"""Measures of a motion: overlap in frames and proof between them, excess beyond limits, jerk, and how far one motion is from another.
+
+Jerk: third differences of link positions over the time of a frame cubed (Flash and Hogan 1985 judge the smoothness of human motion
+by it).
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.cleaning.chords import Chords, certified
+from avatarsim.cleaning.result import OVERLAP, Audit, Excluded, Moved
+from avatarsim.cleaning.second_opinion import opinion_of
+from avatarsim.cleaning.track import Judged
+from avatarsim.scene.joint import Hinges
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+HIGH = 95.0
+"""[percent] which of the sorted values is given."""
+
+
+def jerk(chords: Chords, motion: Motion) -> Array:
+    """(F, links) [m/s^3] size of the third difference of link positions about each frame; nan where there are too few frames."""
+    positions, _ = poses_of_links(chords.scene.avatars, motion.positions, motion.rotations, motion.angles)
+    found = np.full(positions.shape[:2], np.nan)
+    if len(motion) >= 4:
+        third = np.linalg.norm(np.diff(positions, 3, axis=0), axis=2) * motion.rate**3
+        # of the two frames in the middle of four
+        found[1:-2] = third
+    return found
+
+
+def high(values: Array) -> float:
+    """The 95th percentile of what is a number among the values; nan of none."""
+    known = values[np.isfinite(values)]
+    return float(np.percentile(known, HIGH)) if known.size else float("nan")
+
+
+def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool) -> Audit:
+    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free."""
+    jerks = jerk(chords, motion)
+    deepest = int(np.argmin(judged.gap))
+    depths = np.maximum(0.0, -judged.gap)
+    excluded, said = excluded_pairs(chords, motion), []
+    blind = [f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in excluded if one.depth > OVERLAP]
+    if blind:
+        said.append("excluded pairs that overlap, which no measure counts and no proof looks at: " + ", ".join(blind))
+    opinion, why = opinion_of(chords.scene, motion) if with_opinion else (None, "")
+    if why:
+        said.append(why)
+    return Audit(
+        depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
+        float(judged.beyond.max()), high(jerks[was_free]), high(jerks[~was_free]), excluded, opinion, tuple(said),
+    )
+
+
+def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
+    """The pairs of links that the avatar excludes, besides each link and its parent, and how deep they get into each other."""
+    scene, avatar = chords.scene, chords.scene.avatars[0]
+    at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
+    pairs = np.array([(at[a], at[b]) for a, b in avatar.ignore], dtype=np.int64).reshape(-1, 2)
+    depths = np.zeros(len(pairs))
+    for frame in range(len(motion) if len(pairs) else 0):
+        depths = np.maximum(depths, -chords.gaps(motion.sample(frame), pairs))
+    return tuple(Excluded(a, b, depth) for (a, b), depth in zip(avatar.ignore, depths.tolist(), strict=True))
+
+
+def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
+    """How far the written motion is from the input."""
+    avatar = chords.scene.avatars[0]
+    before, after = (poses_of_links(chords.scene.avatars, one.positions, one.rotations, one.angles) for one in (motion, written))
+    middles = np.array([
+        np.mean([piece.position for piece in link.pieces], axis=0) if link.pieces else np.zeros(3) for link in avatar.links
+    ])
+    places = [positions + rotation.rotate(turns, np.broadcast_to(middles, positions.shape)) for positions, turns in (before, after)]
+    away = np.linalg.norm(places[1] - places[0], axis=2)
+    turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(motion.rotations), written.rotations))
+    names, columns = [], []
+    hinge = 0
+    for k, link in enumerate(avatar.links):
+        if k in chords.turning:
+            names.append(link.name)
+            columns.append(np.linalg.norm(turns[:, k], axis=1))
+        elif isinstance(link.joint, Hinges):
+            count = len(link.joint.hinges)
+            for n in range(count):
+                names.append(link.name if count == 1 else f"{link.name} {n + 1}")
+                columns.append(np.abs(written.angles[:, hinge] - motion.angles[:, hinge]))
+                hinge += 1
+    turned = np.array(columns).reshape(len(names), len(motion))
+    return Moved(
+        tuple(link.name for link in avatar.links), np.sqrt(np.mean(away**2, axis=0)), np.percentile(away, HIGH, axis=0),
+        tuple(names), np.sqrt(np.mean(turned**2, axis=1)), np.percentile(turned, HIGH, axis=1),
+    )

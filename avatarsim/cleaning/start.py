@@ -1,0 +1,70 @@
+"""Where tracking starts: the first free frame; without any, a free posture near the first frame's, found by lifting the root.
+
+Postures between the first frame's and that of rest are looked at as well, since no lift helps an avatar that overlaps itself.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from avatarsim.cleaning.chords import Chords
+from avatarsim.cleaning.track import Follower, between, difference
+from avatarsim.errors import StartOverlaps
+from avatarsim.scene.tracker import TrackerSample, rest
+
+LIFTS = (0.0, *(1e-3 * 2.0**k for k in range(13)))
+"""[m] how far a root is moved, to 4 m: a doubling finds a place of any size in as many looks."""
+
+SHARES = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
+"""Shares of the way to the posture of rest."""
+
+DIRECTIONS = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
+"""Where a root is moved: upwards first, out of the ground."""
+
+APPROACH, PACE, STILL = 2.0, 1.0 / 60.0, 1e-6
+"""[s] for which the first posture is approached at most, [s] of one look, and [rad, m] of what then moves no more."""
+
+
+def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]:
+    """Postures near one, nearest first."""
+    clipped, _ = chords.clipped(sample)
+    at_rest = rest(chords.scene.avatars, sample.time)
+    at_rest = replace(at_rest, positions=sample.positions, rotations=at_rest.rotations.copy())
+    at_rest.rotations[chords.free_roots] = sample.rotations[chords.free_roots]
+    at_rest, _ = chords.clipped(at_rest)
+    has_root = len(chords.free_roots) > 0
+    for share in SHARES:
+        mixed, _ = chords.clipped(between(clipped, at_rest, share) if share > 0.0 else clipped)
+        for lift in LIFTS if has_root else LIFTS[:1]:
+            for direction in DIRECTIONS if lift > 0.0 else DIRECTIONS[:1]:
+                positions = mixed.positions.copy()
+                positions[chords.free_roots] += lift * np.array(direction)
+                yield replace(mixed, positions=positions)
+
+
+def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> TrackerSample:
+    """A posture near `sample` that keeps all pairs at least `margin` [m] apart, else one that keeps them apart at all; raises
+    StartOverlaps where none is found."""
+    touching: TrackerSample | None = None
+    for candidate in candidates(chords, sample):
+        gap, _ = chords.nearest(candidate, margin)
+        if gap >= margin:
+            return candidate
+        if gap > 0.0 and touching is None:
+            touching = candidate
+    if touching is not None:
+        return touching
+    gap, pair = chords.nearest(chords.clipped(sample)[0], margin)
+    raise StartOverlaps([(*(pair or ("", "")), -gap)])
+
+
+def approach(follower: Follower, sample: TrackerSample) -> TrackerSample:
+    """Follow one posture until nothing moves any more; where the avatar is then."""
+    for _ in range(round(APPROACH / PACE)):
+        last = follower.shown
+        follower.is_input = False
+        follower.follow(replace(sample, time=0.0), replace(sample, time=PACE), False)
+        if difference(follower.chords, last, follower.shown) < STILL:
+            break
+    return follower.shown

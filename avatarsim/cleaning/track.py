@@ -1,0 +1,204 @@
+"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved free.
+
+The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is written
+is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps that
+holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it is.
+"""
+
+from dataclasses import replace
+from enum import IntEnum
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.cleaning.chords import Chords, Pair
+from avatarsim.cleaning.result import Options
+from avatarsim.engine import Settings
+from avatarsim.errors import AvatarsimError
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+SUB_STEPS = 120.0
+"""[1/s] sub-steps of the engine at least. Fewer: longer steps, which more often come too near what a limb turns around."""
+
+ARRIVED = 1e-9
+"""[m, rad] an engine's posture so near the input's is the input's, but for rounding."""
+
+SPARED = 0.9
+"""Share that is gone of a way that ends at something: at its very end the next way could not begin."""
+
+GROWTH, LEVELS = 3.0, 4
+"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast foot
+dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is released."""
+
+
+class Kind(IntEnum):
+    """What a written frame is."""
+
+    INPUT = 0
+    """The input's, bit for bit."""
+    TRACKED = 1
+    """The engine's posture for it."""
+    HELD = 2
+    """An earlier posture on the way to that, since the rest of the way was not proved free."""
+    BLENDED = 3
+    """That of a target which gives way before or after contact."""
+
+
+class Judged:
+    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as near;
+    pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
+
+    def __init__(self, chords: Chords, motion: Motion, margin: float) -> None:
+        frames, self.margin = len(motion), margin
+        self.gap, self.beyond = np.full(frames, np.inf), np.zeros(frames)
+        self.pair: list[Pair | None] = [None] * frames
+        for k in range(frames):
+            sample = motion.sample(k)
+            self.gap[k], self.pair[k] = chords.nearest(sample, margin)
+            self.beyond[k] = chords.clipped(sample)[1]
+        self.is_free: NDArray[np.bool_] = (self.gap >= margin) & (self.beyond <= 0.0)
+
+
+def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
+    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it."""
+    turned = rotation.slerp(before.rotations, after.rotations, np.full(len(before.rotations), share))
+    return TrackerSample(
+        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
+        rotation.normalised(turned), before.angles + share * (after.angles - before.angles),
+    )
+
+
+def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
+    """The largest difference of two postures in any joint or root [rad, m]."""
+    free, turning = chords.free_roots, chords.turning
+    turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(one.rotations[turning]), other.rotations[turning]))
+    parts = (turns, one.positions[free] - other.positions[free], one.angles - other.angles)
+    return max([float(np.abs(part).max()) for part in parts if part.size], default=0.0)
+
+
+class Follower:
+    """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself."""
+
+    def __init__(self, chords: Chords, options: Options, start: TrackerSample, is_input: bool) -> None:
+        self.chords, self.options = chords, options
+        self.shown, self.is_input = start, is_input
+        self._engines: dict[int, AvatarsimEngine] = {}
+        self._level, self._since, self._at = 0, 0.0, -1
+
+    def begin(self, start: TrackerSample, is_input: bool) -> None:
+        """Begin again elsewhere."""
+        self.shown, self.is_input = start, is_input
+        self._level, self._at = 0, -1
+
+    def follow(self, before: TrackerSample, after: TrackerSample, is_free: bool) -> Kind:
+        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is free
+        there. What is written is in `shown`."""
+        if self.is_input and is_free and self._reaches(after):
+            self.shown, self._at = after, -1
+            return Kind.INPUT
+        self.is_input = False
+        duration = abs(after.time - before.time)
+        self._since += duration
+        if self._since > self.options.blend and self._level > 0:
+            self._level, self._since = self._level - 1, 0.0
+        tried: list[TrackerSample] = []
+        for level in range(self._level, LEVELS):
+            tried = self._steps(level, before, after, duration)
+            if is_free and difference(self.chords, tried[-1], after) < ARRIVED and self._reaches(after):
+                self.shown, self.is_input, self._level, self._at = after, True, 0, -1
+                return Kind.INPUT
+            if self._reaches(tried[-1]):
+                if level > self._level:
+                    self._level, self._since = level, 0.0
+                self.shown = tried[-1]
+                return Kind.TRACKED
+        return self._hold_back(tried)
+
+    def _engine(self, level: int) -> AvatarsimEngine:
+        """The engine that keeps the gap of a level, where the avatar is shown."""
+        if level not in self._engines:
+            self._engines[level] = AvatarsimEngine()
+            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0}
+            settings = Settings(options=options, seed=self.options.seed)
+            self._engines[level].load(replace(self.chords.scene, start=self.shown), settings, 1.0 / SUB_STEPS)
+        elif self._at != level:
+            self._engines[level].put(self.shown)
+        self._at = level
+        return self._engines[level]
+
+    def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
+        """The engine's sub-states on the way."""
+        engine, count = self._engine(level), max(1, ceil(duration * SUB_STEPS - 1e-6))
+        tried = []
+        for k in range(1, count + 1):
+            engine.advance(after if k == count else between(before, after, k / count), duration / count)
+            tried.append(engine.posture())
+        return tried
+
+    def _reaches(self, sample: TrackerSample) -> bool:
+        return self.chords.free_until(self.shown, sample)[0] >= 1.0
+
+    def _hold_back(self, tried: list[TrackerSample]) -> Kind:
+        """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
+        engine = self._engines[self._at]
+        for sample in tried[-2::-1]:
+            if self._reaches(sample):
+                engine.put(sample, has_user=False)
+                self.shown = sample
+                return Kind.HELD
+        share, _ = self.chords.free_until(self.shown, tried[0])
+        part, _ = self.chords.clipped(between(self.shown, tried[0], SPARED * share))
+        try:
+            if self._reaches(part):
+                engine.put(part, has_user=False)
+                self.shown = part
+                return Kind.HELD
+        except AvatarsimError:
+            # a ball may pass beyond its limits between two postures within them
+            pass
+        engine.put(self.shown, has_user=False)
+        return Kind.HELD
+
+
+class Written:
+    """A motion as it is written: arrays as in Motion, and of each frame a Kind."""
+
+    def __init__(self, motion: Motion) -> None:
+        self.times = motion.times
+        self.positions, self.rotations, self.angles = motion.positions.copy(), motion.rotations.copy(), motion.angles.copy()
+        self.kind = np.zeros(len(motion), dtype=np.int64)
+
+    def put(self, frame: int, sample: TrackerSample, kind: Kind) -> None:
+        """Write a frame; one that is the input's is there already."""
+        self.kind[frame] = kind
+        if kind is not Kind.INPUT:
+            self.positions[frame], self.rotations[frame], self.angles[frame] = sample.positions, sample.rotations, sample.angles
+
+    def take(self, other: "Written", first: int, last: int) -> None:
+        """Frames first .. last of another one."""
+        some = slice(first, last + 1)
+        for mine, theirs in (
+            (self.positions, other.positions), (self.rotations, other.rotations), (self.angles, other.angles),
+            (self.kind, other.kind),
+        ):
+            mine[some] = theirs[some]
+
+    @property
+    def motion(self) -> Motion:
+        """What is written, as a motion."""
+        return Motion(self.times, self.positions, self.rotations, self.angles)
+
+
+def track(
+    follower: Follower, motion: Motion, is_free: NDArray[np.bool_], frames: range, written: Written
+) -> None:
+    """Follow the motion through `frames`, in either direction, from the first of them, where the follower is."""
+    for before, after in zip(frames, frames[1:], strict=False):
+        kind = follower.follow(motion.sample(before), motion.sample(after), bool(is_free[after]))
+        written.put(after, follower.shown, kind)
