@@ -99,7 +99,7 @@ CONTROLS = (
     '<option value=1 selected>1 x</option></select></div>\n'
     '<div class=controls><label><input type=checkbox id=show-before checked> <span class="key before"></span>before</label>'
     '<label><input type=checkbox id=show-after checked> <span class="key after"></span>after</label>'
-    '<label><input type=checkbox id=show-room checked> room</label>'
+    '<label><input type=checkbox id=show-room checked> <span class="key room"></span>room</label>'
     '<label><input type=checkbox id=follow checked> follow</label>'
     '<span class=soft><span class="key red"></span>overlap <span class="key chord"></span>way to the next frame not certified; '
     'drag turns, Ctrl and wheel zoom, space plays, arrows step</span></div>'

@@ -77,13 +77,15 @@
     pen.globalAlpha = 1;
     pen.clearRect(0, 0, width, height);
     pen.lineWidth = 0.6;
-    const view = axes(), scale = zoom * Math.min(width, height) / (2.1 * clip.extent);
+    const view = axes(), scale = zoom * Math.min(width, height) / (1.8 * clip.extent);
     const wanted = [at("show-before").checked, at("show-after").checked];
-    const inks = [colour(".key.before"), colour(".key:not(.before):not(.red):not(.chord)")];
-    const body = [];
+    const inks = [colour(".key.before"), colour(".key.after")];
+    // what was before lies as a veil over what is after
+    const figures = [[], []];
     motions.forEach((motion, m) => {
       if (!wanted[m]) return;
-      links.forEach((link, k) => faces(placed(motion, shown, k), link.t, view, inks[m], m === 0 && wanted[1] ? 0.45 : 1, body));
+      const alpha = m === 0 && wanted[1] ? 0.35 : 1;
+      links.forEach((link, k) => faces(placed(motion, shown, k), link.t, view, inks[m], alpha, figures[m]));
     });
     if (at("follow").checked || !draw.done) {
       centre = [0, 1, 2].map((c) => clip.least[c] + clip.size / STEPS * motions[1].places[3 * shown * links.length + c]);
@@ -91,8 +93,7 @@
     }
     const far = [], near = [];
     if (at("show-room").checked) {
-      const grey = getComputedStyle(stage).borderTopColor.match(/[\d.]+/g).slice(0, 3).map(Number);
-      const all = [];
+      const all = [], grey = colour(".key.room");
       for (const one of room) faces(one.v, one.t, view, grey, 1, all);
       for (const face of all) {
         const behind = dot(face.normal, [0, 1, 2].map((c) => centre[c] - face.p[0][c])) > 0;
@@ -100,7 +101,7 @@
         (behind ? far : near).push(face);
       }
     }
-    for (const group of [far, body, near]) {
+    for (const group of [far, figures[1], figures[0], near]) {
       group.sort((a, b) => a.depth - b.depth);
       for (const face of group) fill(face, view, scale, width, height);
       if (group === far) grid(view, scale, width, height);
