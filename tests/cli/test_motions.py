@@ -162,7 +162,8 @@ def test_a_folder_of_rubbish_is_named_and_the_rest_is_done(tmp_path: Path, capsy
     }
 
 
-NAMES = ["<img src=x onerror=alert(1)>.bvh", "a&b \"c\" 'd'.bvh", "line\nbreak\x1b[31m.bvh", "über 漢.bvh", "100%#?.bvh", "bad\udcff.bvh"]
+NAMES = ["<img src=x onerror=alert(1)>.bvh", "a&b \"c\" 'd'.bvh", "line\nbreak\x1b[31m.bvh", "über 漢.bvh", "100%#?.bvh",
+         "bad\udcff.bvh"]
 
 
 def test_names_from_anywhere_are_data_and_nothing_else(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -181,17 +182,19 @@ def test_names_from_anywhere_are_data_and_nothing_else(tmp_path: Path, capsys: p
     certified(tmp_path / "out")
 
 
+CLEAN = ["clean", "a.bvh", "-o", "out"]
+
+
 @pytest.mark.parametrize(("words", "said"), [
     (["clean"], "required"), (["clean", "a.bvh"], "-o/--out"), (["clean", "a.bvh", "-o", ""], "empty name"),
-    (["clean", "a.bvh", "-o", "out", "--no-such"], "--no-such"), (["clean", "a.bvh", "-o", "out", "--up", "x"], "--up"),
-    (["clean", "a.bvh", "-o", "out", "--margin", "wide"], "--margin"), (["clean", "a.bvh", "-o", "out", "--margin", "5"], "margin"),
-    (["clean", "a.bvh", "-o", "out", "--margin", "nan"], "margin"), (["clean", "a.bvh", "-o", "out", "--blend", "-1"], "blend"),
-    (["clean", "a.bvh", "-o", "out", "--rate", "nan"], "--rate"), (["clean", "a.bvh", "-o", "out", "--rate", "0"], "--rate"),
-    (["clean", "a.bvh", "-o", "out", "--scale", "inf"], "--scale"), (["clean", "a.bvh", "-o", "out", "--workers", "-1"], "--workers"),
+    ([*CLEAN, "--no-such"], "--no-such"), ([*CLEAN, "--up", "x"], "--up"), ([*CLEAN, "--margin", "wide"], "--margin"),
+    ([*CLEAN, "--margin", "5"], "margin"), ([*CLEAN, "--margin", "nan"], "margin"), ([*CLEAN, "--blend", "-1"], "blend"),
+    ([*CLEAN, "--rate", "nan"], "--rate"), ([*CLEAN, "--rate", "0"], "--rate"), ([*CLEAN, "--scale", "inf"], "--scale"),
+    ([*CLEAN, "--workers", "-1"], "--workers"), ([*CLEAN, "--scheduler", "nowhere"], "--scheduler"),
     (["clean", "a.bvh", "-o", "a.bvh"], "output folder"), (["clean", "a.bvh", "-o", "a.bvh/b"], "output folder"),
     (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
     (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
-    (["clean", "a.bvh", "-o", "out", "--scheduler", "nowhere"], "--scheduler"), (["tidy"], "tidy"),
+    (["tidy"], "tidy"),
 ])
 def test_wrong_usage_is_a_sentence_and_code_2(
     words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -52,7 +52,8 @@ def valid(value: dict[str, object]) -> None:
 def test_a_certificate_keeps_to_its_schema() -> None:
     whole = certificate.summary("clean", [entry()], [("bad.bvh", "unreadable", "cut off")])
     valid(json.loads(certificate.text(whole)))
-    measured = certificate.entry("a.csv", "csv", certificate.key((("a.csv", "0" * 64),), (), (), Wishes()), motion(), audit(0.02, False))
+    decides = certificate.key((("a.csv", "0" * 64),), (), (), Wishes())
+    measured = certificate.entry("a.csv", "csv", decides, motion(), audit(0.02, False))
     valid(json.loads(certificate.text(certificate.summary("audit", [measured], []))))
 
 

@@ -1,4 +1,4 @@
-"""Folders are taken whole, sorted and with their layout; what is no motion is left alone; no result takes another file's place."""
+"""Folders are taken whole, sorted, with their layout; what is no motion is left alone; no result takes another file's place."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Pages of cleaned clips in a browser: opened from disk they complain of nothing, request nothing, draw, play and lead to moments.
+"""Pages of cleaned clips in a browser: opened from disk they complain of nothing, request nothing, draw, play, lead to moments.
 
 Not part of `make test`, which needs no browser: `make look` runs it on clips made here, and leaves screenshots in
 reports/out/look/ for eyes.
@@ -33,8 +33,8 @@ HOSTILE = "</script><script>document.title='taken'</script>.bvh"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Cleaned clips: of a figure that goes into the floor in the middle, one in a folder, one with a name that is a script, and one
-    of a robot; with a file that is none."""
+    """Cleaned clips: of a figure that goes into the floor in the middle, one in a folder, one with a name that is a script, and
+    one of a robot; with a file that is none."""
     base = tmp_path_factory.mktemp("look")
     bvh(base / "in" / "sinks.bvh", frames=40)
     bvh(base / "in" / "deep" / "er" / "free.bvh", frames=6, sinks=-0.3)
@@ -86,7 +86,8 @@ def test_a_clip_opens_at_its_deepest_moment_and_says_so(folder: Path, opened: tu
     clip = json.loads((folder / "certificates" / "sinks.bvh.json").read_text())
     assert clip["overlap"]["before"]["frames"] > 0
     first = one.value("document.querySelector('.moments button').textContent")
-    assert first.startswith("deepest overlap before") and one.value(f"{SHOWN} === Number(document.querySelector('.moments button').dataset.frame)")
+    assert first.startswith("deepest overlap before")
+    assert one.value(f"{SHOWN} === Number(document.querySelector('.moments button').dataset.frame)")
     assert "before: overlap" in one.value(TOLD) and "after: no overlap" in one.value(TOLD)
     assert one.value("document.getElementById('stage').classList.contains('overlaps')")
     assert one.value(COLOURS) > 30
@@ -120,7 +121,8 @@ def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: t
     one.value("(() => { const bar = document.getElementById('bar'); bar.value = 11; bar.dispatchEvent(new Event('input')); })()")
     assert one.value(f"{SHOWN}") == 11
     box = "document.getElementById('line').getBoundingClientRect()"
-    one.value(f"document.getElementById('line').dispatchEvent(new MouseEvent('click', {{clientX: {box}.left + {box}.width * 0.51}}))")
+    click = f"new MouseEvent('click', {{clientX: {box}.left + {box}.width * 0.51}})"
+    one.value(f"document.getElementById('line').dispatchEvent({click})")
     assert one.value(f"{SHOWN}") == 20
     # to the end by itself, and again from the start
     press("End")
@@ -139,7 +141,9 @@ def test_what_is_not_asked_for_is_not_drawn(folder: Path, opened: tuple[Browser,
         pictures.append(one.value("document.getElementById('view').toDataURL()"))
     assert len(set(pictures)) == 4
     # the lines on the ground are left
-    assert one.value(COLOURS) < one.value("(() => { document.getElementById('show-after').click(); return " + COLOURS.strip() + "; })()")
+    lines = one.value(COLOURS)
+    one.value("document.getElementById('show-after').click()")
+    assert lines < one.value(COLOURS)
     quiet(one, folder / "pages" / "robot.csv.html")
 
 
@@ -150,9 +154,9 @@ def test_the_view_turns_by_dragging(folder: Path, opened: tuple[Browser, str]) -
     one.until(f"{SHOWN} > 0")
     picture = "document.getElementById('view').toDataURL()"
     before = one.value(picture)
-    box = one.value("(() => { const box = document.getElementById('view').getBoundingClientRect(); return [box.left, box.top]; })()")
+    left, top = (one.value(f"document.getElementById('view').getBoundingClientRect().{side}") for side in ("left", "top"))
     for kind, x in (("mousePressed", 60), ("mouseMoved", 130), ("mouseReleased", 130)):
-        one.tell("Input.dispatchMouseEvent", type=kind, x=box[0] + x, y=box[1] + 60, button="left", buttons=1, clickCount=1)
+        one.tell("Input.dispatchMouseEvent", type=kind, x=left + x, y=top + 60, button="left", buttons=1, clickCount=1)
     assert one.value(picture) != before
     quiet(one, page)
 
