@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -192,4 +193,4 @@ def _say_left(clips: Found) -> None:
     """Name what is left alone in folders, since it is no motion."""
     if clips.left:
         more = f" and {len(clips.left) - NAMED} others" if len(clips.left) > NAMED else ""
-        say(f"left alone, no motions: {', '.join(path.name for path in clips.left[:NAMED])}{more}")
+        say(f"left alone, no motions: {', '.join(path.name for path in islice(clips.left, NAMED))}{more}")

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -117,7 +118,7 @@ def moments_of(shown: Shown) -> list[Moment]:
         if audit.overlapping:
             pair = f", {audit.deepest_pair[0]} in {audit.deepest_pair[1]}" if audit.deepest_pair else ""
             found.append(Moment(int(np.argmax(audit.depths)), f"deepest overlap {when}: {length(audit.deepest)}{pair}", True))
-    for run in shown.flagged[:MOMENTS]:
+    for run in islice(shown.flagged, MOMENTS):
         pair = f": {run.pair[0]} and {run.pair[1]}" if run.pair else ""
         found.append(Moment(run.first, f"frames {run.first} to {run.last}, {run.why}{pair}"))
     return found

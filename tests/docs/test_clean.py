@@ -1,4 +1,4 @@
-"""The page on files: its commands and options exist, its exit codes are those of the command, and its Python runs."""
+"""The page on cleaning files: its commands and options exist, its exit codes are those of the command, and its Python runs."""
 
 import re
 import shlex
@@ -12,7 +12,7 @@ from avatarsim.console import USAGE
 from tests.clips.made import bvh
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "clean.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
