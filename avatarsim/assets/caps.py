@@ -63,5 +63,5 @@ def require_frames(name: str, frames: int, links: int = 1) -> None:
 def require_name(thing: str, name: str) -> str:
     """`name`, unless it is empty, longer than NAME or holds what cannot be printed: InvalidFile."""
     if not name or len(name) > NAME or not name.isprintable():
-        raise InvalidFile(thing, name[:NAME], f"1 to {NAME} printable characters")
+        raise InvalidFile(thing, name, f"1 to {NAME} printable characters")
     return name

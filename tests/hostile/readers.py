@@ -12,8 +12,11 @@ import numpy as np
 from avatarsim.assets.meshes import cache, pieces_of_mesh
 from avatarsim.assets.meshes.mesh import read_mesh
 from avatarsim.assets.meshes.repairs import finite as finite_mesh
+from avatarsim.assets.models.load import load_avatar
 from avatarsim.assets.motions.deepmimic import read_clip
+from avatarsim.assets.motions.load import load_motion
 from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.motion import Motion
 from reports import write_report
 from reports.reading import kept
 from reports.reading.load import load as load_results
@@ -28,6 +31,7 @@ from scenarios.results.store import Store
 from scenarios.running.own_settings import read as read_settings
 from scenarios.stability.finished import Finished
 from scenarios.table_2 import rows as rows_of_table_2
+from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid
 from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files, sound
 from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
@@ -64,6 +68,26 @@ def clip(folder: Path, path: Path) -> object:
     """A clip, at equal steps where it is not years long."""
     found = read_clip(path)
     return finite(retimed(found) if found.times[-1] < 1e3 else found)
+
+
+def trajectory(folder: Path, path: Path) -> object:
+    """The motion of a small robot, and the file again."""
+    found = load_motion(path)
+    motion = finite(found.motion(robot()))
+    assert isinstance(motion, Motion)
+    assert found.written(motion, robot())
+    return motion
+
+
+def body(folder: Path, path: Path) -> object:
+    """The avatar and the motion of a body of the SMPL family, and the file again."""
+    found = load_motion(path)
+    own = found.model()
+    assert own is not None
+    motion = finite(found.motion(own))
+    assert isinstance(motion, Motion)
+    assert found.written(motion, own)
+    return motion
 
 
 def model(folder: Path, path: Path) -> object:
@@ -202,6 +226,11 @@ def some(names: Iterable[str]) -> Callable[[], valid.Files]:
     return lambda: {name: valid.run()[name] for name in names}
 
 
+def public_model(folder: Path, path: Path) -> object:
+    """Avatar, room and loose bodies of an MJCF or URDF file."""
+    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all", couplings="leave"))
+
+
 def doors() -> tuple[Door, ...]:
     """All of them; weights are cases in a thousand."""
     found = []
@@ -214,7 +243,13 @@ def doors() -> tuple[Door, ...]:
         found.append(of_files(f"hull {ending}", 1.0, FileDoor(files, damage, hull, also), slow=True))
     found += [
         of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
+        of_files("trajectory npz", 40.0, FileDoor(valid.trajectory, damaged_zip, trajectory)),
+        of_files("trajectory csv", 40.0, FileDoor(valid.trajectory_table, damaged_csv, trajectory)),
+        of_files("body npz", 40.0, FileDoor(valid.body, damaged_zip, body), slow=True),
         of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
+        # each is compiled in a process of its own, which takes half a second
+        of_files("avatar", 1.0, FileDoor(valid.robots, damaged_xml, public_model, valid.robot_mesh), slow=True),
+        of_files("mesh of an avatar", 0.5, FileDoor(valid.robot_mesh, damaged, public_model, valid.robots), slow=True),
         of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
         of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
         of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),

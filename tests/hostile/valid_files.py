@@ -15,6 +15,7 @@ import numpy as np
 from runfiles import array_file, overlapping, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
+from tests.assets.motions.robots import JOINTS, walk
 from tests.reports import recorded
 from tests.reports.conftest import whole_run
 from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
@@ -44,6 +45,36 @@ def meshes(ending: str) -> Files:
     return found
 
 
+ROBOT = """<mujoco model="robot"><compiler angle="radian" meshdir="."/><include file="room.xml"/>
+<asset><mesh name="tip" file="tip.obj" scale="0.1 0.1 0.1"/></asset><worldbody><body name="hip" pos="0 0 1"><freejoint/>
+<geom type="capsule" size="0.1 0.2"/><body name="leg" pos="0 0 -0.5"><joint name="knee" axis="0 1 0" range="-1 1"/>
+<joint name="turn" type="ball" range="0 1"/><geom type="cylinder" size="0.05 0.1" pos="0 0 -0.2"/>
+<body name="foot" pos="0 0 -0.4"><joint name="rail" type="slide"/>
+<geom type="mesh" mesh="tip" euler="1 0 0"/></body></body></body>
+</worldbody><contact><exclude body1="hip" body2="foot"/></contact>
+<equality><joint joint1="knee" polycoef="0 1 0 0 0"/></equality></mujoco>"""
+
+ROOM = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><geom type="ellipsoid" size="0.1 0.2 0.3" pos="2 0 0"/>
+<body name="box" pos="3 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>"""
+
+URDF = """<robot name="arm"><link name="base"><collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
+<link name="tip"><collision><origin xyz="0 0 0.2" rpy="1 0 0"/><geometry>
+<mesh filename="tip.obj" scale="0.1 0.1 0.1"/></geometry></collision>
+<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/><origin xyz="0 0 0.3"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def robots() -> Files:
+    """A robot in MJCF, with the room that it includes, and one in URDF."""
+    return {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()}
+
+
+def robot_mesh() -> Files:
+    """The mesh that both have at their tip."""
+    return {"tip.obj": meshes("obj")["cube.obj"]}
+
+
 @cache
 def clip() -> Files:
     """A motion clip of four frames."""
@@ -52,6 +83,35 @@ def clip() -> Files:
         still += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.1]
     frames = [[*still[:1], 0.1 * k, *still[2:]] for k in range(4)]
     return {"humanoid3d_some.txt": json.dumps({"Loop": "wrap", "Frames": frames}).encode()}
+
+
+@cache
+def trajectory() -> Files:
+    """A robot's trajectory with names, and one of GMR's without."""
+    q, stream, other = walk(4), io.BytesIO(), io.BytesIO()
+    bodies = np.tile(q[:, None, :3], (1, 2, 1)), np.tile(q[:, None, 3:7], (1, 2, 1))
+    np.savez(
+        stream, fps=np.array([50]), joint_pos=q, joint_names=np.array(JOINTS), body_names=np.array(["world", "pelvis"]),
+        body_pos_w=bodies[0], body_quat_w=bodies[1], joint_vel=np.gradient(q, axis=0)[:, :-1],
+    )
+    np.savez(other, fps=30.0, root_pos=q[:, :3], root_rot=q[:, 3:7], dof_pos=q[:, 7:].astype(np.float32))
+    return {"robot.npz": stream.getvalue(), "apart.npz": other.getvalue()}
+
+
+def trajectory_table() -> Files:
+    """The same as a table, with names and without."""
+    lines = b"".join(b",".join(repr(value).encode() for value in row) + b"\n" for row in walk(4).tolist())
+    names = ("root_x", "root_y", "root_z", "root_qw", "root_qx", "root_qy", "root_qz", *JOINTS)
+    return {"plain.csv": lines, "named.csv": ",".join(names).encode() + b"\n" + lines}
+
+
+@cache
+def body() -> Files:
+    """A body of the SMPL family, of 24 joints."""
+    stream = io.BytesIO()
+    poses = np.linspace(-0.3, 0.3, 3 * 72).reshape(3, 72)
+    np.savez(stream, poses=poses, trans=np.zeros((3, 3)), mocap_framerate=np.array(120.0), betas=np.zeros(16), gender="neutral")
+    return {"body.npz": stream.getvalue()}
 
 
 MODEL = """<mujoco model="some"><worldbody>

@@ -62,14 +62,14 @@ def named_in_sources() -> list[tuple[str, str, str]]:
     return found
 
 
-def test_mesh_files_need_trimesh_and_coacd_and_no_other_engine() -> None:
-    assert {Requirement(line).name for line in EXTRAS["assets"]} == {"trimesh", "coacd"}
-    assert not closure(EXTRAS["assets"]) & {"mujoco", "gymnasium", "gymnasium-robotics", "pybullet"}
+def test_files_need_trimesh_coacd_and_mujocos_compiler() -> None:
+    assert {Requirement(line).name for line in EXTRAS["assets"]} == {"trimesh", "coacd", "mujoco"}
+    assert not closure(EXTRAS["assets"]) & {"gymnasium", "gymnasium-robotics", "pybullet"}
 
 
 def test_an_extra_that_brings_mujoco_pins_it() -> None:
     bringing_it = [name for name in EXTRAS if "mujoco" in closure(EXTRAS[name])]
-    assert set(bringing_it) == {"compare", "hand"}
+    assert set(bringing_it) == {"assets", "compare", "hand"}
     for name in bringing_it:
         assert "mujoco==3.17.0" in EXTRAS[name]
 

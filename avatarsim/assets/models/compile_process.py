@@ -11,14 +11,15 @@ import os
 import resource
 import signal
 import sys
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from avatarsim.assets.models import doors
+from avatarsim.assets.models.mesh_files import MeshFiles
+from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 
 MEMORY = 2**31
 """Bytes of address space [2.1 GB]. MuJoCo with the meshes of a humanoid (19 MB) takes 0.6 GB. Less: robots with fine meshes fail;
@@ -30,8 +31,13 @@ SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
 WALL = 3
 """Real time for each second of CPU time: on a machine with other work."""
 
-FLAT = 2
-"""Width [pixels] of what stands in for a texture."""
+NOWHERE = "/avatarsim-model/"
+"""Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
+
+
+def seconds_for(count: int) -> float:
+    """CPU time [s] for a model of so many bytes."""
+    return SECONDS + SECONDS_PER_MEGABYTE * count / 2**20
 
 
 def limit(seconds: float) -> None:
@@ -50,98 +56,47 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
-        vfs[name] = content
+        vfs[f"{NOWHERE}{name}"] = content
     try:
-        spec = mujoco.MjSpec.from_file(texts.main, vfs=vfs)
+        spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
+        MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
+        bare(spec, mujoco)
+        mended = with_solid_moments(spec)
+        # links of a robot stay links, and nothing of the URDF file is merged into the world
+        spec.compiler.fusestatic = False
+        model = _compiled(spec, mujoco)
     except (ValueError, mujoco.FatalError) as error:
-        raise _uncompiled(path, error) from error
-    meshes = _mesh_files(spec, texts)
-    total = texts.bytes + sum(map(len, meshes.values()))
-    limit(SECONDS + SECONDS_PER_MEGABYTE * total / 2**20)
-    spec.assets = meshes
-    _without_pictures(spec, mujoco)
-    # links of a robot stay links, and nothing of the URDF file is merged into the world
-    spec.compiler.fusestatic = False
-    try:
-        model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise _uncompiled(path, error) from error
-    return {"urdf": np.array(texts.is_urdf), **_numbers(model, mujoco)}
+        said = " ".join(str(error).replace(NOWHERE, "").split())
+        raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
+    numbers = _numbers(model, path, mujoco)
+    return {"free_root": np.array(texts.free_root), "mended_name": np.array(mended, dtype=np.str_), **numbers}
 
 
-def _uncompiled(path: Path, error: Exception) -> InvalidFile:
-    said = " ".join(str(error).split())
-    return InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes")
+def _compiled(spec: Any, mujoco: Any) -> Any:
+    """The compiled model; masses of meshes that are open or flat are those of their hulls, or of their surfaces."""
+    kinds = mujoco.mjtMeshInertia
+    for inertia in (kinds.mjMESH_INERTIA_CONVEX, kinds.mjMESH_INERTIA_SHELL):
+        try:
+            return spec.compile()
+        except ValueError as error:
+            if "volume" not in str(error) and "orientation" not in str(error):
+                raise
+        for mesh in spec.meshes:
+            mesh.inertia = inertia
+    return spec.compile()
 
 
-def _mesh_files(spec: Any, texts: doors.Texts) -> dict[str, bytes]:
-    """The content of each mesh file by a name of its own, which takes the place of its path in the model."""
-    main, found, left = PurePosixPath(texts.main).parent, dict[str, bytes](), doors.ASSET_BYTES
-    # the folders of the models that this one is made of, its own first
-    bases = list(dict.fromkeys([main, *(PurePosixPath(name).parent for name in texts.texts)]))
-    names = dict[Path, str]()
-    # the settings of the compiler are shared between meshes: read before the first one is changed
-    for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
-        mesh.name = mesh.name or PurePosixPath(mesh.file).stem
-        thing = f"mesh {mesh.name} of {texts.main}"
-        doors.require_relative(thing, mesh.file)
-        ending = PurePosixPath(mesh.file).suffix.lower()
-        if ending not in doors.MESH_ENDINGS:
-            valid = f"a file {' '.join(doors.MESH_ENDINGS)}, which is what MuJoCo reads: convert it"
-            raise InvalidFile(thing, mesh.file, valid)
-        _, place = doors.existing(thing, candidates(mesh.file, meshdir, bool(spec.strippath), bases), texts.folder)
-        if place not in names:
-            content = read_bytes(place, thing, "a readable mesh file", left)
-            left -= len(content)
-            names[place] = f"{len(names)}{ending}"
-            found[names[place]] = content
-        mesh.file, mesh.content_type = names[place], ""
-        mesh.compiler.meshdir = ""
-    spec.meshdir, spec.strippath = "", False
-    return found
-
-
-def candidates(file: str, meshdir: str, stripped: bool, bases: list[PurePosixPath]) -> list[PurePosixPath]:
-    """Paths below the folder at which a mesh may lie, in the order in which they are tried: as MuJoCo would find it, as it is
-    written, and for package://name/rest the rest below each folder above, with and without the name."""
-    scheme, mark, rest = file.partition("://")
-    path = PurePosixPath(rest if mark else scheme)
-    found: list[PurePosixPath] = []
-    for base in bases:
-        if stripped and meshdir:
-            found.append(base / meshdir / path.name)
-        if not mark:
-            found += [base / meshdir / path, base / path]
-        else:
-            for above in (base, *base.parents):
-                found += [above / path, above / PurePosixPath(*path.parts[1:])]
-        if stripped:
-            found.append(base / meshdir / path.name)
-    return list(dict.fromkeys(found))
-
-
-def _without_pictures(spec: Any, mujoco: Any) -> None:
-    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, no keyframe."""
-    for texture in spec.textures:
-        texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
-        texture.cubefiles = [""] * len(texture.cubefiles)
-        texture.width = FLAT
-        texture.height = FLAT if texture.type == mujoco.mjtTexture.mjTEXTURE_2D else 6 * FLAT
-    for field in spec.hfields:
-        field.file, field.nrow, field.ncol, field.userdata = "", FLAT, FLAT, [0.0] * FLAT**2
-    for unread in (*spec.skins, *spec.keys):
-        spec.delete(unread)
-
-
-def _numbers(model: Any, mujoco: Any) -> dict[str, Any]:
+def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     """What is read of a compiled model, under MuJoCo's names."""
     kinds = {"body": (mujoco.mjtObj.mjOBJ_BODY, model.nbody), "jnt": (mujoco.mjtObj.mjOBJ_JOINT, model.njnt),
              "geom": (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), "eq": (mujoco.mjtObj.mjOBJ_EQUALITY, model.neq),
              "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh)}
-    found: dict[str, Any] = {
-        f"{kind}_name": np.array([mujoco.mj_id2name(model, code, k) or "" for k in range(count)], dtype=np.str_)
-        for kind, (code, count) in kinds.items()
-    }
+    found: dict[str, Any] = {}
+    for kind, (code, count) in kinds.items():
+        names = [mujoco.mj_id2name(model, code, k) or "" for k in range(count)]
+        if longest := max((name for name in names if len(name) > doors.NAME), key=len, default=""):
+            raise InvalidFile(f"characters of a name in {path.name}", len(longest), f"up to {doors.NAME}")
+        found[f"{kind}_name"] = np.array(names, dtype=np.str_)
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
         "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "

@@ -13,6 +13,7 @@ from enum import IntEnum
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,11 +75,14 @@ class Compiled:
     """A compiled model under MuJoCo's names: b bodies (the first is the world), j joints, g geoms, e equalities, m meshes.
 
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
-    reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that bodies
-    collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh."""
+    reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that
+    bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh.
+    `free_root` says of a URDF file that its root is fixed to nothing, `mended_name` which bodies had moments of inertia that no
+    solid has."""
 
-    urdf: bool
+    free_root: bool
     model_name: str
+    mended_name: tuple[str, ...]
     flexes: int
     body_name: tuple[str, ...]
     jnt_name: tuple[str, ...]
@@ -144,12 +148,17 @@ def compiled(path: Path, folder: str | Path | None = None) -> Compiled:
     doors.require_model(path)
     if find_spec("mujoco") is None:
         raise MissingPackage("mujoco", "assets", f"reading {path.name}")
-    content = _run(path, doors.folder_of(path, folder))
-    arrays = _arrays(path.name, content)
+    return received(path.name, _run(path, doors.folder_of(path, folder)))
+
+
+def received(name: str, content: bytes) -> Compiled:
+    """The model that the process sent as the bytes of an npz file; `name` is what errors call it. Raises InvalidFile for what it
+    refused, for bytes that are no answer, and for arrays that are not finite or do not belong together."""
+    arrays = _arrays(name, content)
     if "refused" in arrays:
         thing, value, valid = json.loads(str(arrays["refused"]))
         raise InvalidFile(thing, value, valid)
-    return _checked(path.name, arrays)
+    return _checked(name, arrays)
 
 
 def _run(path: Path, folder: Path) -> bytes:
@@ -174,20 +183,29 @@ def _run(path: Path, folder: Path) -> bytes:
         return content
     if process.returncode in (-signal.SIGXCPU, -signal.SIGALRM):
         raise InvalidFile(f"time to compile model {path.name}", "too long", "a smaller model: 4 s, and 0.25 s for each megabyte")
-    last = said.decode("utf-8", "replace").strip().splitlines()[-1:] or [f"ended by code {process.returncode}"]
-    raise InvalidFile(f"model {path.name}", f"MuJoCo's compiler gave up: {last[0]}", "a model that it compiles within 2 GB")
+    last = (said.decode("utf-8", "replace").strip().splitlines() or ["without a word"])[-1]
+    ended = f"MuJoCo's compiler ended by {_ending(process.returncode)}: {last}"
+    raise InvalidFile(f"model {path.name}", ended, "a model that it compiles within 2 GB")
+
+
+def _ending(code: int) -> str:
+    """How a process ended, in words."""
+    return f"code {code}" if code >= 0 else signal.Signals(-code).name
 
 
 def _arrays(name: str, content: bytes) -> Mapping[str, NDArray[Any]]:
     try:
         with np.load(io.BytesIO(content), allow_pickle=False) as found:
             return {key: found[key] for key in found.files}
-    except (ValueError, OSError, EOFError) as error:
+    except (ValueError, OSError, EOFError, BadZipFile) as error:
         raise InvalidFile(f"compiled model {name}", f"cut off: {error}", "all arrays of it") from error
 
 
 def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
     """The model, if all numbers are finite, of the shapes that belong together, and refer to what is there."""
+    for field in fields(Compiled):
+        if field.name not in arrays:
+            raise InvalidFile(f"arrays of compiled model {name}", f"none is {field.name}", "all arrays of it")
     counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh")}
     for thing, count, most in (
         ("bodies", counts["body"], BODIES), ("shapes", counts["geom"], GEOMS), ("joints", counts["jnt"], BODIES),
@@ -205,14 +223,15 @@ def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
         else:
             found[field.name] = _array(f"{field.name} of {name}", array, field.type is Array, counts.get(kind), field.name)
     model = Compiled(**found)
-    for key, column, least, count in (
+    places: tuple[tuple[str, Indices, int, int | None], ...] = (
         ("body_parentid", model.body_parentid, 0, counts["body"]), ("jnt_bodyid", model.jnt_bodyid, 1, counts["body"]),
         ("geom_bodyid", model.geom_bodyid, 0, counts["body"]), ("geom_dataid", model.geom_dataid, -1, None),
         ("jnt_qposadr", model.jnt_qposadr, 0, len(model.qpos0)), ("pair_geom1", model.pair_geom1, 0, counts["geom"]),
         ("pair_geom2", model.pair_geom2, 0, counts["geom"]), ("mesh_face", model.mesh_face, 0, None),
-    ):
-        if not (column >= least).all() or (count is not None and not (column < count).all()):
-            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"{least} to {count}")
+    )
+    for key, column, least, below in places:
+        if not (column >= least).all() or (below is not None and not (column < below).all()):
+            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"from {least}, below {below}")
     return model
 
 

@@ -83,7 +83,7 @@ class Coordinates:
     def rows(self, motion: Motion) -> Array:
         """The rows (F, width) of a motion: the inverse of `motion`, but for what is fixed.
 
-        Raises InvalidInput for that of another avatar."""
+        Raises InvalidInput for a motion of another avatar."""
         shapes = motion.positions.shape[1], motion.angles.shape[1]
         if shapes != (self.links, self.hinges):
             raise InvalidInput("links and hinges of a motion", shapes, f"{(self.links, self.hinges)}, as these coordinates have")

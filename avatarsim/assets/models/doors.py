@@ -4,6 +4,7 @@ XML is scanned by expat, which knows nothing of models: the scan looks at elemen
 includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
 """
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,8 +29,9 @@ DEEPEST_XML = 200
 ASSET_BYTES = 2**28
 """Bytes of all mesh files of a model together (268 MB). The largest known here has 60 MB. More: the compiler passes 2 GB."""
 
-MESH_ENDINGS = (".msh", ".obj", ".stl")
-"""Mesh files that MuJoCo reads."""
+NAME = 200
+"""Characters of a name: of a body, a joint, a geom. The longest known here has 60. More: a message that names ten of them fills a
+screen, and a table of thousands the memory."""
 
 CONVERSION = {
     ".pkl": "a pickle runs code of its author when it is opened: open it where you trust it, save an .xml, .urdf or mesh file",
@@ -57,16 +59,13 @@ _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 
 @dataclass(frozen=True)
 class Texts:
-    """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`."""
+    """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`;
+    `free_root` says whether it is a URDF robot with no link named world, to which MuJoCo would fix it."""
 
     folder: Path
     main: str
     texts: Mapping[str, bytes]
-
-    @property
-    def is_urdf(self) -> bool:
-        """Whether the file says that it is a URDF robot."""
-        return _root_of(self.texts[self.main]) == "robot"
+    free_root: bool
 
     @property
     def bytes(self) -> int:
@@ -107,7 +106,7 @@ def texts_of(path: Path, folder: Path) -> Texts:
         raise InvalidFile(f"place of {path.name}", str(path), f"a file in {folder}")
     main = path.relative_to(folder).as_posix()
     texts: dict[str, bytes] = {}
-    waiting, left = [(main, path)], XML_BYTES
+    waiting, left, free_root = [(main, path)], XML_BYTES, False
     while waiting:
         name, place = waiting.pop()
         if name in texts:
@@ -119,27 +118,26 @@ def texts_of(path: Path, folder: Path) -> Texts:
         scan = _Scan(name, PurePosixPath(main).parent, folder)
         scan.read(texts[name])
         waiting += scan.found
-    return Texts(folder, main, texts)
+        free_root |= name == main and scan.is_robot and not scan.has_world
+    return Texts(folder, main, texts, free_root)
 
 
 def _plain(content: bytes) -> bytes:
-    """The text with its comments blanked: authors write in them what XML does not allow."""
-    return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content)
-
-
-def _root_of(content: bytes) -> str:
-    found = re.search(rb"<([A-Za-z_][\w.-]*)", content)
-    return found[1].decode() if found else ""
+    """The text with its comments blanked, in which authors write what XML does not allow, and without the zero byte that some
+    programs end a text with."""
+    return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content.rstrip(b"\0"))
 
 
 class _Scan:
-    """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path)."""
+    """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path), `is_robot`
+    says whether it is URDF and `has_world` whether that has a link named world."""
 
     def __init__(self, name: str, main: PurePosixPath, folder: Path) -> None:
         self._name, self._main, self._folder = name, main, folder
         self._open: list[str] = []
         self._elements = 0
         self.found: list[tuple[str, Path]] = []
+        self.is_robot = self.has_world = False
         # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
         self._parser = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler = self._start
@@ -167,6 +165,8 @@ class _Scan:
             raise InvalidFile(self._place("depth of elements"), len(self._open), f"up to {DEEPEST_XML}")
         if self._elements > ELEMENTS:
             raise InvalidFile(self._place("number of elements"), self._elements, f"up to {ELEMENTS}")
+        self.is_robot |= self._open == ["robot"]
+        self.has_world |= self._open == ["robot", "link"] and attributes.get("name") == "world"
         if self._open[0] == "robot" and len(self._open) > 1 and self._open[1] in FOREIGN:
             return
         if tag == "plugin":
@@ -189,7 +189,7 @@ class _Scan:
             bases = dict.fromkeys([self._main, PurePosixPath(self._name).parent])
             name, place = existing(thing, [base / value for base in bases], self._folder)
             self.found.append((name, place))
-        elif key.endswith("dir"):
+        elif key in ("assetdir", "meshdir"):
             inside(thing, self._main / value, self._folder)
 
 
@@ -206,14 +206,14 @@ def inside(thing: str, path: PurePosixPath, folder: Path) -> tuple[str, Path]:
     for part in path.parts:
         if part == "..":
             if not plain:
-                raise InvalidFile(thing, str(path), _wider(folder))
+                raise InvalidFile(thing, str(path), _wider(folder, folder / path))
             plain.pop()
         elif part not in (".", ""):
             plain.append(part)
     name = "/".join(plain)
     place = _real(folder / name)
     if place != folder and folder not in place.parents:
-        raise InvalidFile(thing, f"{path}, a link to {place}", _wider(folder))
+        raise InvalidFile(thing, f"{path}, a link to {place}", _wider(folder, place))
     return name, place
 
 
@@ -228,11 +228,13 @@ def existing(thing: str, paths: list[PurePosixPath], folder: Path) -> tuple[str,
             continue
         if place.exists():
             return name, place
-    raise refused or InvalidFile(thing, str(paths[0]), f"a file that exists in {folder}")
+    raise refused or InvalidFile(thing, str(paths[0]), f"a file that exists in {folder}; folder=... names a wider one")
 
 
-def _wider(folder: Path) -> str:
-    return f"a path that stays in {folder}; folder=... names a wider one that you trust, such as {folder.parent}"
+def _wider(folder: Path, place: Path) -> str:
+    """What is valid instead of a path that leads to `place`, and how to allow it all the same."""
+    wider = os.path.commonpath([folder, os.path.normpath(place)])
+    return f'a path that stays in {folder}; folder="{wider}" allows it, if you trust what lies there'
 
 
 def _real(path: Path) -> Path:

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.compiled import LINKS, Compiled, EqualityKind, GeomKind, JointKind, compiled
-from avatarsim.assets.models.links_of_tree import Said, Skeleton, Tree, skeleton_of, tree_of, trees
+from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.models.pieces_of_geoms import Geoms, Wanted
-from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.assets.models.pairs import Filter, Part
+from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
+from avatarsim.errors import InvalidFile, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
 from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.joint import Hinges
@@ -23,6 +24,9 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
+
+UNNAMED = "MuJoCo Model"
+"""MuJoCo's name for a model that has none."""
 
 WORLD = "world"
 """What a part of the world is called whose geom has no name."""
@@ -35,8 +39,8 @@ class Options:
     avatar: str | None = None
     driven: bool = True
     folder: str | Path | None = None
-    joints: Said = field(default_factory=Said)
-    pieces: Wanted = field(default_factory=Wanted)
+    joints: JointWishes = field(default_factory=JointWishes)
+    pieces: MeshWishes = field(default_factory=MeshWishes)
     leave: tuple[str, ...] = ()
     masks: bool = True
     materials: tuple[str, str] = ("human", "wood")
@@ -45,7 +49,11 @@ class Options:
 
 def model_of_file(path: Path, options: Options) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for what cannot be said, by name."""
-    return _Reading(compiled(path, options.folder), path, options).model()
+    try:
+        return _Reading(compiled(path, options.folder), path, options).model()
+    except (InvalidScene, InvalidShape) as error:
+        # a number of the file that no scene takes
+        raise InvalidFile(f"{error.thing} in {path.name}", error.value, error.valid) from error
 
 
 class _Reading:
@@ -57,9 +65,9 @@ class _Reading:
         self._names = _distinct([name or f"body {k}" for k, name in enumerate(model.body_name)])
         self._geoms = Geoms(model, options.pieces, options.leave)
         self._masses = Masses(model, self._names)
-        self._title = model.model_name.strip() or path.stem
-        # geoms and weld of everything that gets a name in the scene, for the pairs
-        self._carried: dict[str, tuple[tuple[int, ...], list[int], int]] = {}
+        self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
+        self._filter = Filter(model, options.masks)
+        self._parts: dict[str, Part] = {}
 
     def model(self) -> Model:
         """The whole model."""
@@ -73,12 +81,13 @@ class _Reading:
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar)
         bodies = [*self._world(), *(body for bodies in forest if bodies != chosen for body in self._body(bodies))]
-        exclude = () if tree is None or avatar is None else self._excluded(tree, avatar, bodies)
+        exclude = self._excluded(tree, avatar)
         self._say_equalities()
         self._said += [*self._geoms.said(), *self._masses.said()]
         found = Model(avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start)
-        if found.avatar is None and not found.bodies:
-            raise InvalidFile(f"shapes of {self._file} that collide", 0, "at least 1")
+        if not found.bodies and (avatar is None or not any(link.pieces for link in avatar.links)):
+            valid = "at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it"
+            raise InvalidFile(f"shapes of {self._file} that collide", 0, valid)
         said: tuple[str, ...] = ()
         if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
             # the engine's compiler, which a room alone does without
@@ -105,7 +114,7 @@ class _Reading:
     def _free_root(self) -> bool:
         """Whether a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes it."""
         root = self._options.joints.root
-        return root == "free" or (root == "file" and self._m.urdf)
+        return root == "free" or (root == "file" and self._m.free_root)
 
     def _tree(self, bodies: tuple[int, ...]) -> Tree:
         if len(bodies) > LINKS:
@@ -136,7 +145,7 @@ class _Reading:
             name = self._own_name(self._m.geom_name[geom] or f"{WORLD} {geom}")
             pieces = self._geoms.pieces(geom, np.zeros(3), np.array(rotation.IDENTITY))
             found.append(fixed(name, pieces, self._options.materials[1]))
-            self._carried[name] = (0,), [geom], 0
+            self._parts[name] = Part(name, (0,), (geom,), 0)
         return found
 
     def _body(self, bodies: tuple[int, ...]) -> list[Body]:
@@ -151,83 +160,73 @@ class _Reading:
             self._said.append(f"{name} is no avatar: its {len(held)} joints stay at the reference")
         poses = {bodies[0]: (np.zeros(3), np.array(rotation.IDENTITY))}
         for b in bodies[1:]:
-            at, turn = poses[int(self._m.body_parentid[b])]
-            poses[b] = at + rotation.rotate(turn, self._m.body_pos[b]), rotation.multiply(turn, self._m.body_quat[b])
+            origin, frame = poses[int(self._m.body_parentid[b])]
+            poses[b] = origin + rotation.rotate(frame, self._m.body_pos[b]), rotation.multiply(frame, self._m.body_quat[b])
         pieces = tuple(p for b in bodies for g in self._geoms.of(b) for p in self._geoms.pieces(g, *poses[b]))
-        x, y, z = (float(value) for value in self._m.body_pos[bodies[0]])
-        w, i, j, k = (float(value) for value in rotation.normalised(self._m.body_quat[bodies[0]]))
-        self._carried[name] = bodies, geoms, bodies[0] if is_loose else 0
+        at, turn = vector_of(self._m.body_pos[bodies[0]]), quaternion_of(self._m.body_quat[bodies[0]])
+        self._parts[name] = Part(name, bodies, tuple(geoms), bodies[0] if is_loose else 0)
         material = self._options.materials[1]
         if is_loose:
-            return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), (x, y, z), (w, i, j, k))]
-        return [fixed(name, pieces, material, (x, y, z), (w, i, j, k))]
+            return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), at, turn)]
+        return [fixed(name, pieces, material, at, turn)]
 
     def _own_name(self, name: str) -> str:
         """A name that no other part of the room has."""
         found, k = name, 2
-        while found in self._carried or found == self._title:
+        while found in self._parts or found == self._title:
             found, k = f"{name} {k}", k + 1
         return found
-
-    def _meets(self, a: list[int], b: list[int], bodies: set[tuple[int, int]]) -> bool:
-        """Whether any geom of `a` may touch one of `b`, of whose `bodies` the pairs are given."""
-        m = self._m
-        stated = {frozenset(pair) for pair in zip(m.pair_geom1.tolist(), m.pair_geom2.tolist(), strict=True)}
-        if stated and any(frozenset((g, h)) in stated for g in a for h in b):
-            return True
-        excluded = set(m.exclude_signature.tolist())
-        if all(((min(pair) << 16) + max(pair)) in excluded for pair in bodies):
-            return False
-        if not self._options.masks:
-            return True
-        one, other = m.geom_contype[a], m.geom_conaffinity[b]
-        two, another = m.geom_conaffinity[a], m.geom_contype[b]
-        return bool(((one[:, None] & other[None, :]) | (two[:, None] & another[None, :])).any())
 
     def _ignored(self, tree: Tree, skeleton: Skeleton) -> tuple[tuple[str, str], ...]:
         """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
-        solid = [b for b in tree.bodies if self._geoms.of(b)]
-        above = {w: tree.weld[int(self._m.body_parentid[w])] for w in set(tree.weld.values()) if w != 0}
         found, masked = [], 0
-        for k, b in enumerate(solid):
-            for a in solid[:k]:
-                one, two = skeleton.link_of[a], skeleton.link_of[b]
-                if parent[two] == one:
-                    continue
-                weld = tree.weld[a], tree.weld[b]
-                near = weld[0] == weld[1] or above.get(weld[1]) == weld[0] or above.get(weld[0]) == weld[1]
-                if near:
-                    found.append((one, two))
-                elif not self._meets(self._geoms.of(a), self._geoms.of(b), {(a, b)}):
-                    found.append((one, two))
-                    masked += 1
+        parts = self._link_parts(tree, self._names)
+        for k, two in enumerate(parts):
+            for one in parts[:k]:
+                apart = self._filter.apart(one, two)
+                if parent[two.name] != one.name and (apart or not self._filter.meet(one, two)):
+                    found.append((one.name, two.name))
+                    masked += not apart
         if masked:
             self._said.append(f"{masked} pairs of links never touch, as the file has it (exclude, contype, conaffinity)")
+        return tuple(found)
+
+    def _link_parts(self, tree: Tree, names: dict[int, str]) -> list[Part]:
+        """The links that collide, as parts."""
+        return [
+            Part(names[b], (b,), tuple(self._geoms.of(b)), tree.weld[b], self._above(tree, tree.weld[b]))
+            for b in tree.bodies if self._geoms.of(b)
+        ]
+
+    def _above(self, tree: Tree, weld: int) -> int:
+        """The weld that a weld of the tree is jointed to; a free one to none."""
+        if weld == 0 or (weld == tree.root and tree.is_free):
+            return -1
+        return tree.weld[int(self._m.body_parentid[weld])]
+
+    def _excluded(self, tree: Tree | None, avatar: Avatar | None) -> tuple[tuple[str, str], ...]:
+        """Pairs of parts that never touch, but for two links: a link that is fixed and the room, and by the file's word."""
+        room = list(self._parts.values())
+        names = {} if tree is None or avatar is None else self._scene_names(tree, avatar)
+        links = [] if tree is None else self._link_parts(tree, names)
+        found, masked = [], 0
+        for k, one in enumerate(room):
+            for two in (*room[:k], *links):
+                if one.weld == 0 and two.weld == 0:
+                    # bodies of the room are one family already
+                    found += [(one.name, two.name)] if two.name not in self._parts else []
+                elif not self._filter.meet(one, two):
+                    found.append((one.name, two.name))
+                    masked += 1
+        if masked:
+            self._said.append(f"{masked} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
         return tuple(found)
 
     def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
         """What a scene calls the link that carries a body."""
         alone = len(avatar.links) == 1
         return {b: avatar.name if alone else f"{avatar.name}/{self._names[b]}" for b in tree.bodies}
-
-    def _excluded(self, tree: Tree, avatar: Avatar, bodies: list[Body]) -> tuple[tuple[str, str], ...]:
-        """Pairs of a link and a body that never touch: both fixed, or by the file's word and its masks."""
-        names, found, masked = self._scene_names(tree, avatar), [], 0
-        for body in bodies:
-            own, geoms, weld = self._carried[body.name]
-            for b in tree.bodies:
-                touching = self._geoms.of(b)
-                if not touching:
-                    continue
-                if weld == 0 and tree.weld[b] == 0:
-                    found.append((body.name, names[b]))
-                elif not self._meets(touching, geoms, {(a, b) for a in own}):
-                    found.append((body.name, names[b]))
-                    masked += 1
-        if masked:
-            self._said.append(f"{masked} pairs of link and body never touch, as the file has it (exclude, contype, conaffinity)")
-        return tuple(found)
 
     def _say_equalities(self) -> None:
         """What holds bodies together besides joints, and is left out."""

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.compiled import Compiled, EqualityKind, JointKind
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.masses import Masses
-from avatarsim.assets.models.pieces_of_geoms import Geoms
+from avatarsim.assets.models.pieces_of_geoms import Geoms, quaternion_of, vector_of
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.avatar import Link
 from avatarsim.scene.body import Mass
-from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import MANY_TURNS, WIDEST_SWING, Ball, Free, Hinge, Hinges, Joint, Rigid, SwingTwist
 from avatarsim.scene.shape import Piece
 from avatarsim.spatial import rotation
@@ -38,8 +37,8 @@ ROOTS = ("file", "free", "fixed")
 
 
 @dataclass(frozen=True)
-class Said:
-    """What a user asks of joints that cannot be said: names to `fix` at their reference, or "all"; whether `couplings` are
+class JointWishes:
+    """What a user asks of joints that an avatar cannot have: names to `fix` at their reference, or "all"; whether `couplings` are
     refused or left out; how the `root` moves."""
 
     fix: tuple[str, ...] | str = ()
@@ -93,7 +92,7 @@ def joint_name(model: Compiled, joint: int) -> str:
     return model.jnt_name[joint] or f"joint {joint} of {model.body_name[body] or f'body {body}'}"
 
 
-def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: Said, file: str) -> Tree:
+def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file: str) -> Tree:
     """The tree with what is fixed, or InvalidFile with the joints that an avatar cannot have and what to do about them."""
     own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, bodies))]
     names = {joint_name(model, j): j for j in own}
@@ -172,7 +171,7 @@ def skeleton_of(tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses,
     for body in tree.bodies:
         for place in _places(tree, body, names, offsets, geoms, masses):
             parent = None if not links else place.parent
-            anchor, turn = _vector(place.anchor), _quaternion(place.turn)
+            anchor, turn = vector_of(place.anchor), quaternion_of(place.turn)
             links.append(Link(place.name, parent, place.joint, place.pieces, place.mass, material, anchor, turn))
             for j in place.joints:
                 moved[j] = len(links) - 1
@@ -236,7 +235,7 @@ def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
 
 
 def _hinge(model: Compiled, j: int) -> Hinge:
-    axis = _vector(model.jnt_axis[j])
+    axis = vector_of(model.jnt_axis[j])
     if not model.jnt_limited[j]:
         return Hinge(axis)
     low, high = np.clip(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]], -MANY_TURNS, MANY_TURNS)
@@ -244,8 +243,9 @@ def _hinge(model: Compiled, j: int) -> Hinge:
 
 
 def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
-    """MuJoCo limits the angle of the whole turn. Swing s and twist t about one axis make a turn of 2 acos(cos s/2 cos t/2), so
-    equal limits of both that make it at their corner lie within; the axis is that from the joint to the centre of mass."""
+    """MuJoCo limits the angle of the whole turn. The half turn that swing s and twist t about one axis make together has the
+    cosine cos(s/2) cos(t/2), so equal limits of both that make it at their corner lie within; the axis is that from the joint to
+    the centre of mass."""
     whole = float(model.jnt_range[j, 1])
     if not model.jnt_limited[j] or whole >= np.pi:
         return Ball()
@@ -255,8 +255,8 @@ def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
     limb = model.body_ipos[body] - model.jnt_pos[j]
     if not np.linalg.norm(limb) > TOGETHER:
         limb = np.array([0.0, 0.0, 1.0])
-    axis = _vector(limb)
-    centre = _vector(rotation.rotate(turn, limb))
+    axis = vector_of(limb)
+    centre = vector_of(rotation.rotate(turn, limb))
     return Ball(SwingTwist(axis, centre, each, (-each, each)))
 
 
@@ -277,12 +277,3 @@ def _slots(tree: Tree, moved: dict[int, int], first_hinge: dict[int, int]) -> It
         else:
             yield Slot(name, kind.name.lower(), moved[j])
 
-
-def _vector(array: Array) -> Vector:
-    x, y, z = (float(value) for value in array)
-    return x, y, z
-
-
-def _quaternion(array: Array) -> Quaternion:
-    w, x, y, z = (float(value) for value in array)
-    return w, x, y, z

@@ -6,9 +6,9 @@ from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.mesh import BY_TRIMESH
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.from_mujoco import Options, model_of_file
-from avatarsim.assets.models.links_of_tree import Said
+from avatarsim.assets.models.links_of_tree import JointWishes
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.models.pieces_of_geoms import PLANE, Wanted
+from avatarsim.assets.models.pieces_of_geoms import PLANE, MeshWishes
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE
 from avatarsim.scene.body import fixed
@@ -23,7 +23,8 @@ MESHES = (".obj", *BY_TRIMESH)
 
 def load_avatar(
     path: str | Path, *, avatar: str | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
-    couplings: str = "refuse", meshes: str = "hull", most_vertices: int = 64, repair: str = "auto", leave: tuple[str, ...] = (), masks: bool = True,
+    couplings: str = "refuse", meshes: str = "hull", most_vertices: int = 64, repair: str = "auto",
+    leave: tuple[str, ...] = (), masks: bool = True,
     folder: str | Path | None = None, size_range: tuple[float, float] = PLAUSIBLE_SIZE,
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
@@ -48,7 +49,7 @@ def load_avatar(
     return model_of_file(
         Path(path),
         Options(
-            avatar, True, folder, Said(fix, couplings, root), Wanted(meshes, most_vertices, repair), leave, masks,
+            avatar, True, folder, JointWishes(fix, couplings, root), MeshWishes(meshes, most_vertices, repair), leave, masks,
             size_range=size_range,
         ),
     )
@@ -68,12 +69,12 @@ def load_room(
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
     path = Path(path)
     if path.suffix.lower() in doors.MODELS:
-        wanted = Wanted(meshes, most_vertices, repair)
+        wanted = MeshWishes(meshes, most_vertices, repair)
         return model_of_file(path, Options(driven=False, folder=folder, pieces=wanted, leave=leave))
     if path.suffix.lower() not in MESHES:
         advice = doors.CONVERSION.get(path.suffix.lower())
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
     found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
-    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.2g} mm off", *found.repairs)
+    said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
     return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said)

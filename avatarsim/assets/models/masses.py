@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.compiled import Compiled
+from avatarsim.assets.models.spec_repairs import solid as solid_inertia
 from avatarsim.scene.body import Mass, solid, volume
 from avatarsim.scene.shape import Piece
 from avatarsim.spatial import rotation
@@ -24,9 +25,6 @@ DENSITY = 1000.0
 
 GRAM, CENTIMETRE = 1e-3, 1e-2
 """Mass [kg] and radius [m] of the ball that stands for a link without pieces and without mass."""
-
-SMALLEST_SHARE = 1e-6
-"""Smallest moment of inertia, as a share of the largest one: thinner is no solid."""
 
 
 @dataclass(eq=False)
@@ -58,29 +56,22 @@ class Masses:
             moments = turn @ np.diag(self.model.body_inertia[b]) @ turn.T
             inertia += moments + mass * (at @ at * np.eye(3) - np.outer(at, at))
         x, y, z = (float(value) for value in centre)
-        return Mass(total, (x, y, z), self._solid(inertia, self.names[bodies[0]]))
+        return Mass(total, (x, y, z), self._solid(inertia, total, self.names[bodies[0]]))
 
-    def _solid(self, inertia: Array, name: str) -> Array:
+    def _solid(self, inertia: Array, mass: float, name: str) -> Array:
         """The nearest inertia that a solid can have: no moment above the sum of the others, none zero."""
-        inertia = 0.5 * (inertia + inertia.T)
-        moments, axes = np.linalg.eigh(inertia)
-        largest = max(float(moments[2]), LIGHTEST * CENTIMETRE**2)
-        mended = np.maximum(moments, SMALLEST_SHARE * largest)
-        lacking = 0.5 * max(0.0, float(mended[2] - mended[0] - mended[1]))
-        mended[:2] += lacking
-        if np.abs(mended - moments).max() <= 1e-9 * largest:
-            return inertia
-        self.rounded.append(name)
-        found = axes @ np.diag(mended) @ axes.T
-        return np.asarray(0.5 * (found + found.T))
+        found, is_changed = solid_inertia(0.5 * (inertia + inertia.T), mass)
+        if is_changed:
+            self.rounded.append(name)
+        return found
 
     def said(self) -> tuple[str, ...]:
         """What links and bodies were given that the file does not say."""
         found = []
         if self.without:
             found.append(f"without mass in the file, given that of water or of a gram: {', '.join(self.without)}")
-        if self.rounded:
-            found.append(f"moments of inertia that no solid has, raised to what one can have: {', '.join(self.rounded)}")
+        if rounded := dict.fromkeys((*self.model.mended_name, *self.rounded)):
+            found.append(f"moments of inertia that no solid has, raised to what one can have: {', '.join(rounded)}")
         return tuple(found)
 
 

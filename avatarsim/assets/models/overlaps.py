@@ -42,11 +42,11 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
         model = _raised(model, lifts)
         pairs = overlapping_pairs(build(model.scene()))
     said = []
-    if lifted := [f"{name} by {1e3 * lift:.2g} mm" for name, lift in raised.items() if lift > 0.0]:
+    if lifted := [f"{name} by {1e3 * lift:.3g} mm" for name, lift in raised.items() if lift > 0.0]:
         said.append(f"raised at the start, to stand on what they stood in: {', '.join(lifted)}")
     if pairs:
-        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.2g} mm" for a, b, depth in sorted(pairs, key=lambda pair: -pair[2]))
-        said.append(f"{len(pairs)} pairs overlap at the reference and never touch from there on: {listed}")
+        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in sorted(pairs, key=lambda pair: -pair[2]))
+        said.append(f"{len(pairs)} pairs overlap at the reference and never touch: {listed}")
     return _without(model, pairs), tuple(said)
 
 

@@ -32,7 +32,7 @@ WAYS = ("hull", "decompose")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class MeshWishes:
     """How meshes become pieces: `meshes` of WAYS, with at most so many vertices each; `repair` of open surfaces, as in
     `pieces_of_mesh`."""
 
@@ -50,7 +50,7 @@ class Geoms:
     """The geoms of a model that bodies collide with, less those named in `leave`."""
 
     model: Compiled
-    wanted: Wanted = Wanted()
+    wanted: MeshWishes = MeshWishes()
     leave: tuple[str, ...] = ()
     _cylinder: tuple[float, str] = (0.0, "")
     _cylinders: int = 0
@@ -58,16 +58,18 @@ class Geoms:
     _meshes: dict[int, tuple[ConvexHull, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        known = [self.label(k) for k in range(len(self.model.geom_name))]
         for name in self.leave:
-            if name not in self.model.geom_name:
-                raise UnknownName("geom in leave", name, filter(None, self.model.geom_name))
+            if name not in known:
+                raise UnknownName("geom in leave", name, known)
 
     @cached_property
     def touching(self) -> NDArray[np.bool_]:
         """(g,) whether a geom collides with anything; the others are to be looked at only."""
         found = (self.model.geom_contype != 0) | (self.model.geom_conaffinity != 0)
         found[self.model.pair_geom1] = found[self.model.pair_geom2] = True
-        return np.asarray(found & ~np.isin(self.model.geom_name, [name for name in self.leave if name]))
+        left = [self.label(k) in self.leave for k in range(len(found))]
+        return np.asarray(found & ~np.array(left, dtype=np.bool_))
 
     def of(self, body: int) -> list[int]:
         """Numbers of a body's geoms that collide."""
@@ -81,12 +83,13 @@ class Geoms:
     def pieces(self, geom: int, offset: Array, turn: Array) -> tuple[Piece, ...]:
         """Pieces of a geom in a frame in which its body's is at `offset` (3,) [m], turned by `turn` (4,). Raises InvalidFile."""
         at = offset + rotation.rotate(turn, self.model.geom_pos[geom])
-        about = rotation.normalised(rotation.multiply(turn, self.model.geom_quat[geom]))
+        about = rotation.multiply(turn, self.model.geom_quat[geom])
         kind = int(self.model.geom_type[geom])
         try:
             if kind == GeomKind.PLANE:
-                return (Piece(Box(PLANE), _vector(at - rotation.rotate(about, (0.0, 0.0, 0.5 * PLANE[2]))), _turn(about)),)
-            return tuple(Piece(shape, _vector(at), _turn(about)) for shape in self._shapes(geom, kind))
+                middle = at - rotation.rotate(about, (0.0, 0.0, 0.5 * PLANE[2]))
+                return (Piece(Box(PLANE), vector_of(middle), quaternion_of(about)),)
+            return tuple(Piece(shape, vector_of(at), quaternion_of(about)) for shape in self._shapes(geom, kind))
         except InvalidShape as error:
             raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
 
@@ -105,7 +108,7 @@ class Geoms:
         if kind == GeomKind.MESH:
             return self._pieces_of_mesh(geom, int(self.model.geom_dataid[geom]))
         name = GeomKind(kind).name.lower() if kind in GeomKind.__members__.values() else str(kind)
-        valid = "sphere, capsule, box, cylinder, ellipsoid, mesh or plane; leave=(\"its name\",) leaves it out, if it has one"
+        valid = f'sphere, capsule, box, cylinder, ellipsoid, mesh or plane; leave=("{self.label(geom)}",) leaves it out'
         raise InvalidFile(f"type of {self.label(geom)}", name, valid)
 
     def _prism(self, geom: int, radius: float, half: float) -> ConvexHull:
@@ -130,7 +133,7 @@ class Geoms:
             else:
                 whole = hull_of(vertices, name)
                 thin = reduced(whole, self.wanted.most_vertices, name)
-                lost = float(thin.distances(whole.points[whole.used]).max())
+                lost = 0.0 if thin is whole else float(thin.distances(whole.points[whole.used]).max())
                 self._mesh = max(self._mesh, (lost, self.label(geom)))
                 self._meshes[mesh] = (ConvexHull(thin.points[thin.used]),)
         return self._meshes[mesh]
@@ -141,28 +144,29 @@ class Geoms:
         if self._cylinders:
             more, name = self._cylinder
             found.append(
-                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.2g} mm wider ({name})"
+                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.3g} mm wider ({name})"
             )
         if self._meshes:
             lost, name = self._mesh
             if self.wanted.meshes == "hull":
                 found.append(
                     f"{len(self._meshes)} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices: "
-                    f"at most {1e3 * lost:.2g} mm of a hull is left out ({name})"
+                    f"at most {1e3 * lost:.3g} mm of a hull is left out ({name})"
                 )
             else:
                 count = sum(map(len, self._meshes.values()))
-                found.append(
-                    f"{len(self._meshes)} meshes are decomposed into {count} convex pieces, at most {1e3 * lost:.2g} mm off ({name})"
-                )
+                pieces = f"{len(self._meshes)} meshes are decomposed into {count} convex pieces"
+                found.append(f"{pieces}, at most {1e3 * lost:.3g} mm off ({name})")
         return tuple(found)
 
 
-def _vector(array: Array) -> Vector:
+def vector_of(array: Array) -> Vector:
+    """A 3-vector as the tuple that the types of a scene hold."""
     x, y, z = (float(value) for value in array)
     return x, y, z
 
 
-def _turn(array: Array) -> Quaternion:
-    w, x, y, z = (float(value) for value in array)
+def quaternion_of(array: Array) -> Quaternion:
+    """A unit quaternion (4,) as the tuple that the types of a scene hold."""
+    w, x, y, z = (float(value) for value in rotation.normalised(array))
     return w, x, y, z

@@ -108,8 +108,9 @@ def measured(member: str, joints: Array) -> tuple[Skeleton, Array]:
     """The skeleton of rest joints (n, 3) [m] in the family's axes, and the pelvis's place among them."""
     tree = TREES[member]
     places = ours(joints[: len(tree)])
-    # the crown lies 1.05 m above a hip of a mean body, from which the tips of other bodies are scaled
-    stature = float(np.ptp(places[:, 2])) / 0.83
+    # tips are no joints: those of the approximate skeleton, for a body whose joints are as far apart
+    whole = approximate(member)[0].rest[: len(tree)]
+    stature = STATURE * float(np.ptp(places[:, 2]) / np.ptp(whole[:, 2]))
     bones = []
     for k, (name, parent) in enumerate(tree):
         x, y, z = (float(v) for v in places[k] - (places[parent] if parent >= 0 else 0.0))

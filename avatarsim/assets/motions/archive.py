@@ -6,6 +6,7 @@ unpickled. An entry of Python objects (a pickle) is left out and named.
 
 import io
 import struct
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -34,6 +35,9 @@ DAMAGED = (
     struct.error,
 )
 """What the standard library raises of an archive that is not what it says."""
+
+BAD_HEADERS = (ValueError, SyntaxError, TypeError, MemoryError, RecursionError, OverflowError, tokenize.TokenError)
+"""What numpy raises of a header that is none: it is a literal of Python, which it parses as one."""
 
 VALID = "an .npz archive of arrays of numbers, as numpy.savez writes it"
 
@@ -157,7 +161,7 @@ def _array(thing: str, file: zipfile.ZipFile, member: zipfile.ZipInfo) -> AnyArr
             if header is None:
                 _no_array(thing, f"version {version}")
             shape, by_columns, dtype = header(stream)
-        except (ValueError, SyntaxError, TypeError, MemoryError, RecursionError, OverflowError) as error:
+        except BAD_HEADERS as error:
             _no_array(thing, f"a header that says: {error}", error)
         if dtype.hasobject:
             return None

@@ -19,9 +19,11 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import matching
+from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
@@ -40,6 +42,9 @@ COLUMNS = 1 + 3 + sum(width for _, width in LAYOUT)
 SHORTEST, LONGEST = 0.5, 1.25
 """Lengths between which a stored quaternion is taken as a rotation. Eight of pybullet's clips hold some that are off 1, as a
 blend of quaternions leaves them: from 0.58 (kick) to 1.12 (backflip). Further out is a shifted column."""
+
+LEGS = 0.83
+"""Length [m] of thigh and shank of the body that the clips are of. The model that pybullet ships is four times as large."""
 
 UPRIGHT = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
 """Turns the file's axes (y up) into ours (z up): a quarter turn about x."""
@@ -84,8 +89,9 @@ def read_clip(path: Path) -> Clip:
     return read_deepmimic(path).clip
 
 
-def read_deepmimic(path: Path) -> "DeepMimic":
+def read_deepmimic(path: str | Path) -> "DeepMimic":
     """The clip file whole. Raises InvalidFile."""
+    path = Path(path)
     frames, content = _frames(path)
     rows = {}
     column = 4
@@ -95,11 +101,13 @@ def read_deepmimic(path: Path) -> "DeepMimic":
     rotations = {}
     for link, width in LAYOUT:
         if width == 4:
-            lengths = np.linalg.norm(rows[link], axis=1)
+            # what is far too long stays so, and its square a number
+            lengths = np.linalg.norm(np.clip(rows[link], -1e100, 1e100), axis=1)
             for k in np.flatnonzero(~((lengths >= SHORTEST) & (lengths <= LONGEST))):
                 thing = f"length of the {link} quaternion in frame {k} of {path.name}"
                 raise InvalidFile(thing, float(lengths[k]), f"{SHORTEST:g} to {LONGEST:g}, before it is made 1")
             rotations[link] = rotation.normalised(z_up_rotation(rows[link]))
+    _require_plausible(path.name, frames, rows)
     clip = Clip(
         name=path.stem.removeprefix("humanoid3d_"),
         wraps=content.get("Loop") == "wrap",
@@ -110,6 +118,15 @@ def read_deepmimic(path: Path) -> "DeepMimic":
         angles={link: rows[link][:, 0].copy() for link, width in LAYOUT if width == 1},
     )
     return DeepMimic(path.name, clip, frames, content)
+
+
+def _require_plausible(name: str, frames: Array, rows: Mapping[str, Array]) -> None:
+    """Raise InvalidFile for steps, places and angles that no recording has."""
+    matching.require_within(name, "step", frames[:-1, 0], 1.0 / HIGHEST, 1.0 / LOWEST, "s")
+    matching.require_within(name, "place of the root", np.abs(frames[:, 1:4]).max(axis=1), 0.0, matching.FARTHEST, "m")
+    for link, width in LAYOUT:
+        if width == 1:
+            matching.require_within(name, f"angle of {link}", np.abs(rows[link][:, 0]), 0.0, MANY_TURNS, "rad")
 
 
 def _frames(path: Path) -> tuple[Array, dict[str, Any]]:
@@ -165,11 +182,20 @@ class DeepMimic:
         assert model.avatar is not None
         caps.require_frames(self.name, len(self.clip.times), coordinates.links)
         slots = _slots(self.name, coordinates, model.avatar)
-        others = [slot.name for slot in coordinates.slots if slot not in slots.values()]
-        sentence = f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}"
-        if others and sentence not in self.notes:
-            self.notes.append(sentence)
+        others = [slot.name for slot in coordinates.slots if slot not in slots.values() and slot.kind != "fixed"]
+        if others:
+            self._say(f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}")
+        legs = sum(float(np.linalg.norm(model.avatar.links[slots[joint].link].anchor)) for joint in ("left_knee", "left_ankle"))
+        if not (0.5 * LEGS <= legs <= 2.0 * LEGS):
+            self._say(
+                f"{self.name}: legs of the avatar are {legs:.2g} m long, those of the clip's body {LEGS:g} m, and the root goes "
+                "where the clip says: an avatar of another scale fits it"
+            )
         return self._motion(coordinates, slots, _is_y_up(model.avatar, slots))
+
+    def _say(self, sentence: str) -> None:
+        if sentence not in self.notes:
+            self.notes.append(sentence)
 
     def _motion(self, coordinates: Coordinates, slots: Mapping[str, Slot], flat: bool) -> Motion:
         frames = len(self.clip.times)
@@ -228,6 +254,7 @@ def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slo
     for slot in coordinates.slots:
         if slot.kind == "free":
             found.setdefault("root", slot)
+        if slot.kind in ("free", "fixed"):
             continue
         for called in (slot.name, avatar.links[slot.link].name):
             if called in dict(LAYOUT) and called not in found:

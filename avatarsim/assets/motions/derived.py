@@ -81,7 +81,7 @@ def strays(places: Array, turns: Array) -> float:
 
 
 def carrier(links: Poses, places: Array, turns: Array) -> int | None:
-    """The link, or the world, in whose frame a recorded body strays least, of equal ones the nearest; None where it does in all."""
+    """The link, or the world, in whose frame a body strays least, of equal ones the nearest; None where it strays in all."""
     few = np.unique(np.linspace(0, len(places) - 1, SAMPLED).astype(np.int64))
     sampled = Poses(links.places[few], links.turns[few])
     ways = np.array([strays(*relative(sampled, link, places[few], turns[few])) for link in range(links.places.shape[1])])

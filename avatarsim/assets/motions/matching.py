@@ -56,21 +56,23 @@ def coordinates_of_model(name: str, model: Model) -> Coordinates:
 
 
 def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> Columns:
-    """For each generalized coordinate its column in a table of `width` columns. Raises InvalidFile, with what is missing."""
+    """For each generalized coordinate its column in a table of `width` columns; -1 for what is fixed, whose column nothing moves.
+
+    Raises InvalidFile, with what is missing."""
     free = [slot.name for slot in coordinates.slots if slot.kind == "free"]
     if layout.joints is None:
         if width != coordinates.width:
-            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}"
+            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}; joints= says names for another order"
             raise InvalidFile(f"columns of {name}, which names no joints,", width, valid)
         starts = [sum(WIDTHS[slot.kind] for slot in coordinates.slots[:k]) for k in range(len(coordinates.slots))]
     else:
         named = _starts(name, layout, width, coordinates, free)
-        starts = [named[slot.name] for slot in coordinates.slots]
+        starts = [named.get(slot.name, -1) for slot in coordinates.slots]
     found: list[int] = []
     turned = ORDERS[layout.order]
     for slot, start in zip(coordinates.slots, starts, strict=True):
-        if slot.kind == "hinge":
-            found.append(start)
+        if slot.kind in ("hinge", "fixed"):
+            found.append(start if slot.kind == "hinge" else -1)
             continue
         if slot.kind == "free":
             found += [start, start + 1, start + 2]
@@ -96,7 +98,7 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
             raise InvalidFile(f"joint of {name}", joint, "names, each once")
         starts[joint] = column
         column += WIDTHS[kinds.get(joint, "hinge")]
-    missing = [joint for joint in coordinates.names if joint not in starts]
+    missing = [slot.name for slot in coordinates.slots if slot.name not in starts and slot.kind != "fixed"]
     if missing:
         unused = [joint for joint in layout.joints if joint not in kinds]
         valid = f"all joints of the avatar; missing: {shortened(missing)}; not the avatar's: {shortened(unused) or 'none'}"
@@ -104,6 +106,13 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
     if column != width:
         raise InvalidFile(f"columns of {name}", width, f"{column}, as its joint names say")
     return starts
+
+
+def taken(table: Array, chosen: Columns) -> Array:
+    """Generalized coordinates (F, width) of a table; 0 for what is fixed."""
+    found = np.zeros((len(table), len(chosen)))
+    found[:, chosen >= 0] = table[:, chosen[chosen >= 0]]
+    return found
 
 
 def left_alone(layout: Layout, coordinates: Coordinates) -> tuple[str, ...]:
@@ -119,7 +128,7 @@ def shortened(names: list[str] | tuple[str, ...]) -> str:
 
 def _with_widths(coordinates: Coordinates) -> list[str]:
     """The joints, with how many numbers each has where that is not one."""
-    return [slot.name + ("" if slot.kind == "hinge" else f" ({WIDTHS[slot.kind]})") for slot in coordinates.slots]
+    return [slot.name + ("" if WIDTHS[slot.kind] == 1 else f" ({WIDTHS[slot.kind]})") for slot in coordinates.slots]
 
 
 def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Motion:
@@ -129,20 +138,23 @@ def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Mo
         width = WIDTHS[slot.kind]
         part = q[:, first : first + width]
         first += width
+        if slot.kind == "fixed":
+            continue
         if slot.kind == "hinge":
-            _require(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
+            require_within(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
             continue
         if slot.kind == "free":
-            _require(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")
+            require_within(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")
         lengths = np.sqrt((np.clip(part[:, -4:], -1e100, 1e100) ** 2).sum(axis=1))
-        _require(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
+        require_within(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
     try:
         return coordinates.motion(q, times)
     except InvalidInput as error:
         raise InvalidFile(f"{error.thing} of {name}", error.value, error.valid) from error
 
 
-def _require(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
+def require_within(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
+    """Raise InvalidFile, with the frame, unless all values (F,) of a thing are in a range."""
     bad = ~((values >= least) & (values <= most))
     if bad.any():
         frame = int(np.argmax(bad))
@@ -156,7 +168,7 @@ def rows_near(motion: Motion, coordinates: Coordinates, near: Array | None) -> A
     first = 0
     for slot in coordinates.slots:
         end = first + WIDTHS[slot.kind]
-        if slot.kind != "hinge":
+        if slot.kind in ("free", "ball"):
             quaternions = rows[:, end - 4 : end]
             if near is not None:
                 sign = np.where((quaternions * near[:, end - 4 : end]).sum(axis=1) < 0.0, -1.0, 1.0)

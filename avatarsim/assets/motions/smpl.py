@@ -14,6 +14,7 @@ import numpy as np
 
 from avatarsim.assets import caps
 from avatarsim.assets.models import smpl_skeleton
+from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Skeleton
@@ -21,6 +22,7 @@ from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, opened, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
 from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
@@ -36,8 +38,8 @@ DERIVED = ("joints", "keypoints", "joints3d", "verts", "vertices")
 TURNS = {"z": (1.0, 0.0, 0.0, 0.0), "y": (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)}
 """Rotations of a world with this axis up onto ours."""
 
-AXES = np.array([0.5, 0.5, 0.5, 0.5])
-"""Rotation of our link frames (x forward, z up) to the family's (z forward, y up): what is along our x is along their z."""
+AXES = np.array([0.5, -0.5, -0.5, -0.5])
+"""Rotation of our link frames (x forward, z up) to the family's (z forward, y up): our x is along their z."""
 
 
 def is_one(archive: Archive) -> bool:
@@ -45,12 +47,20 @@ def is_one(archive: Archive) -> bool:
     return archive.first((TRANS,)) is not None and archive.first((POSES, "pose_body")) is not None
 
 
-def of_archive(
-    archive: Archive, *, rate: float | None = None, offsets: str | Path | None = None, up: str | None = None,
-    stature: float | None = None,
-) -> "SmplFile":
-    """The motion of a body of the family; options as in `npz.read_npz`. Raises InvalidFile."""
-    name = archive.name
+@dataclass(frozen=True)
+class Choices:
+    """What a user may say of a body of the family; None leaves it to the reader. As in `npz.read_npz`."""
+
+    offsets: str | Path | None = None
+    up: str | None = None
+    stature: float | None = None
+    mass: float | None = None
+    limits: bool | None = None
+
+
+def of_archive(archive: Archive, rate: float | None = None, choices: Choices = Choices()) -> "SmplFile":
+    """The motion of a body of the family. Raises InvalidFile, and UnknownName for an axis that is none."""
+    name, up, stature = archive.name, choices.up, choices.stature
     if (up or "z") not in TURNS:
         raise UnknownName("up", str(up), TURNS)
     poses = archive.table(POSES) if archive.first((POSES,)) else _of_parts(archive)
@@ -60,8 +70,12 @@ def of_archive(
     trans = archive.table(TRANS, 3)
     if len(trans) != len(poses):
         raise InvalidFile(f"frames of {TRANS} of {name}", len(trans), f"{len(poses)}, as of {POSES}")
+    matching.require_within(name, "place of the root", np.abs(trans).max(axis=1), 0.0, matching.FARTHEST, "m")
+    for k, (joint, _) in enumerate(smpl_skeleton.TREES[member]):
+        turns = np.abs(poses[:, 3 * k : 3 * k + 3]).max(axis=1)
+        matching.require_within(name, f"turn of {joint}", turns, 0.0, MANY_TURNS, "rad")
     notes = [f'{name}: world taken as {up or "z"} up' + ("" if up else ', as in AMASS; up="y" says otherwise')]
-    if offsets is None:
+    if choices.offsets is None:
         skeleton, pelvis = smpl_skeleton.approximate(member, smpl_skeleton.STATURE if stature is None else stature)
         notes.append(
             f"{name}: joints stand where an approximate skeleton of our own has them, for a stature of "
@@ -69,12 +83,12 @@ def of_archive(
             "them exactly"
         )
     else:
-        skeleton, pelvis = smpl_skeleton.measured(member, _rest_joints(Path(offsets), member))
+        skeleton, pelvis = smpl_skeleton.measured(member, _rest_joints(Path(choices.offsets), member))
     if archive.left_out:
         notes.append(f"{name}: left out, {matching.shortened(archive.left_out)}: Python objects (a pickle) are not read")
     times = times_of(archive, len(poses), rate)
     caps.require_frames(name, len(poses), len(skeleton.bones))
-    return SmplFile(archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, up or "z", notes)
+    return SmplFile(archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, choices, notes)
 
 
 def _of_parts(archive: Archive) -> Array:
@@ -99,6 +113,14 @@ def _rest_joints(path: Path, member: str) -> Array:
     return joints
 
 
+def _nearer(vectors: Array, near: Array) -> Array:
+    """Rotation vectors (n, 3) or, of the same rotations, those the long way round, whichever is nearer to `near` (n, 3)."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    others = vectors * (1.0 - 2.0 * np.pi / np.where(lengths > 0.0, lengths, np.inf))
+    is_nearer = np.linalg.norm(others - near, axis=1) < np.linalg.norm(vectors - near, axis=1)
+    return np.where(is_nearer[:, None], others, vectors)
+
+
 @dataclass(frozen=True, eq=False)
 class SmplFile:
     """A file of a body of the family: a MotionFile.
@@ -111,7 +133,7 @@ class SmplFile:
     trans: Array
     skeleton: Skeleton
     pelvis: Array
-    up: str
+    choices: Choices
     notes: list[str] = field(default_factory=list)
     format: str = "npz"
 
@@ -135,12 +157,19 @@ class SmplFile:
         positions = np.zeros((len(self.skeleton.bones), 3))
         positions[0] = root[0]
         stature = float(np.ptp(self.skeleton.rest[:, 2]))
-        return human(self.skeleton, stature, (positions, rotations[0], np.zeros(0)))
+        mass, limits = self.choices.mass, self.choices.limits
+        first = positions, rotations[0], np.zeros(0)
+        return human(self.skeleton, stature, first, BODY_MASS if mass is None else mass, limits is not False)
+
+    @property
+    def _upright(self) -> Array:
+        """Rotation of the file's world onto ours."""
+        return np.array(TURNS[self.choices.up or "z"])
 
     def _rotations(self, frames: slice) -> tuple[Array, Array]:
         """Rotations (F, joints, 4) as in TrackerSample, for links whose frames are ours, and the root's place (F, 3) [m]."""
         turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses[frames]))
-        upright = np.array(TURNS[self.up])
+        upright = self._upright
         root = rotation.multiply(rotation.from_rotation_vector(self.poses[frames, 0]), AXES)
         turns[:, 0] = rotation.multiply(upright, root)
         return rotation.normalised(turns), rotation.rotate(upright, self.trans[frames] + self.pelvis)
@@ -168,6 +197,8 @@ class SmplFile:
         found: dict[int, int] = {}
         unknown = []
         for slot in coordinates.slots:
+            if slot.kind == "fixed":
+                continue
             link = model.avatar.links[slot.link].name
             joint = 0 if slot.kind == "free" else numbers.get(slot.name, numbers.get(link, -1))
             if joint < 0 or slot.kind == "hinge":
@@ -191,7 +222,7 @@ class SmplFile:
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
         nearest = np.abs(np.searchsorted(self.times, motion.times - 1e-9)).clip(0, len(self.times) - 1)
         poses, trans = self.poses[nearest].copy(), self.trans[nearest].copy()
-        down = rotation.conjugate(np.array(TURNS[self.up]))
+        down = rotation.conjugate(self._upright)
         for joint, link in slots.items():
             turns = motion.rotations[:, link]
             if joint == 0:
@@ -200,7 +231,7 @@ class SmplFile:
             else:
                 vectors = smpl_skeleton.theirs(rotation.to_rotation_vector(turns))
             moved = (motion.rotations[:, link] != before.rotations[nearest, link]).any(axis=1)
-            poses[moved, joint] = vectors[moved]
+            poses[moved, joint] = _nearer(vectors[moved], poses[moved, joint])
         place = rotation.rotate(down, motion.positions[:, slots[0]]) - self.pelvis
         moved = (motion.positions[:, slots[0]] != before.positions[nearest, slots[0]]).any(axis=1)
         trans[moved] = place[moved]

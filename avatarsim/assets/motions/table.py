@@ -99,6 +99,8 @@ def read_csv(
     path = Path(path)
     name = path.name
     text = read_text(path, f"table {name}", VALID, caps.TEXT_BYTES)
+    # before it is split: a line of three bytes becomes a text of sixty
+    caps.require_frames(name, text.count("\n") - 1)
     end = "\r\n" if "\r\n" in text else "\n"
     lines = [line for line in text.replace("\r\n", "\n").split("\n") if line.strip()]
     if not lines:
@@ -107,6 +109,8 @@ def read_csv(
     names = _names(name, lines[0], delimiter)
     rows = tuple(lines if names is None else lines[1:])
     numbers = _numbers(name, rows, delimiter)
+    if names is not None and len(names) != numbers.shape[1]:
+        raise InvalidFile(f"columns of {name}", numbers.shape[1], f"{len(names)}, as its first row names")
     notes: list[str] = []
     listed = [word.strip() for word in joints.split(",")] if isinstance(joints, str) else joints
     if names is None:

@@ -98,19 +98,20 @@ class Trajectory:
         return matching.columns(self.name, self.layout, self.table.shape[1], coordinates)
 
     def _motion(self, coordinates: Coordinates) -> Motion:
-        return matching.motion_of(self.name, self.table[:, self._columns(coordinates)], self.times, coordinates)
+        return matching.motion_of(self.name, matching.taken(self.table, self._columns(coordinates)), self.times, coordinates)
 
     def written(self, motion: Motion, model: Model) -> bytes:
         """The file again with this motion. Frames that are as they were keep the file's own numbers, to the bit."""
         coordinates = matching.coordinates_of_model(self.name, model)
         columns, before = self._columns(coordinates), self._motion(coordinates)
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
-        near = self.table[:, columns] if same_times else None
+        near = matching.taken(self.table, columns) if same_times else None
         if same_times:
             now = self.table.copy()
         else:
             now = np.stack([np.interp(motion.times, self.times, column) for column in self.table.T], axis=1)
-        now[:, columns] = matching.rows_near(motion, coordinates, near)
+        moved = columns >= 0
+        now[:, columns[moved]] = matching.rows_near(motion, coordinates, near)[:, moved]
         stayed = None
         if same_times:
             stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1)

@@ -110,7 +110,7 @@ def changed(frame: int, column: int, value: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("q", "says"), [
-    (rows(3, 0)[:, :12], "shape of generalized coordinates.*12.*13: root, head"),
+    (rows(3, 0)[:, :12], "shape of generalized coordinates.*12.*13.: root, head"),
     (rows(3, 0)[0], "shape of generalized coordinates"),
     (changed(1, 12, float("nan")), "column 12 of frame 1"),
     (changed(2, 0, float("inf")), "column 0 of frame 2"),

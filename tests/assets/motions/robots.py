@@ -1,4 +1,4 @@
-"""A small robot of every kind of joint, made by hand, and motions of it; files are written of them as other tools write theirs."""
+"""A small robot of every kind of joint, made by hand, and motions of it in files as other tools write them."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -10,7 +10,8 @@ from avatarsim.assets.models.coordinates import Coordinates, Slot, coordinates_o
 from avatarsim.assets.models.model import Model
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
@@ -23,7 +24,7 @@ JOINTS = ("waist", "left_shoulder", "right_shoulder", "left_elbow")
 """The robot's hinges, in its model's order."""
 
 
-def link(name: str, parent: str | None, joint: Any, anchor: tuple[float, float, float] = (0.0, 0.0, 0.3)) -> Link:
+def link(name: str, parent: str | None, joint: Joint, anchor: Vector = (0.0, 0.0, 0.3)) -> Link:
     return Link(name, parent, joint, BALL, MASS, anchor=anchor)
 
 
@@ -39,15 +40,27 @@ def robot(free: bool = True) -> Model:
         link("right_arm", "torso", Hinges((Hinge(X),)), (0.0, -0.2, 0.2)),
     ))
     slots = (
-        *((Slot("floating_base", "free", 0),) if free else ()), Slot("waist", "hinge", 1, 0), Slot("left_shoulder", "hinge", 2, 1),
+        *((Slot("floating_base", "free", 0),) if free else ()),
+        Slot("waist", "hinge", 1, 0), Slot("left_shoulder", "hinge", 2, 1),
         Slot("right_shoulder", "hinge", 5, 3), Slot("left_elbow", "hinge", 3, 2, rest=0.25),
     )
     return Model(avatar, Coordinates(slots, 6, 4), (), ())
 
 
+def held() -> Model:
+    """The robot with its left shoulder held at 0.3 rad: a slot of its own that moves no link."""
+    whole = robot()
+    assert whole.coordinates is not None
+    slots = tuple(
+        Slot(slot.name, "fixed", -1, rest=0.3) if slot.name == "left_shoulder" else slot for slot in whole.coordinates.slots
+    )
+    return Model(whole.avatar, Coordinates(slots, 6, 4), (), ())
+
+
 def puppet() -> Model:
     """A free root, a ball and a link of two hinges, with coordinates link by link."""
-    avatar = Avatar("puppet", (link("root", None, Free()), link("head", "root", Ball()), link("hand", "head", Hinges((Hinge(X), Hinge(Y))))))
+    hinges = Hinges((Hinge(X), Hinge(Y)))
+    avatar = Avatar("puppet", (link("root", None, Free()), link("head", "root", Ball()), link("hand", "head", hinges)))
     return Model(avatar, coordinates_of(avatar), (), ())
 
 

@@ -5,7 +5,15 @@ import pytest
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.matching import Layout, columns, coordinates_of_model, left_alone, motion_of, require_order, rows_near
+from avatarsim.assets.motions.matching import (
+    Layout,
+    columns,
+    coordinates_of_model,
+    left_alone,
+    motion_of,
+    require_order,
+    rows_near,
+)
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.motion import Motion
 from tests.assets.motions.robots import JOINTS, puppet, robot, walk

@@ -15,7 +15,7 @@ from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, puppet, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, held, puppet, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -29,7 +29,8 @@ def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     frames = len(motion)
     badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
     still = np.tile(np.array(rotation.IDENTITY), (frames, 1, 1))
-    return (np.concatenate([np.zeros((frames, 1, 3)), places, badge], axis=1), np.concatenate([still, turns, turns[:, 1:2]], axis=1))
+    origin = np.zeros((frames, 1, 3))
+    return np.concatenate([origin, places, badge], axis=1), np.concatenate([still, turns, turns[:, 1:2]], axis=1)
 
 
 def holosoma() -> dict[str, Any]:
@@ -41,8 +42,7 @@ def holosoma() -> dict[str, Any]:
     times = motion.times
     return {
         "fps": np.array([50]), "joint_pos": q,
-        "joint_vel": np.concatenate([np.gradient(q[:, :3], times, axis=0), spin(q[:, 3:7], times), np.gradient(q[:, 7:], times, axis=0)],
-                                    axis=1),
+        "joint_vel": np.c_[np.gradient(q[:, :3], times, axis=0), spin(q[:, 3:7], times), np.gradient(q[:, 7:], times, axis=0)],
         "body_pos_w": places, "body_quat_w": turns, "body_lin_vel_w": np.gradient(places, times, axis=0),
         "body_ang_vel_w": np.stack([spin(turns[:, k], times) for k in range(turns.shape[1])], axis=1),
         "joint_names": np.array(JOINTS), "body_names": np.array(["world", *(link.name for link in model.avatar.links), "badge"]),
@@ -69,13 +69,22 @@ def isaac() -> dict[str, Any]:
     order = [3, 1, 0, 2]
     return {
         "fps": 50, "dof_names": np.array([JOINTS[k] for k in order]), "dof_positions": whole["joint_pos"][:, 7:][:, order],
-        "body_names": whole["body_names"][1:], "body_positions": whole["body_pos_w"][:, 1:], "body_rotations": whole["body_quat_w"][:, 1:],
+        "body_names": whole["body_names"][1:], "body_positions": whole["body_pos_w"][:, 1:],
+        "body_rotations": whole["body_quat_w"][:, 1:],
     }
+
+
+def beyond() -> dict[str, Any]:
+    """Joints in an order of their own and no names; the root is the first of the bodies."""
+    whole = isaac()
+    bodies = {"body_pos_w": whole["body_positions"], "body_quat_w": whole["body_rotations"]}
+    return {"fps": [50], "joint_pos": whole["dof_positions"], **bodies}
 
 
 def reordered() -> dict[str, Any]:
     whole, order = holosoma(), [2, 0, 3, 1]
-    return {"fps": 50, "joint_pos": whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]], "joint_names": [JOINTS[k] for k in order]}
+    rows = whole["joint_pos"][:, [*range(7), *(7 + k for k in order)]]
+    return {"fps": 50, "joint_pos": rows, "joint_names": [JOINTS[k] for k in order]}
 
 
 def loco() -> dict[str, Any]:
@@ -83,13 +92,15 @@ def loco() -> dict[str, Any]:
 
 
 FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
-    "holosoma": (holosoma(), {}), "GMR": (gmr(), {}), "Isaac Lab": (isaac(), {}), "other order": (reordered(), {}), "all names": (loco(), {}),
+    "holosoma": (holosoma(), {}), "GMR": (gmr(), {}), "Isaac Lab": (isaac(), {}), "other order": (reordered(), {}),
+    "all names": (loco(), {}),
     "qpos alone": ({"qpos": walk(FRAMES), "fps": 50}, {}),
     "qpos at times": ({"qpos": walk(FRAMES), "times": np.arange(FRAMES) / 50.0}, {}),
     "rate by the user": ({"qpos": walk(FRAMES)}, {"rate": 50.0}),
     "scalar last": ({"qpos": walk(FRAMES)[:, [*XYZW, 7, 8, 9, 10]], "fps": 50}, {"quaternion": "xyzw"}),
     "scalar first": ({**gmr(), "root_rot": walk(FRAMES)[:, 3:7]}, {"quaternion": "wxyz"}),
     "names by the user": ({"qpos": reordered()["joint_pos"], "fps": 50}, {"joints": ", ".join(reordered()["joint_names"])}),
+    "joints without a root, names by the user": (beyond(), {"joints": [JOINTS[k] for k in (3, 1, 0, 2)]}),
     "a joint too many": ({"joint_pos": np.c_[walk(FRAMES), np.ones(FRAMES)], "fps": 50, "joint_names": [*JOINTS, "tail"]}, {}),
 }
 """Entries and options of files that all hold the same motion."""
@@ -225,6 +236,27 @@ def test_a_compressed_file_stays_compressed(tmp_path: Path) -> None:
     content = found.written(raised(found.motion(robot()), 3, 5), robot())
     assert len(content) < 0.9 * sum(values.nbytes for values in entries(content).values())
     assert content == found.written(raised(found.motion(robot()), 3, 5), robot())
+
+
+@pytest.mark.parametrize("form", ["holosoma", "qpos alone", "GMR", "other order"])
+def test_columns_of_what_is_fixed_stay_as_they_are(tmp_path: Path, form: str) -> None:
+    arrays, options = FORMS[form]
+    found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
+    motion = found.motion(held())
+    assert (motion.angles[:, 1] == 0.0).all()
+    angles = motion.angles.copy()
+    angles[3:6, 0] += 0.1
+    (tmp_path / "other.npz").write_bytes(found.written(replace(motion, angles=angles), held()))
+    again, before = (load_motion(tmp_path / name, **options).motion(robot()).angles for name in ("other.npz", "some.npz"))
+    assert (again[:, 1] == before[:, 1]).all()
+    assert np.allclose(again[3:6, 0], before[3:6, 0] + 0.1)
+
+
+def test_a_fixed_joint_may_be_missing_in_the_file(tmp_path: Path) -> None:
+    names = [name for name in JOINTS if name != "left_shoulder"]
+    arrays = {"joint_pos": np.delete(walk(FRAMES), 8, axis=1), "fps": 50, "joint_names": names}
+    motion = load_motion(saved(tmp_path / "some.npz", arrays)).motion(held())
+    assert np.allclose(motion.angles[:, 0], walk(FRAMES)[:, 7])
 
 
 def test_balls_are_rows_of_four(tmp_path: Path) -> None:

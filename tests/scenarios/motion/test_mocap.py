@@ -1,35 +1,19 @@
-"""Reader and retiming of recorded clips: every shipped clip, every way a file can be broken, rotations on great circles."""
+"""Recorded clips of pybullet_data: each of them holds postures, and they are retimed, repeated and placed."""
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from avatarsim.assets.motions.deepmimic import COLUMNS, LAYOUT, read_clip, z_up, z_up_rotation
-from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
+from avatarsim.assets.motions.deepmimic import COLUMNS, read_clip
+from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
 from avatarsim.spatial import rotation
 from scenarios import data_folder
 from scenarios.motion.mocap import clip_names, load_clip, placed, repeated, retimed
+from tests.assets.motions.clips import upright, written
 
 Array = NDArray[np.float64]
-NUMBER = st.floats(-3.0, 3.0)
-
-
-def upright(step: float = 0.5) -> list[float]:
-    """One frame of a clip in which nothing is turned."""
-    row = [step, 0.0, 0.9, 0.0]
-    for _, width in LAYOUT:
-        row += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.0]
-    return row
-
-
-def written(path: Path, frames: object, loop: str = "wrap") -> Path:
-    path.write_text(json.dumps({"Loop": loop, "Frames": frames}), encoding="utf-8")
-    return path
 
 
 def angle_between(a: Array, b: Array) -> Array:
@@ -54,19 +38,6 @@ def test_a_clip_holds_sound_postures(name: str) -> None:
         assert np.abs(np.linalg.norm(values, axis=1) - 1.0).max() < 1e-12
     # a human's root is above the floor, and below two metres: the third axis is up
     assert clip.root_positions[:, 2].min() > 0.0 and clip.root_positions[:, 2].max() < 2.0
-
-
-@given(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
-def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float, ...], v: tuple[float, ...]) -> None:
-    if np.linalg.norm(q) < 1e-3:
-        return
-    turn = rotation.normalised(q)
-    assert np.allclose(z_up(rotation.rotate(turn, v)), rotation.rotate(z_up_rotation(turn), z_up(v)), atol=1e-9)
-
-
-def test_up_becomes_up_and_the_right_side_becomes_minus_y() -> None:
-    assert z_up([0.0, 1.0, 0.0]).tolist() == [0.0, 0.0, 1.0]
-    assert z_up([0.0, 0.0, 1.0]).tolist() == [0.0, -1.0, 0.0]
 
 
 def test_retiming_turns_at_a_constant_rate(tmp_path: Path) -> None:
@@ -114,36 +85,6 @@ def test_a_clip_that_does_not_wrap_is_not_repeated() -> None:
 def test_an_unknown_clip_is_refused_with_the_names_that_exist() -> None:
     with pytest.raises(UnknownName, match="walk"):
         load_clip("swim")
-
-
-@pytest.mark.parametrize(
-    ("frames", "says"),
-    [
-        ([upright(), upright()[:43]], "columns of frame 1.*43"),
-        ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
-        ([upright(), "text"], "columns of frame 1.*str"),
-        ([upright()], "number of frames.* 1"),
-        ("none", "number of frames"),
-        ([upright(-0.1), upright()], "frame 0"),
-        ([upright(), [*upright()[:-1], float("nan")]], "frame 1"),
-        ([upright(), [*upright()[:-1], "x"]], "numbers of clip"),
-        ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
-    ],
-)
-def test_a_malformed_file_is_refused_by_name(tmp_path: Path, frames: object, says: str) -> None:
-    with pytest.raises(InvalidFile, match=says) as caught:
-        read_clip(written(tmp_path / "broken.txt", frames))
-    assert "broken.txt" in str(caught.value)
-    assert "44" in caught.value.valid or "quaternion" in caught.value.thing
-
-
-def test_a_truncated_file_is_refused_by_name(tmp_path: Path) -> None:
-    whole = written(tmp_path / "whole.txt", [upright(), upright()]).read_text(encoding="utf-8")
-    (tmp_path / "half.txt").write_text(whole[: len(whole) // 2], encoding="utf-8")
-    with pytest.raises(InvalidFile, match=r"half\.txt.*cut off.*44"):
-        read_clip(tmp_path / "half.txt")
-    with pytest.raises(InvalidFile, match=r"absent\.txt"):
-        read_clip(tmp_path / "absent.txt")
 
 
 def test_without_the_data_package_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

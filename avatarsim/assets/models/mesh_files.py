@@ -1,0 +1,113 @@
+"""Mesh files of a model: found in its folder, read once, and handed to MuJoCo from memory.
+
+What MuJoCo does not read itself (STL files of text or of more than 200,000 triangles, .ply, .off, .glb) is read by trimesh.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from avatarsim.assets.meshes.mesh import STL_HEADER, STL_TRIANGLE, read_mesh
+from avatarsim.assets.models import doors
+from avatarsim.errors import InvalidFile, MissingPackage
+from avatarsim.files import read_bytes
+
+BY_MUJOCO = (".msh", ".obj", ".stl")
+"""Mesh files that MuJoCo reads."""
+
+BY_TRIMESH = (".ply", ".off", ".glb")
+"""Mesh files that are read for it."""
+
+MOST_TRIANGLES = 200_000
+"""Triangles of an STL file beyond which MuJoCo refuses it."""
+
+
+@dataclass
+class MeshFiles:
+    """The mesh files of one model. `assets` is what MuJoCo is given, by names of their own that take the place of paths;
+    `nowhere` the folder in which its texts lie for MuJoCo, and `read` is told how many bytes were read so far."""
+
+    texts: doors.Texts
+    nowhere: str
+    read: Callable[[int], None]
+    assets: dict[str, bytes] = field(default_factory=dict)
+    _names: dict[Path, str] = field(default_factory=dict)
+    _bytes: int = 0
+
+    def hand_over(self, spec: Any) -> None:
+        """Give every mesh of the model its content. Raises InvalidFile for a mesh that is not there, leads out, or is none."""
+        main = PurePosixPath(self.texts.main).parent
+        # the folders of the texts that this model is made of, its own first
+        bases = list(dict.fromkeys([main, *(PurePosixPath(name).parent for name in self.texts.texts)]))
+        # the settings of the compiler are shared between meshes: read before the first one is changed
+        for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
+            mesh.name = mesh.name or PurePosixPath(mesh.file).stem
+            thing, file = f"mesh {mesh.name} of {self.texts.main}", mesh.file.removeprefix(self.nowhere)
+            doors.require_relative(thing, file)
+            tried = candidates(file, meshdir, bool(spec.strippath), bases)
+            self._give(mesh, thing, self._place(thing, file, tried))
+            mesh.content_type = mesh.compiler.meshdir = ""
+        spec.meshdir, spec.strippath, spec.assets = "", False, self.assets
+
+    def _place(self, thing: str, file: str, tried: list[PurePosixPath]) -> Path:
+        """Where the file lies; of one in a format that is not read, a copy in another that lies beside it."""
+        ending = PurePosixPath(file).suffix.lower()
+        if ending in (*BY_MUJOCO, *BY_TRIMESH):
+            return doors.existing(thing, tried, self.texts.folder)[1]
+        copies = [path.with_suffix(other) for path in tried for other in (".obj", ".stl", ".STL", *BY_TRIMESH)]
+        try:
+            return doors.existing(thing, copies, self.texts.folder)[1]
+        except InvalidFile as error:
+            formats = " ".join((*BY_MUJOCO, *BY_TRIMESH))
+            valid = f"a file {formats}: convert it, and put the copy beside it under the same name"
+            raise InvalidFile(thing, file, valid) from error
+
+    def _give(self, mesh: Any, thing: str, place: Path) -> None:
+        if place not in self._names:
+            content = read_bytes(place, thing, "a readable mesh file", doors.ASSET_BYTES - self._bytes)
+            self._bytes += len(content)
+            self.read(self._bytes)
+            ending = place.suffix.lower()
+            if ending in BY_TRIMESH or (ending == ".stl" and not is_read_by_mujoco(content)):
+                self._by_trimesh(mesh, thing, place)
+                return
+            self._names[place] = f"{len(self._names)}{ending}"
+            self.assets[self._names[place]] = content
+        mesh.file = self._names[place]
+
+    def _by_trimesh(self, mesh: Any, thing: str, place: Path) -> None:
+        try:
+            found = read_mesh(place)
+        except MissingPackage as error:
+            raise InvalidFile(thing, f"{place.name} without trimesh, which reads it", str(error)) from error
+        mesh.file, mesh.uservert, mesh.userface = "", found.vertices.ravel(), found.triangles.ravel()
+
+
+def is_read_by_mujoco(content: bytes) -> bool:
+    """Whether an STL file is binary, whole and not too large for MuJoCo."""
+    count = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
+    return len(content) == STL_HEADER + STL_TRIANGLE * count and count <= MOST_TRIANGLES
+
+
+def candidates(file: str, meshdir: str, stripped: bool, bases: list[PurePosixPath]) -> list[PurePosixPath]:
+    """Paths below the folder at which a mesh may lie, in the order in which they are tried: as MuJoCo would find it, as it is
+    written, and for package://name/rest the rest below each folder above, with and without the name. `bases` are the folders of
+    the model's texts; MuJoCo puts that of an included one before a name that it does not find, so names are tried without."""
+    scheme, mark, rest = file.partition("://")
+    path = PurePosixPath((rest if mark else scheme).lstrip("/"))
+    found: list[PurePosixPath] = []
+    for base in bases:
+        if not mark and path.is_relative_to(base) and base.parts:
+            found += [one / meshdir / path.relative_to(base) for one in (*bases[:1], base)]
+    for base in (*bases, PurePosixPath()):
+        if stripped and meshdir:
+            found.append(base / meshdir / path.name)
+        if not mark:
+            found += [base / meshdir / path, base / path]
+        else:
+            for above in (base, *base.parents):
+                found += [above / path, above / PurePosixPath(*path.parts[1:])]
+        if stripped:
+            found.append(base / meshdir / path.name)
+    return list(dict.fromkeys(found))

@@ -1,0 +1,69 @@
+"""Which parts of a model may touch: contype and conaffinity, excluded and stated pairs, bodies that are rigid with one another.
+
+The rules are those of MuJoCo's collision filter (its documentation, "Collision detection: selection"), of whole bodies instead of
+single geoms: two bodies may touch if any two of their geoms may. Parent and child never touch, also where the parent is fixed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from avatarsim.assets.models.compiled import Compiled
+
+BITS = 16
+"""By how many bits MuJoCo shifts the first body of an excluded pair."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What has one name in the scene: its `bodies` and those `geoms` that collide. `weld` is the body with whose frame it is
+    rigid, 0 the world; `above` the weld that this one is jointed to, -1 for none."""
+
+    name: str
+    bodies: tuple[int, ...]
+    geoms: tuple[int, ...]
+    weld: int
+    above: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Filter:
+    """The file's word on pairs; without `masks` contype and conaffinity say nothing."""
+
+    model: Compiled
+    masks: bool = True
+
+    @cached_property
+    def _stated(self) -> frozenset[tuple[int, int]]:
+        """Pairs of geoms that the file states, which touch whatever else it says."""
+        pairs = zip(self.model.pair_geom1.tolist(), self.model.pair_geom2.tolist(), strict=True)
+        return frozenset((min(pair), max(pair)) for pair in pairs)
+
+    @cached_property
+    def _excluded(self) -> frozenset[int]:
+        return frozenset(self.model.exclude_signature.tolist())
+
+    def apart(self, one: Part, other: Part) -> bool:
+        """Whether two parts never touch since they are rigid with one another, or one is jointed to the other."""
+        return one.weld == other.weld or one.above == other.weld or other.above == one.weld
+
+    def meet(self, one: Part, other: Part) -> bool:
+        """Whether the file lets any geom of one part touch any of the other."""
+        if self._stated and any((min(g, h), max(g, h)) in self._stated for g in one.geoms for h in other.geoms):
+            return True
+        if self._excluded and all(
+            (min(a, b) << BITS) + max(a, b) in self._excluded for a in one.bodies for b in other.bodies
+        ):
+            return False
+        if not self.masks:
+            return True
+        # any pair of geoms passes where the bits of all of them together do
+        types, others = self._bits(one.geoms), self._bits(other.geoms)
+        return bool(types[0] & others[1] or types[1] & others[0])
+
+    def _bits(self, geoms: Sequence[int]) -> tuple[int, int]:
+        chosen = list(geoms)
+        types, affinities = self.model.geom_contype[chosen], self.model.geom_conaffinity[chosen]
+        return int(np.bitwise_or.reduce(types)), int(np.bitwise_or.reduce(affinities))

@@ -1,0 +1,155 @@
+"""Files that mean harm: each ends in a sentence that names file, place and valid range, within time and memory."""
+
+import os
+import resource
+import struct
+from pathlib import Path
+
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.compile_process import MEMORY
+from avatarsim.errors import InvalidFile
+
+BODY = '<worldbody><body><joint/><geom size="0.1"/></body></worldbody>'
+MESH = '<mujoco><asset><mesh name="m" file="{}"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'
+BALLS = '<?xml version="1.0"?><!DOCTYPE m [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;">]><mujoco model="&b;">' + BODY + "</mujoco>"
+CHAIN = "".join('<body pos="0 0 1"><joint/><geom size="0.1"/>' for _ in range(300)) + "</body>" * 300
+
+TEXTS = {
+    "nothing": ("", "cut off or not XML"),
+    "no XML": ("solid cube\nfacet normal", "cut off or not XML"),
+    "cut off": ("<mujoco><worldbody>", "cut off or not XML"),
+    "two roots": (f"<mujoco>{BODY}</mujoco><mujoco/>", "cut off or not XML"),
+    "another format": ("<html><body/></html>", "valid: a model that MuJoCo's compiler takes"),
+    "entities": (BALLS, r"DOCTYPE or entity in bad\.xml, line 1, is 'm'"),
+    "external entity": ('<!DOCTYPE m SYSTEM "file:///etc/passwd"><mujoco/>', "DOCTYPE or entity in bad.xml, line 1"),
+    "plugin": (
+        '<mujoco><extension><plugin plugin="mujoco.pid"/></extension></mujoco>',
+        r"<plugin> in bad\.xml, line 1, is 'mujoco\.pid'; valid: a model without plugins",
+    ),
+    "absolute mesh": (
+        MESH.format("/etc/passwd"), r"file of <mesh> in bad\.xml, line 1, is '/etc/passwd'; valid: a path relative",
+    ),
+    "home": (MESH.format("~/secret.stl"), "a path relative to the file"),
+    "drive": (MESH.format("C:\\\\secret.stl"), "a path relative to the file"),
+    "another scheme": (MESH.format("http://x/y.stl"), "a path relative to the file"),
+    "mesh outside": (
+        MESH.format("../../etc/secret.stl"), r"mesh m of bad\.xml is '\.\./\.\./etc/secret\.stl'; valid: a path that stays in",
+    ),
+    "folder outside": (
+        f'<mujoco><compiler meshdir="../.."/>{BODY}</mujoco>', r"meshdir of <compiler> in bad\.xml, line 1, is '\.\./\.\.'",
+    ),
+    "include outside": (
+        '<mujoco><include file="../other.xml"/></mujoco>', r"file of <include> in bad\.xml, line 1, is '\.\./other\.xml'",
+    ),
+    "include missing": (
+        '<mujoco>\n<include file="gone.xml"/></mujoco>', r"bad\.xml, line 2, is 'gone\.xml'; valid: a file that exists in",
+    ),
+    "includes itself": ('<mujoco><include file="bad.xml"/></mujoco>', "bad.xml"),
+    "absolute texture": (
+        '<mujoco><asset><texture name="t" type="2d" file="/dev/zero"/></asset></mujoco>', "file of <texture> in bad.xml, line 1",
+    ),
+    "absolute attached": ('<mujoco><asset><model name="t" file="/etc/passwd"/></asset></mujoco>', "file of <model>"),
+    "deformable file": (
+        '<mujoco><worldbody><flexcomp name="f" type="mesh" file="a.obj"/></worldbody></mujoco>', "file of <flexcomp> in bad.xml",
+    ),
+    "mesh of no format": (MESH.format("bad.xml"), r"mesh m of bad\.xml is 'bad\.xml'; valid: a file \.msh \.obj \.stl \.ply"),
+    "deep": ("<mujoco>" + "<a>" * 1000 + "</a>" * 1000 + "</mujoco>", "depth of elements in bad.xml, line 1, is 201; .* 200"),
+    "deep bodies": (f"<mujoco><worldbody>{CHAIN}</worldbody></mujoco>", "depth of elements"),
+    "many elements": ("<mujoco>" + "<a/>" * 200_001 + "</mujoco>", "number of elements"),
+    "long name": (
+        f'<mujoco><worldbody><body name="{"a" * 300}"><geom size="1"/></body></worldbody></mujoco>',
+        "characters of a name in bad.xml is 300; valid: up to 200",
+    ),
+    "not a number": ('<mujoco><worldbody><geom size="0.1" pos="nan 0 0"/></worldbody></mujoco>', "bad.xml"),
+    "infinite": ('<mujoco><worldbody><geom name="g" size="0.1" pos="1e300 0 0"/></worldbody></mujoco>', "position"),
+    "huge grid": (
+        '<mujoco><worldbody><flexcomp name="f" type="grid" count="1000 1000 1000" spacing="1 1 1"/></worldbody></mujoco>',
+        "bad.xml",
+    ),
+    "replicated": (
+        '<mujoco><worldbody><replicate count="100000000" offset="1 0 0"><geom size="0.1"/></replicate></worldbody></mujoco>',
+        "bad.xml",
+    ),
+    "huge field": (
+        '<mujoco><asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>' + BODY + "</mujoco>", "bad.xml",
+    ),
+}
+"""Name -> text of a file bad.xml, and what its sentence holds."""
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_each_text_ends_in_its_sentence(name: str, tmp_path: Path) -> None:
+    text, said = TEXTS[name]
+    folder = tmp_path / "one" / "two"
+    folder.mkdir(parents=True)
+    (tmp_path / "one" / "other.xml").write_text(f"<mujoco>{BODY}</mujoco>")
+    (folder / "bad.xml").write_text(text)
+    with pytest.raises(InvalidFile, match=said):
+        av.load_room(folder / "bad.xml")
+    # of all processes that were waited for, the largest
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024 < MEMORY
+
+
+def test_links_that_lead_out_are_not_followed(tmp_path: Path) -> None:
+    folder, outside = tmp_path / "model", tmp_path / "secret.stl"
+    folder.mkdir()
+    outside.write_bytes(b"\0" * 84)
+    (folder / "mesh.stl").symlink_to(outside)
+    (folder / "bad.xml").write_text(MESH.format("mesh.stl"))
+    with pytest.raises(InvalidFile, match=r"mesh m of bad\.xml is 'mesh\.stl, a link to .*secret\.stl'"):
+        av.load_room(folder / "bad.xml")
+    (folder / "round.xml").symlink_to(folder / "round.xml")
+    with pytest.raises(InvalidFile):
+        av.load_room(folder / "round.xml")
+
+
+def test_pipes_and_folders_are_no_files(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.stl")
+    (tmp_path / "bad.xml").write_text(MESH.format("pipe.stl"))
+    with pytest.raises(InvalidFile, match="mesh m of bad.xml is 'a pipe, a socket or a device'"):
+        av.load_room(tmp_path / "bad.xml")
+    (tmp_path / "folder.xml").mkdir()
+    with pytest.raises(InvalidFile, match="a folder"):
+        av.load_room(tmp_path / "folder.xml")
+
+
+@pytest.mark.parametrize("count", [2**31, 10**9, 5])
+def test_a_mesh_that_says_it_is_larger_than_it_is_is_refused(count: int, tmp_path: Path) -> None:
+    (tmp_path / "mesh.stl").write_bytes(b"\0" * 80 + struct.pack("<I", count) + b"\0" * 50)
+    (tmp_path / "bad.xml").write_text(MESH.format("mesh.stl"))
+    with pytest.raises(InvalidFile, match=rf"mesh\.stl \[bytes\] is 134; valid: {84 + 50 * count}, for the {count} triangles"):
+        av.load_room(tmp_path / "bad.xml")
+
+
+def test_comments_hide_nothing(tmp_path: Path) -> None:
+    # what the door takes for a comment is none for the compiler either: it reads the same text
+    hidden = '<extension><plugin plugin="mujoco.pid"/></extension>'
+    text = f'<mujoco model="<!--">{hidden}<custom><text name="a" data="-->"/></custom>{BODY}</mujoco>'
+    (tmp_path / "bad.xml").write_text(text)
+    with pytest.raises(InvalidFile):
+        av.load_avatar(tmp_path / "bad.xml")
+    (tmp_path / "good.xml").write_text(f"<mujoco><!-- a -- b <plugin/> -->{BODY}</mujoco>")
+    assert av.load_avatar(tmp_path / "good.xml").avatar is not None
+
+
+def test_plugins_of_other_programs_in_urdf_are_nothing_to_it(tmp_path: Path) -> None:
+    link = '<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>'
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r">{link}<gazebo><plugin name="p" filename="libp.so"/></gazebo></robot>')
+    assert av.load_avatar(tmp_path / "robot.urdf").avatar is not None
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r">{link}<mujoco><plugin plugin="p"/></mujoco></robot>')
+    with pytest.raises(InvalidFile, match="<plugin> in robot.urdf"):
+        av.load_avatar(tmp_path / "robot.urdf")
+
+
+def test_nothing_is_left_behind_and_nothing_is_written_beside_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(scratch))
+    folder = tmp_path / "model"
+    folder.mkdir()
+    (folder / "bad.xml").write_text(f"<mujoco>{BODY}<sensor><gyro site='none'/></sensor></mujoco>")
+    with pytest.raises(InvalidFile):
+        av.load_avatar(folder / "bad.xml")
+    assert list(scratch.iterdir()) == [] and [path.name for path in folder.iterdir()] == ["bad.xml"]

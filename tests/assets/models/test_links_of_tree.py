@@ -1,0 +1,199 @@
+"""Trees of bodies as links: where they are, how they turn, how far, and what is refused or fixed instead."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
+from avatarsim.spatial import rotation
+from tests.assets.models.mujoco_twin import Twin, greatest_difference
+
+GEOM = '<geom type="sphere" size="0.02"/>'
+
+
+def written(folder: Path, body: str, rest: str = "", head: str = '<compiler angle="radian"/>') -> Path:
+    """An MJCF file with one world."""
+    path = folder / "model.xml"
+    path.write_text(f"<mujoco>{head}<worldbody>{body}</worldbody>{rest}</mujoco>", encoding="utf-8")
+    return path
+
+
+def random_tree(rng: np.random.Generator, depth: int = 0) -> str:
+    """A body with joints about centres of their own, and bodies below it."""
+    def numbers(count: int) -> str:
+        return " ".join(f"{value:.17g}" for value in rng.normal(size=count))
+
+    joints = ""
+    if depth == 0 and rng.random() < 0.5:
+        joints = "<freejoint/>"
+    elif rng.random() < 0.2:
+        joints = f'<joint type="ball" pos="{numbers(3)}"/>'
+    else:
+        shared = numbers(3)
+        for _ in range(rng.integers(0, 6)):
+            place = shared if rng.random() < 0.6 else numbers(3)
+            turn = f'axis="{numbers(3)}" ref="{rng.uniform(-1, 1)}" range="-3 3" limited="true"'
+            joints += f'<joint pos="{place}" {turn} armature="1"/>'
+    below = "".join(random_tree(rng, depth + 1) for _ in range(rng.integers(0, 3) if depth < 4 else 0))
+    return f'<body pos="{numbers(3)}" quat="{numbers(4)}">{joints}{GEOM}{below}</body>'
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_trees_are_where_mujoco_has_them(seed: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed)
+    body = random_tree(rng)
+    while body.count("<joint") < 8:
+        body = random_tree(rng)
+    path = written(tmp_path, body)
+    model = av.load_avatar(path, size_range=(0.0, 1e3))
+    assert greatest_difference(Twin(path), model, 10, seed) <= 1e-12
+
+
+def test_hinges_about_one_centre_are_one_joint_and_others_are_not(tmp_path: Path) -> None:
+    joint = '<joint pos="0 0 {}" axis="{}"/>'
+    axes = ("1 0 0", "0 1 0", "0 0 1", "1 1 0")
+    joints = "".join(joint.format(z, axis) for z, axis in zip((0.1, 0.1, 0.1, 0.3), axes, strict=True))
+    model = av.load_avatar(written(tmp_path, f'<body name="arm">{joints}{GEOM}</body>'))
+    assert model.avatar is not None
+    first, arm = model.avatar.links
+    assert isinstance(first.joint, Hinges) and isinstance(arm.joint, Hinges)
+    assert (len(first.joint.hinges), len(arm.joint.hinges)) == (3, 1)
+    assert not first.pieces and arm.name == "arm" and arm.parent == first.name
+    np.testing.assert_allclose(arm.pieces[0].position, (0.0, 0.0, -0.3), atol=1e-15)
+
+
+def test_a_fourth_hinge_about_a_centre_is_a_link_of_its_own(tmp_path: Path) -> None:
+    joints = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1", "1 0 0"))
+    model = av.load_avatar(written(tmp_path, f"<body>{joints}{GEOM}</body>"))
+    assert model.avatar is not None
+    assert [len(link.joint.hinges) for link in model.avatar.links if isinstance(link.joint, Hinges)] == [3, 1]
+
+
+def test_limits_count_from_the_reference(tmp_path: Path) -> None:
+    joints = '<joint name="a" axis="1 0 0" range="0.5 2" ref="1"/><joint name="b" axis="0 1 0"/>'
+    model = av.load_avatar(written(tmp_path, f"<body>{joints}{GEOM}</body>"))
+    assert model.avatar is not None and model.coordinates is not None
+    joint = model.avatar.links[0].joint
+    assert isinstance(joint, Hinges)
+    assert [(hinge.lower, hinge.upper) for hinge in joint.hinges] == [(-0.5, 1.0), (-MANY_TURNS, MANY_TURNS)]
+    motion = model.coordinates.motion(np.array([[1.0, 0.0], [2.0, 0.3]]), np.arange(2.0))
+    np.testing.assert_allclose(motion.angles, [[0.0, 0.0], [1.0, 0.3]])
+    assert model.coordinates.names == ("a", "b")
+
+
+@pytest.mark.parametrize("widest", [0.3, 1.0, 2.5, 3.1])
+def test_a_ball_stays_within_mujocos_angle_and_reaches_it(widest: float, tmp_path: Path) -> None:
+    geom = '<geom type="sphere" size="0.02" pos="0.1 0.2 0"/>'
+    body = f'<body quat="0.5 0.5 0.5 0.5"><joint type="ball" range="0 {widest}"/>{geom}</body>'
+    model = av.load_avatar(written(tmp_path, body))
+    assert model.avatar is not None
+    joint = model.avatar.links[0].joint
+    assert isinstance(joint, Ball) and joint.limits is not None
+    swing, twist = joint.limits.swing, joint.limits.twist[1]
+    cosine = np.cos(0.5 * swing) * np.cos(0.5 * twist)
+    whole = 2.0 * np.arctan2(np.sqrt(1.0 - cosine * cosine), cosine)
+    assert widest - 0.2 < whole <= widest + 1e-12
+    # at rest the limb points to the middle of its cone
+    limb = rotation.rotate(model.avatar.links[0].orientation, joint.limits.axis)
+    np.testing.assert_allclose(joint.limits.centre, limb, atol=1e-12)
+
+
+@pytest.mark.parametrize("limit", ["", 'range="0 3.2"'])
+def test_a_ball_without_a_limit_has_none(limit: str, tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, f'<body><joint type="ball" {limit}/>{GEOM}</body>'))
+    assert model.avatar is not None and model.avatar.links[0].joint == Ball()
+
+
+SLIDE = (
+    f'<body name="cart"><joint name="rail" type="slide" axis="1 0 0" range="-1 1"/>{GEOM}'
+    f'<body name="pole"><joint name="turn"/>{GEOM}</body></body>'
+)
+
+
+def test_a_slide_is_refused_by_name_or_fixed(tmp_path: Path) -> None:
+    path = written(tmp_path, SLIDE)
+    with pytest.raises(InvalidFile, match=r'slide joints of model\.xml is .rail.; valid: .*fix=\("rail", \.\.\.\) or fix="all"'):
+        av.load_avatar(path)
+    for fix in ("all", ("rail",)):
+        model = av.load_avatar(path, fix=fix)
+        assert model.avatar is not None and model.coordinates is not None
+        assert isinstance(model.avatar.links[0].joint, Rigid) and "fixed at the reference: rail" in model.said
+        # its column stays where the file has it, and holds the reference again when written
+        motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
+        np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])
+
+
+COUPLED = '<equality><joint name="gear" joint1="b" joint2="a" polycoef="0 2 0 0 0"/></equality>'
+FINGERS = f'<body><joint name="a"/>{GEOM}<body pos="0.2 0 0"><joint name="b"/>{GEOM}</body></body>'
+
+
+def test_coupled_joints_are_refused_fixed_or_left(tmp_path: Path) -> None:
+    path = written(tmp_path, FINGERS, COUPLED)
+    with pytest.raises(InvalidFile, match=r"joints of model\.xml that an equality couples is 'b'; .*couplings=\"leave\""):
+        av.load_avatar(path)
+    fixed, left = av.load_avatar(path, fix="all"), av.load_avatar(path, couplings="leave")
+    assert fixed.coordinates is not None and fixed.coordinates.hinges == 1
+    assert left.coordinates is not None and left.coordinates.hinges == 2
+    assert "couplings of joints are left out, each moves by itself: b" in left.said
+
+
+def test_what_else_holds_bodies_together_is_said(tmp_path: Path) -> None:
+    fingers = FINGERS.replace('<body pos="0.2 0 0">', '<body name="tip" pos="0.2 0 0">')
+    path = written(tmp_path, fingers, '<equality><connect name="loop" body1="tip" anchor="0 0 0"/></equality>')
+    assert "equalities of bodies and tendons are left out, loops stay open: loop" in av.load_avatar(path).said
+
+
+@pytest.mark.parametrize(("file", "root", "is_free"), [
+    ("free", "file", True), ("free", "fixed", False), ("none", "file", False), ("none", "free", True), ("none", "fixed", False),
+])
+def test_the_root_moves_as_asked(file: str, root: str, is_free: bool, tmp_path: Path) -> None:
+    free = "<freejoint/>" if file == "free" else ""
+    path = written(tmp_path, f'<body pos="0 0 1">{free}{GEOM}<body name="arm"><joint name="a"/>{GEOM}</body></body>')
+    model = av.load_avatar(path, root=root)
+    assert model.avatar is not None and model.coordinates is not None and model.start is not None
+    assert isinstance(model.avatar.links[0].joint, Free) == is_free
+    assert model.coordinates.width == (8 if is_free or file == "free" else 1)
+    if root == "free":
+        assert model.start.positions[0, 2] == 1.0
+    else:
+        assert greatest_difference(Twin(path), model, 3) <= 1e-12
+
+
+def test_a_free_root_with_joints_of_its_own_gets_a_link_above(tmp_path: Path) -> None:
+    path = written(tmp_path, f'<body name="top"><joint name="a"/>{GEOM}</body>')
+    model = av.load_avatar(path, root="free")
+    assert model.avatar is not None and [type(link.joint) for link in model.avatar.links] == [Free, Hinges]
+    assert model.avatar.links[1].name == "top"
+
+
+URDF = (
+    '<robot name="r">{world}<link name="base"><inertial><mass value="1"/>'
+    '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    '<collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>'
+)
+FIXED = '<link name="world"/><joint name="j" type="fixed"><parent link="world"/><child link="base"/></joint>'
+
+
+def test_the_root_of_urdf_is_free_unless_the_file_fixes_it(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(URDF.format(world=""), encoding="utf-8")
+    model = av.load_avatar(path)
+    assert model.avatar is not None and isinstance(model.avatar.links[0].joint, Free) and model.avatar.name == "r"
+    path.write_text(URDF.format(world=FIXED), encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"joints of robot\.urdf is 0; .*load_room.*root=\"free\""):
+        av.load_avatar(path)
+
+
+@pytest.mark.parametrize(("options", "error", "said"), [
+    ({"root": "loose"}, UnknownName, "root is 'loose'"), ({"fix": ("b",)}, UnknownName, "joint to fix of model.xml is 'b'"),
+    ({"fix": "a"}, InvalidInput, "fix is 'a'"), ({"couplings": "keep"}, UnknownName, "couplings is 'keep'"),
+    ({"avatar": "none"}, UnknownName, "body of model.xml to be the avatar is 'none'"),
+    ({"meshes": "boxes"}, UnknownName, "meshes is 'boxes'"), ({"leave": ("g",)}, UnknownName, "geom in leave is 'g'"),
+])
+def test_options_that_do_not_fit_are_refused(options: dict, error: type, said: str, tmp_path: Path) -> None:
+    path = written(tmp_path, f'<body><joint name="a"/>{GEOM}</body>')
+    with pytest.raises(error, match=said):
+        av.load_avatar(path, **options)

@@ -1,0 +1,146 @@
+"""What one file gives: the avatar that is asked for, loose and fixed bodies with their masses, rooms from other files."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.body import Role
+from tests.assets.meshes.solids import cube, ell
+from tests.assets.models.test_links_of_tree import GEOM, written
+from tests.assets.models.test_pieces_of_geoms import obj_of
+
+TWO = (
+    f'<body name="small"><joint name="a"/>{GEOM}</body><body name="big" pos="1 0 0"><freejoint/>{GEOM}'
+    f'<body name="leg" pos="0 0 -1"><joint name="b"/>{GEOM}</body></body>'
+)
+
+
+def test_the_avatar_is_the_tree_with_most_joints_or_the_one_asked_for(tmp_path: Path) -> None:
+    path = written(tmp_path, TWO)
+    by_default, asked = av.load_avatar(path), av.load_avatar(path, avatar="small")
+    assert by_default.avatar is not None and [link.name for link in by_default.avatar.links] == ["big", "leg"]
+    assert by_default.coordinates is not None and by_default.coordinates.width == 8
+    (small,) = by_default.bodies
+    assert (small.name, small.role) == ("small", Role.FIXED)
+    assert "small is no avatar: its 1 joints stay at the reference" in by_default.said
+    assert asked.avatar is not None and [link.name for link in asked.avatar.links] == ["small"]
+    (big,) = asked.bodies
+    assert (big.name, big.role, len(big.pieces)) == ("big", Role.SIMULATED, 2)
+    np.testing.assert_allclose(big.pieces[1].position, (0.0, 0.0, -1.0))
+
+
+def test_a_room_has_no_avatar(tmp_path: Path) -> None:
+    room = av.load_room(written(tmp_path, TWO + '<geom name="floor" type="plane" size="1 1 1" pos="0 0 -3"/>'))
+    assert room.avatar is None and room.coordinates is None and room.start is None
+    assert {body.name: body.role for body in room.bodies} == {"floor": Role.FIXED, "small": Role.FIXED, "big": Role.SIMULATED}
+
+
+def test_names_are_given_once_each(tmp_path: Path) -> None:
+    ball = '<geom size="0.1"/>'
+    geoms = f'<geom name="box" size="0.1"/>{ball}<body name="box">{ball}</body><body>{ball}</body>'
+    assert [body.name for body in av.load_room(written(tmp_path, geoms)).bodies] == ["box", "world 1", "box 2", "body 2"]
+
+
+def test_masses_are_mujocos_also_of_bodies_put_together(tmp_path: Path) -> None:
+    loose = '<body name="cup" pos="1 2 3" euler="10 20 30"><freejoint/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0"/>' \
+            '<body pos="0 0.5 0" euler="40 0 0"><geom type="capsule" size="0.1 0.2"/></body></body>'
+    ellipsoid = '<geom type="ellipsoid" size="0.1 0.2 0.3" euler="1 2 3" pos="0.2 0 0"/>'
+    link = f'<body name="hand"><joint pos="0.1 0.2 0.3"/>{ellipsoid}</body>'
+    path = written(tmp_path, link + loose)
+    model = av.load_avatar(path, avatar="hand")
+    spec = mujoco.MjSpec.from_file(str(path))
+    compiled = spec.compile()
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    (cup,) = model.bodies
+    assert cup.mass is not None and model.avatar is not None
+    assert cup.mass.mass == pytest.approx(compiled.body_subtreemass[2], rel=1e-12)
+    from avatarsim.spatial import rotation
+
+    where = np.array(cup.position) + rotation.rotate(cup.orientation, cup.mass.centre)
+    np.testing.assert_allclose(where, data.subtree_com[2], atol=1e-12)
+    # the inertia about the body's own origin, as MuJoCo sums it over the tree (spatial inertia about the centre of mass)
+    turn = rotation.to_matrix(cup.orientation)
+    ours = turn @ cup.mass.inertia @ turn.T
+    x, y, z, xy, xz, yz = np.asarray(data.crb[2])[:6]
+    theirs = np.array([[x, xy, xz], [xy, y, yz], [xz, yz, z]])
+    np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-9)
+    hand = model.avatar.links[0].mass
+    np.testing.assert_allclose(hand.centre, compiled.body_ipos[1] - np.array([0.1, 0.2, 0.3]), atol=1e-12)
+    np.testing.assert_allclose(np.linalg.eigvalsh(hand.inertia), np.sort(compiled.body_inertia[1]), rtol=1e-9)
+
+
+def test_links_without_mass_get_one_and_it_is_said(tmp_path: Path) -> None:
+    body = f'<body name="a"><joint/>{GEOM}<body name="frame"><geom size="0.1" mass="0"/><body name="mount"/></body></body>'
+    model = av.load_avatar(written(tmp_path, body))
+    assert model.avatar is not None
+    assert "without mass in the file, given that of water or of a gram: frame, mount" in model.said
+    assert model.avatar.links[1].mass.mass == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
+    assert model.avatar.links[2].mass.mass == 1e-3
+
+
+def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path) -> None:
+    obj_of(tmp_path, "ell.obj", *ell())
+    room = av.load_room(tmp_path / "ell.obj", scale=0.5)
+    (body,) = room.bodies
+    assert body.name == "ell" and body.role is Role.FIXED and len(body.pieces) >= 2
+    assert "convex pieces" in room.said[0]
+    import trimesh
+
+    for ending in ("stl", "ply", "glb"):
+        path = tmp_path / f"cube.{ending}"
+        trimesh.Trimesh(*cube(), process=False).export(path)
+        assert len(av.load_room(path).bodies[0].pieces) == 1
+    (floor,) = av.load_room("floor").bodies
+    piece = floor.pieces[0]
+    assert isinstance(piece.shape, av.Box) and piece.position[2] + 0.5 * piece.shape.size[2] == 0.0
+
+
+@pytest.mark.parametrize(("name", "said"), [
+    ("a.pkl", r"format of a\.pkl is '\.pkl'; valid: .*a pickle runs code"), ("a.usd", "export an MJCF or URDF"),
+    ("a.xacro", "xacro robot.urdf.xacro > robot.urdf"), ("a.txt", r"one of \.xml \.mjcf \.urdf"), ("a", r"one of \.xml"),
+    ("gone.xml", r"model gone\.xml is 'No such file or directory'"),
+])
+def test_other_formats_are_refused_with_what_to_do(name: str, said: str, tmp_path: Path) -> None:
+    if name != "gone.xml":
+        (tmp_path / name).write_bytes(b"some")
+    for load in (av.load_avatar, av.load_room):
+        with pytest.raises(InvalidFile, match=said):
+            load(tmp_path / name)
+
+
+def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "meshes").mkdir()
+    obj_of(tmp_path / "meshes", "cube.obj", *cube())
+    (tmp_path / "parts" / "asset.xml").write_text('<mujoco><asset><mesh name="cube" file="cube.obj"/></asset></mujoco>')
+    (tmp_path / "parts" / "all.xml").write_text('<mujoco><include file="asset.xml"/></mujoco>')
+    leg = f'<body name="leg"><joint name="knee"/>{GEOM}</body>'
+    (tmp_path / "parts" / "leg.xml").write_text(f"<mujoco><worldbody>{leg}</worldbody></mujoco>")
+    head = '<compiler meshdir="meshes"/><include file="parts/all.xml"/><asset><model name="leg" file="parts/leg.xml"/></asset>'
+    attached = '<attach model="leg" body="leg" prefix="left_"/>'
+    body = f'<body name="hip"><joint name="hip"/><geom type="mesh" mesh="cube"/>{attached}</body>'
+    model = av.load_avatar(written(tmp_path, body, head=head))
+    assert model.avatar is not None and [link.name for link in model.avatar.links] == ["hip", "left_leg"]
+
+
+ROBOT = '<robot name="r"><link name="base"><collision><geometry><mesh filename="{}"/></geometry></collision></link></robot>'
+
+
+@pytest.mark.parametrize("mesh", ["package://robot/meshes/cube.obj", "package://meshes/cube.obj", "../meshes/cube.obj"])
+def test_urdf_finds_meshes_of_its_package(mesh: str, tmp_path: Path) -> None:
+    for name in ("robot/urdf", "robot/meshes"):
+        (tmp_path / name).mkdir(parents=True)
+    obj_of(tmp_path / "robot" / "meshes", "cube.obj", *cube())
+    path = tmp_path / "robot" / "urdf" / "robot.urdf"
+    path.write_text(ROBOT.format(mesh))
+    with pytest.raises(InvalidFile, match=r"mesh cube of robot\.urdf is .*folder="):
+        av.load_avatar(path)
+    assert av.load_avatar(path, folder=tmp_path / "robot").avatar is not None
+    # a package says itself how far it reaches
+    (tmp_path / "robot" / "package.xml").write_text("<package/>")
+    assert av.load_avatar(path).avatar is not None

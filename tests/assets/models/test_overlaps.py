@@ -1,0 +1,62 @@
+"""Overlaps at the reference: what is raised, what is excluded, by which depth, and that the engine takes what is left."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import avatarsim as av
+from tests.assets.models.test_links_of_tree import written
+
+FLOOR = '<geom name="floor" type="plane" size="1 1 1"/>'
+
+
+def loaded(model: av.Model) -> av.FrameRecord:
+    """The first record of the model's scene; raises where it is not free."""
+    with av.AvatarsimEngine() as engine:
+        return engine.load(model.scene(), av.Settings(), dt=1 / 60)
+
+
+def sizes(text: str, name: str) -> float:
+    """The length [m] that is said of a name."""
+    return 1e-3 * float(re.findall(rf"{name} by ([\d.e-]+) mm", text)[0])
+
+
+def test_links_that_overlap_never_touch_and_are_listed_with_their_depth(tmp_path: Path) -> None:
+    body = '<body name="a"><freejoint/><geom size="0.1"/><body name="b"><joint/><geom size="0.01" pos="1 0 0"/>' \
+           '<body name="c" pos="0.15 0 0"><joint/><geom size="0.1"/></body></body></body>'
+    model = av.load_avatar(written(tmp_path, body))
+    assert model.avatar is not None and model.avatar.ignore == (("a", "c"),)
+    (said,) = (text for text in model.said if "overlap at the reference" in text)
+    assert sizes(said, "and MODEL/c".replace("MODEL", model.avatar.name)) == pytest.approx(0.05, rel=0.02)
+    loaded(model)
+
+
+def test_a_free_avatar_and_a_loose_body_are_raised_out_of_the_floor(tmp_path: Path) -> None:
+    body = '<body name="man" pos="0 0 0.08"><freejoint/><geom size="0.1"/>' \
+           '<body><joint/><geom size="0.05" pos="0 0 1"/></body></body>' \
+           '<body name="cube" pos="2 0 0.199"><freejoint/><geom type="box" size="0.2 0.2 0.2"/></body>'
+    model = av.load_avatar(written(tmp_path, body + FLOOR))
+    assert model.start is not None and not model.exclude
+    assert model.start.positions[0, 2] == pytest.approx(0.1, abs=1e-3)
+    (said,) = (text for text in model.said if text.startswith("raised at the start"))
+    assert sizes(said, "cube") == pytest.approx(1e-3, rel=0.2)
+    assert loaded(model).shown.positions[1, 2] == pytest.approx(0.2, abs=1e-3)
+
+
+def test_what_hangs_deep_in_a_wall_stays_and_never_touches_it(tmp_path: Path) -> None:
+    cube = '<body name="cube" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
+    body = f'<geom name="wall" type="box" size="5 5 5"/>{cube}'
+    model = av.load_room(written(tmp_path, body))
+    assert model.exclude == (("wall", "cube"),) and model.bodies[1].position == (0.0, 0.0, 1.0)
+    loaded(model)
+
+
+def test_the_base_of_an_arm_stands_in_its_table(tmp_path: Path) -> None:
+    body = '<geom name="table" type="box" size="1 1 1" pos="0 0 -1"/><body name="base"><geom size="0.1"/>' \
+           '<body name="turn"><joint/><geom size="0.1"/>' \
+           '<body name="arm" pos="0 0 0.5"><joint/><geom size="0.1"/></body></body></body>'
+    model = av.load_avatar(written(tmp_path, body))
+    assert model.avatar is not None
+    assert set(model.exclude) == {("table", f"{model.avatar.name}/base"), ("table", f"{model.avatar.name}/turn")}
+    loaded(model)

@@ -1,0 +1,82 @@
+"""Which pairs never touch: parent and child, what is rigid together, what the file excludes, what its masks keep apart."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from tests.assets.models.test_links_of_tree import written
+
+
+def arm(*attributes: str, deep: str = "") -> str:
+    """A chain of bodies a, b, c, ... a metre apart; attributes of the geom of each."""
+    text = ""
+    for name, attribute in reversed(list(zip("abcdef", attributes, strict=False))):
+        joint = "<joint/>" if name not in deep else ""
+        text = f'<body name="{name}" pos="1 0 0">{joint}<geom name="{name}" size="0.1" {attribute}/>{text}</body>'
+    return text
+
+
+def meeting(model: av.Model) -> set[frozenset[str]]:
+    """Pairs of names that a scene of the model tests."""
+    scene = model.scene()
+    names = [name.partition("/")[2] or name for name in scene.names]
+    return {frozenset((names[a], names[b])) for a, b in np.argwhere(scene.pair_filter)}
+
+
+def pairs(*texts: str) -> set[frozenset[str]]:
+    return {frozenset(text) for text in texts}
+
+
+def test_parents_and_children_do_not_and_others_do(tmp_path: Path) -> None:
+    assert meeting(av.load_avatar(written(tmp_path, arm("", "", "", "")))) == pairs("ac", "ad", "bd")
+
+
+def test_what_is_rigid_together_has_the_neighbours_of_all(tmp_path: Path) -> None:
+    # c is rigid with b, so a and c, and b and d, are as parent and child
+    assert meeting(av.load_avatar(written(tmp_path, arm("", "", "", "", "", deep="c")))) == pairs("ad", "ae", "be", "ce")
+
+
+def test_excluded_pairs_do_not(tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, arm("", "", "", ""), '<contact><exclude body1="a" body2="d"/></contact>'))
+    assert meeting(model) == pairs("ac", "bd")
+    assert "1 pairs of links never touch, as the file has it (exclude, contype, conaffinity)" in model.said
+
+
+MASKED = 'contype="1" conaffinity="0"'
+
+
+@pytest.mark.parametrize(("rest", "masks", "found"), [
+    ("", True, ()), ("", False, ("ac", "ad", "bd")), ('<contact><pair geom1="d" geom2="a"/></contact>', True, ("ad",)),
+])
+def test_masks_keep_apart_unless_a_pair_is_stated(rest: str, masks: bool, found: tuple[str, ...], tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, arm(MASKED, MASKED, MASKED, MASKED), rest), masks=masks)
+    assert meeting(model) == pairs(*found)
+
+
+def test_masks_of_one_bit_meet_those_of_the_same(tmp_path: Path) -> None:
+    two, other = 'contype="2" conaffinity="2"', 'contype="4" conaffinity="2"'
+    assert meeting(av.load_avatar(written(tmp_path, arm("", two, "", two, other)))) == pairs("ac", "bd", "be")
+
+
+ROOM = (
+    '<geom name="floor" type="plane" size="1 1 1" pos="0 0 -1" {floor}/>'
+    '<body name="w" pos="0 5 0"><freejoint/><geom size="0.1" {loose}/></body>'
+)
+
+
+@pytest.mark.parametrize(("floor", "loose", "found"), [
+    ("", "", ("af", "bf", "cf", "aw", "bw", "cw", "fw")), ('contype="2" conaffinity="2"', "", ("aw", "bw", "cw")),
+    ("", 'contype="0" conaffinity="2"', ("af", "bf", "cf")),
+])
+def test_pairs_with_the_room_follow_the_file(floor: str, loose: str, found: tuple[str, ...], tmp_path: Path) -> None:
+    room = ROOM.format(floor=floor, loose=loose)
+    model = av.load_avatar(written(tmp_path, arm("", "", "") + room))
+    wanted = {frozenset("floor" if name == "f" else name for name in pair) for pair in found}
+    assert meeting(model) == wanted | pairs("ac")
+
+
+def test_links_that_are_fixed_never_meet_the_room(tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, arm("", "", "", deep="a") + ROOM.format(floor="", loose="")))
+    assert frozenset(("a", "floor")) not in meeting(model) and frozenset(("a", "w")) in meeting(model)

@@ -1,0 +1,138 @@
+"""Geoms as convex pieces: which count, what they become, and that what is said of the difference holds."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.pieces_of_geoms import PLANE, SIDES
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.body import volume
+from avatarsim.spatial import rotation
+from tests.assets.meshes.solids import ell, torus
+from tests.assets.models.test_links_of_tree import written
+
+
+def room_of(folder: Path, geoms: str, head: str = "", **options: object) -> dict[str, av.Body]:
+    """The bodies of a room of these geoms, by name."""
+    model = av.load_room(written(folder, geoms, head=head), **options)  # type: ignore[arg-type]
+    return {body.name: body for body in model.bodies}
+
+
+def obj_of(folder: Path, name: str, vertices: np.ndarray, triangles: np.ndarray) -> None:
+    """Write a mesh as an OBJ file."""
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles]
+    (folder / name).write_text("\n".join(lines), encoding="utf-8")
+
+
+SHAPES = {
+    'type="sphere" size="0.2"': av.Sphere(0.2),
+    'type="capsule" size="0.1 0.3"': av.Capsule(0.1, 0.6),
+    'type="capsule" size="0.1" fromto="0 0 0 0 0 1"': av.Capsule(0.1, 1.0),
+    'type="box" size="0.1 0.2 0.3"': av.Box((0.2, 0.4, 0.6)),
+    'type="ellipsoid" size="0.1 0.2 0.3"': av.Ellipsoid((0.1, 0.2, 0.3)),
+}
+
+
+@pytest.mark.parametrize("geom", SHAPES)
+def test_primitives_are_what_they_are(geom: str, tmp_path: Path) -> None:
+    body = room_of(tmp_path, f'<geom name="it" {geom}/>')["it"]
+    assert [piece.shape for piece in body.pieces] == [SHAPES[geom]]
+
+
+def test_a_geom_stands_where_the_file_has_it(tmp_path: Path) -> None:
+    geom = '<geom type="box" size="0.1 0.2 0.3" pos="0.5 0 0" euler="90 0 0"/>'
+    body = f'<body name="shelf" pos="1 2 3" euler="0 0 90">{geom}</body>'
+    shelf = room_of(tmp_path, body)["shelf"]
+    piece = shelf.pieces[0]
+    np.testing.assert_allclose(shelf.position, (1.0, 2.0, 3.0))
+    np.testing.assert_allclose(rotation.rotate(shelf.orientation, piece.position), (0.0, 0.5, 0.0), atol=1e-15)
+    np.testing.assert_allclose(rotation.rotate(piece.orientation, (0.0, 0.0, 1.0)), (0.0, -1.0, 0.0), atol=1e-15)
+
+
+def test_a_plane_is_a_box_below_it(tmp_path: Path) -> None:
+    wall = room_of(tmp_path, '<geom name="wall" type="plane" size="1 1 0.1" pos="2 0 0" zaxis="-1 0 0"/>')["wall"]
+    (piece,) = wall.pieces
+    assert piece.shape == av.Box(PLANE)
+    np.testing.assert_allclose(piece.position, (2.0 + 0.5 * PLANE[2], 0.0, 0.0), atol=1e-12)
+    np.testing.assert_allclose(rotation.rotate(piece.orientation, (0.0, 0.0, 1.0)), (-1.0, 0.0, 0.0), atol=1e-12)
+
+
+def test_a_prism_stands_around_its_cylinder_by_what_is_said(tmp_path: Path) -> None:
+    model = av.load_room(written(tmp_path, '<geom name="can" type="cylinder" size="0.3 0.5"/>'))
+    shape = model.bodies[0].pieces[0].shape
+    assert isinstance(shape, av.ConvexHull) and len(shape.vertices) == 2 * SIDES
+    away = np.linalg.norm(shape.vertices[:, :2], axis=1)
+    # corners outside, middles of the sides on the cylinder
+    np.testing.assert_allclose(away * np.cos(np.pi / SIDES), 0.3)
+    np.testing.assert_allclose(np.abs(shape.vertices[:, 2]), 0.5)
+    (more,) = re.findall(r"1 cylinders are prisms of 32 sides .*at most ([\d.]+) mm wider \(can\)", " ".join(model.said))
+    assert float(more) == pytest.approx(1e3 * (away.max() - 0.3), rel=0.1)
+
+
+def test_a_mesh_becomes_its_hull_where_mujoco_has_it(tmp_path: Path) -> None:
+    vertices, triangles = ell()
+    obj_of(tmp_path, "ell.obj", vertices, triangles)
+    geom = '<geom name="it" type="mesh" mesh="ell" pos="1 2 3" euler="10 20 30"/>'
+    body = room_of(tmp_path, geom, '<asset><mesh file="ell.obj" scale="2 2 2"/></asset>')["it"]
+    (piece,) = body.pieces
+    assert isinstance(piece.shape, av.ConvexHull)
+    corners = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
+    import mujoco
+
+    turn = np.zeros(4)
+    mujoco.mju_euler2Quat(turn, np.deg2rad([10.0, 20.0, 30.0]), "xyz")
+    ours = rotation.rotate(turn, 2.0 * np.asarray(vertices, dtype=np.float64)) + np.array([1.0, 2.0, 3.0])
+    assert all(np.abs(ours - corner).max(axis=1).min() < 1e-6 for corner in corners)
+    assert piece.shape.vertices.shape[0] >= 8
+
+
+def test_a_hull_of_fewer_vertices_loses_what_is_said(tmp_path: Path) -> None:
+    vertices, triangles = torus(around=40, across=20)
+    obj_of(tmp_path, "ring.obj", vertices, triangles)
+    head = '<asset><mesh file="ring.obj"/></asset>'
+    path = written(tmp_path, '<geom name="ring" type="mesh" mesh="ring"/>', head=head)
+    model = av.load_room(path, most_vertices=20)
+    whole = av.load_room(path, most_vertices=4096)
+    few, all_of_them = (one.bodies[0].pieces[0].shape for one in (model, whole))
+    assert isinstance(few, av.ConvexHull) and isinstance(all_of_them, av.ConvexHull)
+    assert len(few.vertices) <= 20 < len(all_of_them.vertices)
+    (lost,) = re.findall(r"at most ([\d.e+-]+) mm of a hull is left out \(ring\)", " ".join(model.said))
+    # no vertex of the whole hull is farther from the smaller one's nearest vertex than its edges allow, and some is that far
+    assert 0.0 < float(lost) < 1e3 * np.ptp(all_of_them.vertices, axis=0).max()
+    assert "at most 0 mm" in " ".join(whole.said) and volume(few) < volume(all_of_them)
+
+
+def test_a_mesh_is_decomposed_when_asked(tmp_path: Path) -> None:
+    vertices, triangles = ell()
+    obj_of(tmp_path, "ell.obj", vertices, triangles)
+    head = '<asset><mesh file="ell.obj"/></asset>'
+    path = written(tmp_path, '<geom name="it" type="mesh" mesh="ell"/>', head=head)
+    pieces = av.load_room(path, meshes="decompose").bodies[0].pieces
+    whole = av.load_room(path).bodies[0].pieces
+    assert len(pieces) >= 2 and sum(volume(piece.shape) for piece in pieces) < 0.95 * volume(whole[0].shape)
+
+
+def test_what_is_only_to_be_looked_at_is_left_unless_a_pair_names_it(tmp_path: Path) -> None:
+    geoms = '<geom name="seen" size="0.1" contype="0" conaffinity="0"/><geom name="felt" size="0.1"/>'
+    assert set(room_of(tmp_path, geoms)) == {"felt"}
+    body = '<body name="ball"><freejoint/><geom name="b" size="0.1" pos="0 0 1"/></body>'
+    path = written(tmp_path, geoms + body, '<contact><pair geom1="seen" geom2="b"/></contact>')
+    assert {one.name for one in av.load_room(path).bodies} == {"seen", "felt", "ball"}
+
+
+def test_height_fields_are_refused_by_name_and_can_be_left_out(tmp_path: Path) -> None:
+    head = '<asset><hfield name="hills" nrow="3" ncol="3" size="1 1 1 0.1" elevation="0 0 0 0 1 0 0 0 0"/></asset>'
+    path = written(tmp_path, '<geom name="ground" type="hfield" hfield="hills"/><geom name="box" size="0.1"/>', head=head)
+    with pytest.raises(InvalidFile, match=r"type of ground is 'hfield'; .*leave=\(\"ground\",\)"):
+        av.load_room(path)
+    assert [body.name for body in av.load_room(path, leave=("ground",)).bodies] == ["box"]
+
+
+def test_a_file_in_which_nothing_collides_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, '<body><joint/><geom size="0.1" contype="0" conaffinity="0"/></body>')
+    for load in (av.load_avatar, av.load_room):
+        with pytest.raises(InvalidFile, match=r"shapes of model\.xml that collide is 0; valid: at least 1: <collision>"):
+            load(path)

@@ -1,0 +1,202 @@
+"""Clips of 44 columns: every way a file can be broken, axes, avatars drawn z up and y up, and the same file again."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.assets import caps
+from avatarsim.assets.models.coordinates import coordinates_of
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.deepmimic import LAYOUT, read_clip, y_up, z_up, z_up_rotation
+from avatarsim.assets.motions.load import load_motion
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.joint import Ball
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.motion.mocap import clip_names, load_clip
+from scenarios.motion.track import track_of
+from tests.assets.motions.clips import figure, moving, upright, written
+from tests.assets.motions.robots import robot
+
+NUMBER = st.floats(-3.0, 3.0)
+
+
+@given(st.tuples(NUMBER, NUMBER, NUMBER, NUMBER), st.tuples(NUMBER, NUMBER, NUMBER))
+def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float, ...], v: tuple[float, ...]) -> None:
+    if np.linalg.norm(q) < 1e-3:
+        return
+    turn = rotation.normalised(q)
+    assert np.allclose(z_up(rotation.rotate(turn, v)), rotation.rotate(z_up_rotation(turn), z_up(v)), atol=1e-9)
+
+
+def test_up_becomes_up_and_the_right_side_becomes_minus_y() -> None:
+    assert z_up([0.0, 1.0, 0.0]).tolist() == [0.0, 0.0, 1.0]
+    assert z_up([0.0, 0.0, 1.0]).tolist() == [0.0, -1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("frames", "says"),
+    [
+        ([upright(), upright()[:43]], "columns of frame 1.*43"),
+        ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
+        ([upright(), "text"], "columns of frame 1.*str"),
+        ([upright()], "number of frames.* 1"),
+        ("none", "number of frames"),
+        ([upright(-0.1), upright()], "frame 0"),
+        ([upright(), [*upright()[:-1], float("nan")]], "frame 1"),
+        ([upright(), [*upright()[:-1], "x"]], "numbers of clip"),
+        ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
+        ([upright(), [*upright()[:-1], 10**400]], "numbers of clip"),
+        ([upright(), [*upright()[:-1], None]], "frame 1|numbers of clip"),
+        ([upright(), [*upright()[:-1], [0.0]]], "numbers of clip"),
+        ([], "number of frames.* 0"),
+    ],
+)
+def test_a_malformed_file_is_refused_by_name(tmp_path: Path, frames: object, says: str) -> None:
+    with pytest.raises(InvalidFile, match=says) as caught:
+        read_clip(written(tmp_path / "broken.txt", frames))
+    assert "broken.txt" in str(caught.value)
+    assert "44" in caught.value.valid or "quaternion" in caught.value.thing
+
+
+def test_a_truncated_file_is_refused_by_name(tmp_path: Path) -> None:
+    whole = written(tmp_path / "whole.txt", [upright(), upright()]).read_text(encoding="utf-8")
+    (tmp_path / "half.txt").write_text(whole[: len(whole) // 2], encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"half\.txt.*cut off.*44"):
+        read_clip(tmp_path / "half.txt")
+    with pytest.raises(InvalidFile, match=r"absent\.txt"):
+        read_clip(tmp_path / "absent.txt")
+
+
+@pytest.mark.parametrize(("column", "value", "says"), [
+    (0, 1e300, "step in frame 0"), (0, 1e-12, "step in frame 0"), (2, 1e300, "place of the root in frame 0"),
+    (43, 1e9, "angle of left_elbow in frame 0"), (4, 1e300, "length of the root quaternion in frame 0"),
+])
+def test_numbers_that_no_recording_has_are_refused(tmp_path: Path, column: int, value: float, says: str) -> None:
+    first = upright()
+    first[column] = value
+    with pytest.raises(InvalidFile, match=says):
+        read_clip(written(tmp_path / "broken.txt", [first, upright()]))
+
+
+def test_a_large_clip_is_refused_by_its_size(tmp_path: Path) -> None:
+    with (tmp_path / "some.txt").open("wb") as file:
+        file.truncate(caps.JSON_BYTES + 1)
+    with pytest.raises(InvalidFile, match="size of clip"):
+        load_motion(tmp_path / "some.txt")
+
+
+@pytest.mark.parametrize("name", ["walk", "kick", "backflip"])
+def test_the_harness_and_a_user_see_one_motion(name: str) -> None:
+    assert name in clip_names()
+    avatar = humanoid()
+    model = Model(avatar, coordinates_of(avatar), (), ())
+    clip = load_clip(name)
+    from scenarios.data_folder import data_file
+
+    file = load_motion(data_file(f"data/motions/humanoid3d_{name}.txt"))
+    motion, track = file.motion(model), track_of(clip, avatar)
+    assert (motion.times == clip.times).all()
+    for part in ("positions", "rotations", "angles"):
+        assert (getattr(motion, part) == getattr(track, part)).all()
+    again = json.loads(file.written(motion, model))
+    assert again == json.loads(data_file(f"data/motions/humanoid3d_{name}.txt").read_text())
+
+
+def places(model: Model, motion: Motion) -> np.ndarray:
+    assert model.avatar is not None
+    return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
+
+
+def test_a_figure_drawn_with_y_up_moves_as_one_drawn_with_z_up(tmp_path: Path) -> None:
+    file = load_motion(written(tmp_path / "some.txt", moving(6)))
+    tall, flat = figure(), figure(y_up=True)
+    motions = [file.motion(model) for model in (tall, flat)]
+    assert np.abs(places(tall, motions[0])[:, :13] - places(flat, motions[1])[:, :13]).max() < 1e-12
+    assert np.abs(motions[0].rotations - motions[1].rotations).max() > 0.1
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_a_motion_left_alone_keeps_the_files_numbers(tmp_path: Path, flat: bool) -> None:
+    path = tmp_path / "some.txt"
+    path.write_text(json.dumps({"Loop": "none", "More": [1, {"a": None}], "Frames": moving(6)}))
+    file = load_motion(path)
+    model = figure(flat)
+    assert json.loads(file.written(file.motion(model), model)) == json.loads(path.read_text())
+    assert file.format == "deepmimic" and file.model() is None
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_what_is_written_is_read_back(tmp_path: Path, flat: bool) -> None:
+    rows = moving(6)
+    file = load_motion(written(tmp_path / "some.txt", rows, "none"))
+    model = figure(flat)
+    motion = file.motion(model)
+    rng = np.random.default_rng(3)
+    rotations, positions, angles = motion.rotations.copy(), motion.positions.copy(), motion.angles.copy()
+    turned = [0, *(k for k, (_, width) in enumerate(LAYOUT) if width == 4)]
+    rotations[2:4, turned] = rotation.normalised(rotations[2:4, turned] + 0.1 * rng.normal(size=(2, len(turned), 4)))
+    positions[2:4, 0] += 0.1
+    angles[2:4, :4] -= 0.2
+    changed = replace(motion, rotations=rotations, positions=positions, angles=angles)
+    (tmp_path / "other.txt").write_bytes(file.written(changed, model))
+    again = load_motion(tmp_path / "other.txt").motion(model)
+    for part in ("positions", "rotations", "angles"):
+        assert np.abs(getattr(again, part) - getattr(changed, part)).max() < 1e-15, part
+    assert (again.times == motion.times).all()
+    content = json.loads((tmp_path / "other.txt").read_text())
+    assert content["Loop"] == "none"
+    assert [k for k, (now, was) in enumerate(zip(content["Frames"], rows, strict=True)) if now != was] == [2, 3]
+    assert [row[0] for row in content["Frames"]] == [row[0] for row in rows]
+
+
+def test_another_rate_has_equal_steps(tmp_path: Path) -> None:
+    file = load_motion(written(tmp_path / "some.txt", moving(6)))
+    motion = file.motion(figure()).resampled(60.0)
+    (tmp_path / "other.txt").write_bytes(file.written(motion, figure()))
+    again = load_motion(tmp_path / "other.txt").motion(figure())
+    assert np.abs(again.times - motion.times).max() < 1e-12
+    assert np.abs(places(figure(), again) - places(figure(), motion)).max() < 1e-12
+
+
+def test_joints_that_a_clip_does_not_have_stay_and_are_said(tmp_path: Path) -> None:
+    file = load_motion(written(tmp_path / "some.txt", moving(3)))
+    assert (file.motion(figure()).angles[:, 4] == 0.0).all()
+    file.motion(figure())
+    assert [sentence for sentence in file.said if "left_hand" in sentence] == list(file.said)
+
+
+def test_an_avatar_of_another_size_is_said(tmp_path: Path) -> None:
+    whole = figure().avatar
+    assert whole is not None
+    links = tuple(replace(link, anchor=tuple(4.0 * x for x in link.anchor)) for link in whole.links)
+    large = Avatar("large", links)
+    file = load_motion(written(tmp_path / "some.txt", moving(3)))
+    file.motion(figure())
+    assert not any("legs" in sentence for sentence in file.said)
+    file.motion(Model(large, coordinates_of(large), (), ()))
+    assert any("legs of the avatar are 3.3 m long" in sentence for sentence in file.said)
+
+
+def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -> None:
+    file = load_motion(written(tmp_path / "some.txt", moving(3)))
+    with pytest.raises(InvalidFile, match="missing: chest, neck, right_hip"):
+        file.motion(robot())
+    whole = figure().avatar
+    assert whole is not None
+    stiff = Avatar("stiff", tuple(replace(link, joint=Ball()) if link.name == "left_knee" else link for link in whole.links))
+    with pytest.raises(InvalidFile, match="joint left_knee for some.txt is 'ball'; valid: hinge"):
+        file.motion(Model(stiff, coordinates_of(stiff), (), ()))
+
+
+@given(st.tuples(NUMBER, NUMBER, NUMBER))
+def test_axes_there_and_back(vector: tuple[float, ...]) -> None:
+    assert (y_up(z_up(vector)) == np.array(vector)).all()
