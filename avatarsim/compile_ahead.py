@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from multiprocessing import get_context
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -85,7 +86,8 @@ SHARES = (("distance", "posture", "cleaning"), ("motion", "paper", "worlds"))
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
 that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds are what calls these
-for many engines at once, and contacts; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per process."""
+for many engines at once, and contacts; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per
+process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
@@ -166,7 +168,7 @@ def compile_cleaning() -> None:
     motion = Motion(
         np.arange(3) / 60.0, positions, np.tile(first.rotations, (3, 1, 1)), np.array([[0.0], [0.0], [1.5]])
     )
-    model = Model(scene.avatars[0], None, scene.bodies, ())
+    model = Model(replace(scene.avatars[0], ignore=(("root", "tip"),)), None, scene.bodies, ())
     clean(motion, model, options=Options(opinion=False))
 
 

@@ -32,7 +32,7 @@ from avatarsim.ik.state import (
     Mode,
     state_is_sound,
 )
-from avatarsim.ik.target import copy_posture
+from avatarsim.ik.target import clip_to_limits, copy_posture
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.jit.layout import Array, Index
@@ -114,23 +114,22 @@ def show_posture(world: Index, kept: Index) -> None:
 
 
 @entry_kernel
-def stand(world: Index, kept: Index, has_user: bool) -> None:
-    """All avatars stand at the world's posture, which was written: their poses, and nothing of what they touched elsewhere. With
-    `has_user` their users were led there too, and what these showed before is forgotten."""
-    w, own = opened(world, WorldParts), opened(kept, IkParts)
+def stand(world: Index, target: Index, kept: Index) -> None:
+    """All avatars stand at the world's posture, which was written: their poses, and nothing of what they touched elsewhere. Their
+    users stand at the target's, and have stood there."""
+    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
+    clip_to_limits(skeleton, avatars, tracker, tracking, state.before)
     for avatar in range(avatars.first_link.shape[0] - 1):
         carry_avatar(skeleton, avatars, avatar, posture, working.still, poses, state.axes)
         place_avatar(geometry, skeleton, avatars, avatar, poses)
         copy_poses(geometry, skeleton, avatars, avatar, poses, working.trial)
+        copy_posture(skeleton, avatars, avatar, tracker, state.own)
         forget_forces(avatars, avatar, state)
         tracking.mode[avatar], tracking.has_model[avatar], tracking.has_arrived[avatar] = TRACK, 0, 0
         tracking.stalled[avatar], tracking.since[avatar], tracking.objective[avatar] = 0.0, 0.0, 0.0
-        if has_user:
-            copy_posture(skeleton, avatars, avatar, posture, state.before)
-            copy_posture(skeleton, avatars, avatar, posture, state.own)
-            tracking.speed[avatar] = 0.0
+        tracking.speed[avatar] = 0.0
     state.touching.used[0], state.contacts.used[0] = 0, 0
     state.pairs.step[0] += 1
 
@@ -220,9 +219,9 @@ class IkLoop:
         """The world's posture was written: links are where it says; nothing else changes."""
         show_posture(self.world.words, self.words)
 
-    def stand(self, has_user: bool) -> None:
-        """The world's posture was written: avatars stand there, and have touched nothing yet."""
-        stand(self.world.words, self.words, has_user)
+    def stand(self, target: Target) -> None:
+        """The world's posture was written: avatars stand there, their users at the target, and nothing has touched yet."""
+        stand(self.world.words, target.words, self.words)
 
     def watch(self, moving: Index) -> None:
         """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""

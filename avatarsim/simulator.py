@@ -18,7 +18,7 @@ from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.conversion import read_sample
-from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses
+from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
@@ -26,7 +26,6 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
-from avatarsim.spatial import rotation
 from avatarsim.tolerances import NOTHING
 from avatarsim.version import VERSION
 
@@ -217,16 +216,14 @@ class AvatarsimEngine:
         """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
         with self._alone():
             frames = self._running()
-            posture = frames.world.posture
-            turns = rotation.from_matrix(posture.turn)
-            return TrackerSample(frames.time, posture.root.copy(), turns, posture.angle[frames.world.hinges])
+            return shown_sample(frames.world, frames.time)
 
-    def put(self, sample: TrackerSample, has_user: bool = True) -> FrameRecord:
+    def put(self, sample: TrackerSample, user: TrackerSample | None = None) -> FrameRecord:
         """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.
 
-        Forward kinematics of `sample`; contacts and paths are forgotten. With `has_user` the next frame takes the users to have
-        been led there as well; without, what they showed last still counts, and the avatars catch up with it. Some ten
-        microseconds and the check of near pairs, where `reset` builds the scene anew.
+        Forward kinematics of `sample`; contacts and paths are forgotten. The users are where `user` has them, by default at
+        `sample` as well: what they move from there on is followed at once, and a difference that is left is caught up with.
+        Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
 
         Raises InvalidSample for what does not fit the avatars, StartOverlaps where they would overlap, InvalidScene for a posture
         beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset `paper`, whose coupling would take
@@ -235,7 +232,8 @@ class AvatarsimEngine:
         with self._alone():
             frames = self._running()
             world = frames.world
-            checked(sample, world.scene.avatars)
+            for one in (sample, user or sample):
+                checked(one, world.scene.avatars)
             if not frames.driven or not isinstance(frames.lower, IkLoop) or frames.effects.dynamics:
                 valid = "one with avatars and without moving bodies, loaded with the preset default and with overlaps removed"
                 raise InvalidInput("scene to put avatars in", world.scene.name, valid)
@@ -254,7 +252,8 @@ class AvatarsimEngine:
                 for array, k, kept in zip(world.poses, firsts, before[1], strict=True):
                     array[k:] = kept
                 raise
-            frames.lower.stand(has_user)
+            frames.target.read(user or sample)
+            frames.lower.stand(frames.target)
             frames.passed = ()
             return self._record({}, {}, ())
 

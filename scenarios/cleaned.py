@@ -1,8 +1,8 @@
 """`python -m scenarios.cleaned [--clips NAME ...] [--rooms floor gallery] [--margin M] [--blend S] [--save FOLDER]`.
 
-Cleans the recorded human clips of pybullet_data, as they were recorded, on a floor and in the gallery, and prints one table: overlap
-of the input and of what is written by our own measure, by the judge of the comparison in all frames and at ten equal steps between
-them, limits, jerk where the input was free, how far the motion was moved, and clip-seconds per second of one core.
+Cleans the recorded human clips of pybullet_data, as they were recorded, on a floor and in the gallery, and prints one table:
+overlap of the input and of what is written by our own measure, by the judge of the comparison in all frames and at ten equal
+steps between them, limits, jerk where the input was free, how far the motion was moved, and clip-seconds per second of one core.
 
 The table of docs/cleaning.md is this command's. Kernels should be compiled already (`python -m avatarsim`). Exit code 1 where
 something is left that `clean` promises not to leave.
@@ -49,8 +49,8 @@ MOST_JERK = 1.5
 
 @dataclass(frozen=True)
 class Row:
-    """One clip in one room: what was cleaned, and what the judge finds: deepest overlap [m] and frames with one, before and after,
-    and between the frames that were written; `seconds` that cleaning took, without the second opinion."""
+    """One clip in one room: what was cleaned, and what the judge finds: deepest overlap [m] and frames with one, before and
+    after, and between the frames that were written; `seconds` that cleaning took, without the second opinion."""
 
     clip: str
     room: str
@@ -71,12 +71,13 @@ class Row:
     def rewritten(self) -> int:
         """Frames said to be unchanged that are not, to the bit."""
         same = ~self.cleaned.changed
-        pairs = [(getattr(self.motion, name), getattr(self.cleaned.motion, name)) for name in ("positions", "rotations", "angles")]
+        names, written = ("positions", "rotations", "angles"), self.cleaned.motion
+        pairs = [(getattr(self.motion, name), getattr(written, name)) for name in names]
         differ = [np.any((one != other).reshape(len(one), -1), axis=1) for one, other in pairs]
         return int(np.sum(same & np.any(differ, axis=0)))
 
     @property
-    def kept(self) -> tuple[str, ...]:
+    def broken(self) -> tuple[str, ...]:
         """The promises that are broken."""
         after = self.cleaned.after
         said = {
@@ -123,22 +124,20 @@ def row_of(played: Played, room: str, options: Options) -> Row:
     """Clean one clip in one room, and ask the judge."""
     motion, human = motion_of(played), humanoid()
     bodies = floor_of(played) if room == "floor" else gallery()
-    begun = time.perf_counter()
+    begun = time.process_time()
     cleaned = clean(motion, Model(human, None, (), ()), bodies, options)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     judge = Judge(Scene("cleaned", bodies, (human,)))
-    written = cleaned.motion
-    return Row(
-        played.clip, room, motion, cleaned, depths(judge, motion), depths(judge, written), depths(judge, between(written)), seconds
-    )
+    before, after, inside = (depths(judge, one) for one in (motion, cleaned.motion, between(cleaned.motion)))
+    return Row(played.clip, room, motion, cleaned, before, after, inside, seconds)
 
 
 HEADS = (
     "clip", "room", "s", "frames", "overlap", "deepest mm", "unproved", "limits rad", "|", "overlap", "between um", "unproved",
     "limits rad", "jerk free", "jerk held", "changed", "moved mm", "turned rad", "s/s",
 )
-"""Heads of the table: of the input, then of what is written; jerk in multiples of the input's; moved and turned: 95th percentile of
-the link and the joint that were moved most."""
+"""Heads of the table: of the input, then of what is written; jerk in multiples of the input's; moved and turned: 95th percentile
+of the link and the joint that were moved most."""
 
 
 def cells(row: Row) -> tuple[str, ...]:
@@ -199,7 +198,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(table(rows))
     duration = sum(float(row.motion.times[-1]) for row in rows)
     print(f"\n{duration:.1f} s of clips in {sum(row.seconds for row in rows):.1f} s of one core")
-    broken = [f"{row.clip} in {row.room}: {', '.join(row.kept)}" for row in rows if row.kept]
+    broken = [f"{row.clip} in {row.room}: {', '.join(row.broken)}" for row in rows if row.broken]
     for said in broken:
         print(f"broken: {said}")
     if asked.save is not None:

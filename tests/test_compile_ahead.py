@@ -2,11 +2,14 @@
 
 import gc
 import io
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from avatarsim import compile_ahead
+from avatarsim.cleaning import Shield, clean
 from avatarsim.compile_ahead import (
     PARTS,
     SHARES,
@@ -23,6 +26,7 @@ from avatarsim.jit import linking, places
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import NAME, CannotKeep, Places
 from avatarsim.jit.processor import compiled_for, usable
+from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker, wall
 
 
 @pytest.fixture
@@ -52,6 +56,18 @@ def test_a_scene_with_posture_and_motion_calls_nothing_that_these_do_not() -> No
     known = called()
     compile_part("together")
     assert len(known) > 100 and called() == known
+
+
+def test_cleaning_calls_nothing_that_its_part_does_not() -> None:
+    for part in ("distance", "posture", "cleaning"):
+        compile_part(part)
+    known = called()
+    motion = lowered(swinging(30, 0.4, along=1.0), np.linspace(0.2, -0.2, 30))
+    clean(motion, replace(model(), avatar=replace(walker(), ignore=(("left", "right"),))), (FLOOR, wall(0.8)))
+    shield = Shield(model(), (FLOOR,), RATE)
+    for frame in range(30):
+        shield(shield.coordinates.rows(motion)[frame])
+    assert "free_until" in str(known) and called() == known
 
 
 def test_all_parts_are_compiled_once(stamp: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,8 @@ def clean(
     motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS,
     progress: Callable[[float], None] | None = None,
 ) -> Cleaned:
-    """The nearest motion to `motion` that is found free of overlap and within limits, in each frame and on the way between frames.
+    """The nearest motion to `motion` that is found free of overlap and within limits, in each frame and on the way between
+    frames.
 
     The avatar is the model's; it meets the model's bodies and those of `room`, which stand still. Frames that are free, and that
     are reached on a free way, stay as they are, to the bit. `progress` is called with the share that is done, 0 to 1. Method and

@@ -39,8 +39,8 @@ class Chords:
         self.free_roots, self.turning = np.flatnonzero(kinds == FREE), np.flatnonzero((kinds == FREE) | (kinds == BALL))
 
     def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
-        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m] apart,
-        and the pair that ends it. The samples must fit the avatars."""
+        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m]
+        apart, and the pair that ends it. The samples must fit the avatars."""
         arrays = (*sample_arrays(before), *sample_arrays(after))
         share, a, b = free_until(self.world.words, self.words, *arrays, least)
         return share, self._pair(a, b)
@@ -68,8 +68,8 @@ class Chords:
     def _pair(self, a: int, b: int) -> Pair | None:
         if a < 0:
             return None
-        names = self.scene.names
-        return names[self._owner[a]], names[self._owner[b]]
+        names, (first, second) = self.scene.names, sorted((int(self._owner[a]), int(self._owner[b])))
+        return names[first], names[second]
 
 
 class Certified(NamedTuple):

@@ -1,9 +1,9 @@
 """Look-ahead smoothing of what was displaced: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
 
-Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may give
-way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
-same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again. Its support
-is bounded, so frames far from contact keep the input to the bit.
+Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may
+give way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response
+of the same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again.
+Its support is bounded, so frames far from contact keep the input to the bit.
 """
 
 from collections.abc import Callable
@@ -48,8 +48,8 @@ def episodes(is_input: NDArray[np.bool_], grow: int) -> list[Episode]:
 
 
 def displacement(chords: Chords, motion: Motion, written: Motion, some: slice) -> Array | None:
-    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the axes of the joint's
-    parent, hinges by difference. None where a joint turned by more than WIDEST."""
+    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the
+    axes of the joint's parent, hinges by difference. None where a joint turned by more than WIDEST."""
     free, turning = chords.free_roots, chords.turning
     before, after = motion.rotations[some][:, turning], written.rotations[:, turning]
     turns = rotation.to_rotation_vector(rotation.multiply(after, rotation.conjugate(before)))
@@ -77,8 +77,8 @@ def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
 
 
 def smoothed(d: Array, half: int) -> Array:
-    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each side;
-    where there is none the nearest one's direction is taken."""
+    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each
+    side; where there is none the nearest one's direction is taken."""
     size = np.linalg.norm(d, axis=1)
     moving = np.flatnonzero(size > 0.0)
     if not moving.size:
@@ -90,9 +90,9 @@ def smoothed(d: Array, half: int) -> Array:
     padded = np.pad(size, half, mode="edge")
     envelope = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).max(axis=1)
     weights = np.hanning(2 * half + 3)[1:-1]
+    weights /= weights.sum()
     raised = np.pad(directions * envelope[:, None], ((half, half), (0, 0)), mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(raised, 2 * half + 1, axis=0)
-    return np.asarray(windows @ (weights / weights.sum()))
+    return np.stack([np.convolve(column, weights, mode="valid") for column in raised.T], axis=1)
 
 
 def improve(
@@ -100,8 +100,10 @@ def improve(
     progress: Callable[[float], None],
 ) -> None:
     """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
-    half = max(LEAST_FRAMES, round(options.blend * motion.rate))
-    found = episodes(written.kind == Kind.INPUT, 2 * half) if options.blend > 0.0 else []
+    if options.blend == 0.0 or len(motion) <= LEAST_FRAMES:
+        return
+    half = max(LEAST_FRAMES, round(options.blend * motion.rate)) // 2
+    found = episodes(written.kind == Kind.INPUT, 2 * half)
     for n, episode in enumerate(found):
         for attempt in range(TRIES):
             if again(chords, follower, motion, written, options, episode, half << attempt):

@@ -1,7 +1,8 @@
-"""Measures of a motion: overlap in frames and proof between them, excess beyond limits, jerk, and how far one motion is from another.
+"""Measures of a motion: overlap in frames and proof between them, excess beyond limits, jerk, and how far one motion is from
+another.
 
-Jerk: third differences of link positions over the time of a frame cubed (Flash and Hogan 1985 judge the smoothness of human motion
-by it).
+Jerk: third differences of link positions over the time of a frame cubed (Flash and Hogan 1985 judge the smoothness of human
+motion by it).
 """
 
 import numpy as np
@@ -76,7 +77,7 @@ def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
     middles = np.array([
         np.mean([piece.position for piece in link.pieces], axis=0) if link.pieces else np.zeros(3) for link in avatar.links
     ])
-    places = [positions + rotation.rotate(turns, np.broadcast_to(middles, positions.shape)) for positions, turns in (before, after)]
+    places = [at + rotation.rotate(turns, np.broadcast_to(middles, at.shape)) for at, turns in (before, after)]
     away = np.linalg.norm(places[1] - places[0], axis=2)
     turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(motion.rotations), written.rotations))
     names, columns = [], []

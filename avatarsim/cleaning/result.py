@@ -75,7 +75,7 @@ class Audit:
     deepest_pair  the pair of the deepest overlap, None without any
     proven        (F-1,) share of the way from each frame to the next, from its start, that is proved free of overlap: 1 is all
     limit_excess  largest angle by which a joint is outside its limits [rad]
-    jerk_free     95th percentile of the jerk of link positions over the frames where the input was free [m/s^3]; nan: no such frames
+    jerk_free     95th percentile of the jerk of link positions over the frames where the input was free [m/s^3]; nan without any
     jerk_held     the same over the other frames
     excluded      the pairs that no measure and no proof looks at, since they are excluded
     opinion       of an independent library; None where it is not installed or was not asked

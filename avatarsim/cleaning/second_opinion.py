@@ -1,4 +1,5 @@
-"""A second opinion on overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with us.
+"""A second opinion on overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with
+us.
 
 It sees the shapes and the poses of links as `poses_of_links` has them, in every frame and at ten equal steps between. Where the
 package is missing that is said, and nothing else changes.
@@ -46,11 +47,19 @@ def opinion_of(scene: Scene, motion: Motion) -> tuple[Opinion | None, str]:
 
 def between_frames(motion: Motion) -> Motion:
     """The postures at the inner ones of BETWEEN equal steps from each frame to the next."""
-    samples = [motion.between(k, n / BETWEEN) for k in range(len(motion) - 1) for n in range(1, BETWEEN)]
-    return Motion(
-        np.array([sample.time for sample in samples]), np.array([sample.positions for sample in samples]),
-        np.array([sample.rotations for sample in samples]), np.array([sample.angles for sample in samples]),
-    )
+    steps = len(motion) - 1
+    share = np.tile(np.arange(1, BETWEEN) / BETWEEN, steps)
+
+    def ends(values: Array) -> tuple[Array, Array]:
+        return np.repeat(values[:-1], BETWEEN - 1, axis=0), np.repeat(values[1:], BETWEEN - 1, axis=0)
+
+    def on_line(values: Array) -> Array:
+        before, after = ends(values)
+        return np.asarray(before + share.reshape(-1, *(1,) * (values.ndim - 1)) * (after - before))
+
+    shares = np.repeat(share[:, None], motion.rotations.shape[1], axis=1)
+    turned = rotation.normalised(rotation.slerp(*ends(motion.rotations), shares))
+    return Motion(on_line(motion.times), on_line(motion.positions), turned, on_line(motion.angles))
 
 
 class Asked:
@@ -60,7 +69,8 @@ class Asked:
         import coal
 
         self.scene = scene
-        owned = [(k, piece) for k, part in enumerate((*scene.bodies, *scene.links)) for piece in part.pieces]
+        groups = [*(body.pieces for body in scene.bodies), *(link.pieces for link in scene.links)]
+        owned = [(k, piece) for k, pieces in enumerate(groups) for piece in pieces]
         self.owner = np.array([k for k, _ in owned], dtype=np.int64)
         self.place = np.array([piece.position for _, piece in owned])
         self.turn = np.array([piece.orientation for _, piece in owned])
@@ -108,9 +118,10 @@ class Asked:
     def _pieces(self, links: Array, link_turns: Array) -> tuple[Array, Array]:
         """Positions (F, p, 3) and rotation matrices (F, p, 3, 3) of all pieces."""
         frames, bodies = len(links), self.scene.bodies
-        fixed = np.array([body.position for body in bodies]).reshape(-1, 3), np.array([b.orientation for b in bodies]).reshape(-1, 4)
-        at = np.concatenate([np.broadcast_to(fixed[0], (frames, len(bodies), 3)), links], axis=1)[:, self.owner]
-        turned = np.concatenate([np.broadcast_to(fixed[1], (frames, len(bodies), 4)), link_turns], axis=1)[:, self.owner]
+        stand = np.array([body.position for body in bodies]).reshape(-1, 3)
+        lie = np.array([body.orientation for body in bodies]).reshape(-1, 4)
+        at = np.concatenate([np.broadcast_to(stand, (frames, *stand.shape)), links], axis=1)[:, self.owner]
+        turned = np.concatenate([np.broadcast_to(lie, (frames, *lie.shape)), link_turns], axis=1)[:, self.owner]
         places = np.broadcast_to(self.place, at.shape)
         return at + rotation.rotate(turned, places), rotation.to_matrix(rotation.multiply(turned, self.turn))
 

@@ -22,8 +22,9 @@ SHARES = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
 DIRECTIONS = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """Where a root is moved: upwards first, out of the ground."""
 
-APPROACH, PACE, STILL = 2.0, 1.0 / 60.0, 1e-6
-"""[s] for which the first posture is approached at most, [s] of one look, and [rad, m] of what then moves no more."""
+PACE, LED, LOOKS, STILL = 1.0 / 60.0, 60, 120, 1e-6
+"""[s] of one look at the approach to the first posture; looks in which the user is led there from the free posture; looks at
+most; and [rad, m] of what then moves no more."""
 
 
 def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]:
@@ -60,11 +61,13 @@ def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> Tracke
 
 
 def approach(follower: Follower, sample: TrackerSample) -> TrackerSample:
-    """Follow one posture until nothing moves any more; where the avatar is then."""
-    for _ in range(round(APPROACH / PACE)):
-        last = follower.shown
-        follower.is_input = False
-        follower.follow(replace(sample, time=0.0), replace(sample, time=PACE), False)
-        if difference(follower.chords, last, follower.shown) < STILL:
+    """Lead the user from where the avatar is to `sample`, and wait until nothing moves any more; where the avatar is then."""
+    start = follower.shown
+    follower.is_input = False
+    for look in range(LOOKS):
+        last, shares = follower.shown, (min(1.0, (look + k) / LED) for k in (0, 1))
+        before, after = (between(start, sample, share) for share in shares)
+        follower.follow(replace(before, time=0.0), replace(after, time=PACE), False)
+        if look >= LED and difference(follower.chords, last, follower.shown) < STILL:
             break
     return follower.shown

@@ -1,4 +1,5 @@
-"""A filter for streams of generalized coordinates: each posture that comes out is reached from the last one on a proved free way."""
+"""A filter for streams of generalized coordinates: each posture that comes out is reached from the last one on a proved free
+way."""
 
 from collections.abc import Sequence
 
@@ -49,8 +50,8 @@ class Shield:
         self.is_free = True
 
     def __call__(self, q: Array) -> Array:
-        """The nearest free posture to `q` (width,) that is reached on a free way from the last one; `is_free` says whether that is
-        `q` itself. The first one is the nearest that is found free.
+        """The nearest free posture to `q` (width,) that is reached on a free way from the last one; `is_free` says whether that
+        is `q` itself. The first one is the nearest that is found free.
 
         Raises InvalidInput for another width, numbers that are not finite and quaternions without length, and StartOverlaps where
         no free posture is found near the first one; what came before then still counts."""

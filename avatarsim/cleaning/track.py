@@ -1,8 +1,10 @@
-"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved free.
+"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved
+free.
 
-The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is written
-is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps that
-holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it is.
+The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is
+written is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps
+that holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it
+is.
 """
 
 from dataclasses import replace
@@ -16,10 +18,11 @@ from avatarsim.cleaning.chords import Chords, Pair
 from avatarsim.cleaning.result import Options
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
+from avatarsim.model.conversion import mix_samples
+from avatarsim.model.world import sample_arrays
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
@@ -33,8 +36,13 @@ SPARED = 0.9
 """Share that is gone of a way that ends at something: at its very end the next way could not begin."""
 
 GROWTH, LEVELS = 3.0, 4
-"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast foot
-dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is released."""
+"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast
+foot dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is
+released."""
+
+CATCH_UP = {"catch_up_turn": 6.25, "catch_up_move": 2.5}
+"""[rad/s, m/s] how fast what was held off comes back, half of what the engine does live, where a user waits for it: a clip is
+looked at, and a limb that snaps back is seen."""
 
 
 class Kind(IntEnum):
@@ -51,8 +59,8 @@ class Kind(IntEnum):
 
 
 class Judged:
-    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as near;
-    pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
+    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as
+    near; pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
 
     def __init__(self, chords: Chords, motion: Motion, margin: float) -> None:
         frames, self.margin = len(motion), margin
@@ -67,18 +75,18 @@ class Judged:
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
     """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it."""
-    turned = rotation.slerp(before.rotations, after.rotations, np.full(len(before.rotations), share))
-    return TrackerSample(
-        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
-        rotation.normalised(turned), before.angles + share * (after.angles - before.angles),
-    )
+    first, last = sample_arrays(before), sample_arrays(after)
+    mixed = tuple(np.empty_like(array) for array in first)
+    mix_samples(*first, *last, float(share), *mixed)
+    return TrackerSample(before.time + share * (after.time - before.time), *mixed)
 
 
 def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
-    """The largest difference of two postures in any joint or root [rad, m]."""
-    free, turning = chords.free_roots, chords.turning
-    turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(one.rotations[turning]), other.rotations[turning]))
-    parts = (turns, one.positions[free] - other.positions[free], one.angles - other.angles)
+    """The largest difference of two postures in any joint or root [rad, m]; of turns, which are small where it matters, the
+    chord's."""
+    a, b = one.rotations[chords.turning], other.rotations[chords.turning]
+    turns = 2.0 * np.minimum(np.abs(a - b), np.abs(a + b))
+    parts = (turns, one.positions[chords.free_roots] - other.positions[chords.free_roots], one.angles - other.angles)
     return max([float(np.abs(part).max()) for part in parts if part.size], default=0.0)
 
 
@@ -97,8 +105,8 @@ class Follower:
         self._level, self._at = 0, -1
 
     def follow(self, before: TrackerSample, after: TrackerSample, is_free: bool) -> Kind:
-        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is free
-        there. What is written is in `shown`."""
+        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is
+        free there. What is written is in `shown`."""
         if self.is_input and is_free and self._reaches(after):
             self.shown, self._at = after, -1
             return Kind.INPUT
@@ -118,23 +126,23 @@ class Follower:
                     self._level, self._since = level, 0.0
                 self.shown = tried[-1]
                 return Kind.TRACKED
-        return self._hold_back(tried)
+        return self._hold_back(tried, after)
 
-    def _engine(self, level: int) -> AvatarsimEngine:
-        """The engine that keeps the gap of a level, where the avatar is shown."""
+    def _engine(self, level: int, user: TrackerSample) -> AvatarsimEngine:
+        """The engine that keeps the gap of a level, with the avatar where it is shown and the user at `user`."""
         if level not in self._engines:
             self._engines[level] = AvatarsimEngine()
-            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0}
+            options = {"stand_off": self.options.margin * GROWTH**level, "around": 0, **CATCH_UP}
             settings = Settings(options=options, seed=self.options.seed)
             self._engines[level].load(replace(self.chords.scene, start=self.shown), settings, 1.0 / SUB_STEPS)
-        elif self._at != level:
-            self._engines[level].put(self.shown)
+        if self._at != level:
+            self._engines[level].put(self.shown, user)
         self._at = level
         return self._engines[level]
 
     def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
         """The engine's sub-states on the way."""
-        engine, count = self._engine(level), max(1, ceil(duration * SUB_STEPS - 1e-6))
+        engine, count = self._engine(level, before), max(1, ceil(duration * SUB_STEPS - 1e-6))
         tried = []
         for k in range(1, count + 1):
             engine.advance(after if k == count else between(before, after, k / count), duration / count)
@@ -144,25 +152,25 @@ class Follower:
     def _reaches(self, sample: TrackerSample) -> bool:
         return self.chords.free_until(self.shown, sample)[0] >= 1.0
 
-    def _hold_back(self, tried: list[TrackerSample]) -> Kind:
+    def _hold_back(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
         """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
         engine = self._engines[self._at]
         for sample in tried[-2::-1]:
             if self._reaches(sample):
-                engine.put(sample, has_user=False)
+                engine.put(sample, user)
                 self.shown = sample
                 return Kind.HELD
         share, _ = self.chords.free_until(self.shown, tried[0])
         part, _ = self.chords.clipped(between(self.shown, tried[0], SPARED * share))
         try:
             if self._reaches(part):
-                engine.put(part, has_user=False)
+                engine.put(part, user)
                 self.shown = part
                 return Kind.HELD
         except AvatarsimError:
             # a ball may pass beyond its limits between two postures within them
             pass
-        engine.put(self.shown, has_user=False)
+        engine.put(self.shown, user)
         return Kind.HELD
 
 

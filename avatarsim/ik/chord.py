@@ -1,4 +1,5 @@
-"""Continuous collision detection between two recorded postures: interval separating axes with a bound of curvature, and bisection.
+"""Continuous collision detection between two recorded postures: interval separating axes with a bound of curvature, and
+bisection.
 
 What a player shows between two postures is slerp in each joint and straight lines for roots and hinge angles. Over a share h of
 that way a point of a link leaves its straight line by at most C h^2 / 8, where C bounds its second derivative. Along a fixed
@@ -43,8 +44,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 DEPTH = 12
-"""Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb that turns by a radian is some 1e-8 m. More:
-what touches takes longer to fail."""
+"""Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb that turns by a radian is some 1e-8 m.
+More: what touches takes longer to fail."""
 
 ROOM_MOST, ROOM_DEEPER = 1 << 20, 1 << 14
 """Pairs of pieces that may be listed as undecided for a whole way, and beside these for parts of it; what does not fit counts as
@@ -411,8 +412,8 @@ def free_until(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array,
     next_angles: Array, least: float,
 ) -> tuple[float, int, int]:
-    """`go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been checked, on the
-    arenas of a world and of its `Chord`."""
+    """`go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been checked, on
+    the arenas of a world and of its `Chord`."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(next_positions, next_rotations, next_angles, c.hinges, c.end)
@@ -423,8 +424,8 @@ def free_until(
 def nearest_at(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, within: float
 ) -> tuple[float, int, int]:
-    """Smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces; infinite, and
-    -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are."""
+    """Smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces; infinite,
+    and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     geo, skel = w.geometry, w.skeleton
     read_sample(positions, rotations, angles, c.hinges, c.start)
@@ -447,7 +448,8 @@ def nearest_at(
 
 @entry_kernel
 def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> float:
-    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much [rad] it was outside."""
+    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much [rad] it was
+    outside."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     skel, beyond = w.skeleton, 0.0
     read_sample(positions, rotations, angles, c.hinges, c.start)
@@ -470,8 +472,8 @@ def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array,
 def pair_gaps(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, pairs: Index, gaps_out: Array
 ) -> None:
-    """Signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite without pieces.
-    A distance above nothing is only said to be above nothing."""
+    """Signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite without
+    pieces. A distance above nothing is only said to be above nothing."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     geo = w.geometry
     read_sample(positions, rotations, angles, c.hinges, c.start)

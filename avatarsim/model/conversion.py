@@ -1,6 +1,6 @@
 """Conversion at the ends of a frame: tracker samples to postures, poses to positions and quaternions, one kernel call each."""
 
-from math import inf, sqrt
+from math import atan2, inf, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,57 @@ def quaternion(m: Columns) -> tuple[float, float, float, float]:
     if w < 0.0:
         s = -s
     return w * s, x * s, y * s, z * s
+
+
+@kernel
+def write_sample(
+    posture: Posture, hinges: NDArray[np.int64], positions_out: Array, rotations_out: Array, angles_out: Array
+) -> None:
+    """The inverse of `read_sample`."""
+    for link in range(rotations_out.shape[0]):
+        w, x, y, z = quaternion(columns(posture.turn, link))
+        rotations_out[link, 0], rotations_out[link, 1], rotations_out[link, 2], rotations_out[link, 3] = w, x, y, z
+        for k in range(3):
+            positions_out[link, k] = posture.root[link, k]
+    for k in range(angles_out.shape[0]):
+        angles_out[k] = posture.angle[hinges[k]]
+
+
+MEETING = 1e-9
+"""Sine of the angle of two quaternions below which the arc between them is a straight line, to the last digit."""
+
+
+@kernel
+def mix_samples(
+    positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array, next_angles: Array,
+    share: float, positions_out: Array, rotations_out: Array, angles_out: Array,
+) -> None:
+    """The sample at a share of the way from one to the next: slerp (Shoemake 1985), the short way round, and straight lines."""
+    for link in range(rotations.shape[0]):
+        for k in range(3):
+            positions_out[link, k] = positions[link, k] + share * (next_positions[link, k] - positions[link, k])
+        cosine = 0.0
+        for k in range(4):
+            cosine += rotations[link, k] * next_rotations[link, k]
+        sign = 1.0 if cosine >= 0.0 else -1.0
+        cosine, square = abs(cosine), 0.0
+        for k in range(4):
+            off = sign * next_rotations[link, k] - cosine * rotations[link, k]
+            square += off * off
+        sine = sqrt(square)
+        a, b = 1.0 - share, share
+        if sine > MEETING:
+            angle = atan2(sine, cosine)
+            a, b = sin(a * angle) / sine, sin(b * angle) / sine
+        length = 0.0
+        for k in range(4):
+            rotations_out[link, k] = a * rotations[link, k] + b * sign * next_rotations[link, k]
+            length += rotations_out[link, k] * rotations_out[link, k]
+        length = sqrt(length)
+        for k in range(4):
+            rotations_out[link, k] /= length
+    for k in range(angles.shape[0]):
+        angles_out[k] = angles[k] + share * (next_angles[k] - angles[k])
 
 
 @kernel

@@ -17,7 +17,7 @@ from avatarsim.errors import AvatarsimError, InvalidSample
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index, IndexLine
-from avatarsim.model.conversion import read_sample, write_shown
+from avatarsim.model.conversion import read_sample, write_sample, write_shown
 from avatarsim.model.dynamics import Dynamics, Velocities, dynamics, velocities
 from avatarsim.model.geometry import Geometry, Poses, geometry, poses
 from avatarsim.model.skeleton import Posture, Skeleton, hinge_dofs, skeleton
@@ -144,6 +144,20 @@ def read_opened(positions: Array, rotations: Array, angles: Array, target: Index
     if not read_sample(positions, rotations, angles, parts.hinges, parts.incoming):
         return False
     return read_sample(positions, rotations, angles, parts.hinges, parts.posture)
+
+
+@kernel
+def write_opened(world: Index, hinges: Index, positions_out: Array, rotations_out: Array, angles_out: Array) -> None:
+    """`write_sample` of the posture in the arena of a world."""
+    write_sample(opened(world, WorldParts).posture, hinges, positions_out, rotations_out, angles_out)
+
+
+def shown_sample(world: World, time: float) -> TrackerSample:
+    """The posture that is shown, as a tracker would report it at `time` [s]: a copy."""
+    links = len(world.posture.root)
+    arrays = np.empty((links, 3)), np.empty((links, 4)), np.empty(len(world.hinges))
+    write_opened(world.words, world.hinges, *arrays)
+    return TrackerSample(time, *arrays)
 
 
 class Target:

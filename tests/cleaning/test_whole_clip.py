@@ -1,0 +1,204 @@
+"""Cleaning of whole clips: nothing overlaps in frames or between, what was free stays to the bit, the rest is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning import Audit, Cleaned, Options, audit, clean
+from avatarsim.errors import InvalidInput, StartOverlaps
+from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import poses_of_links
+from reference.judging.judge import Judge
+from scenarios.cleaned import between, depths
+from tests.cleaning.rooms import FLOOR, lowered, model, swinging, walker, wall
+
+OPTIONS = Options(opinion=False)
+
+
+def require_clean(cleaned: Cleaned, *bodies: object) -> None:
+    """Nothing overlaps, by our own proof and by the judge that shares no code with it."""
+    assert cleaned.after.is_clean and cleaned.after.unproven == 0 and cleaned.after.limit_excess <= 1e-9
+    plain = tuple(replace(body, material="wood") for body in bodies)
+    judge = Judge(Scene("judged", plain, (walker(),)))
+    assert depths(judge, cleaned.motion).max() <= 1e-6
+    assert depths(judge, between(cleaned.motion)).max() <= 1e-6
+
+
+def same(one: Motion, other: Motion) -> np.ndarray:
+    """(F,) frames that are equal to the bit."""
+    pairs = (one.positions, other.positions), (one.rotations, other.rotations), (one.angles, other.angles)
+    return np.all([(a == b).reshape(len(a), -1).all(axis=1) for a, b in pairs], axis=0)
+
+
+def dipping() -> Motion:
+    """Free for a second, into the floor for half a second, free again."""
+    times = np.arange(90)
+    return lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 8.0) ** 2)))
+
+
+def test_a_dip_into_the_floor_is_lifted_and_the_rest_stays() -> None:
+    motion, told = dipping(), []
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS, told.append)
+    require_clean(cleaned, FLOOR)
+    assert cleaned.before.overlapping > 5 and cleaned.before.deepest > 0.01
+    assert np.array_equal(~cleaned.changed, same(motion, cleaned.motion))
+    assert not cleaned.changed[:20].any() and not cleaned.changed[70:].any() and cleaned.changed[40:50].all()
+    assert cleaned.after.jerk_free <= 1.5 * cleaned.before.jerk_free
+    assert told == sorted(told) and told[-1] == 1.0
+    assert {one.why for one in cleaned.flagged} <= {"overlap", "blend", "catching up", "held back"}
+    assert any(one.why == "overlap" and one.pair is not None and one.pair[0] == "floor" for one in cleaned.flagged)
+    covered = np.zeros(90, dtype=bool)
+    for one in cleaned.flagged:
+        covered[one.first : one.last + 1] = True
+    assert np.array_equal(covered, cleaned.changed)
+
+
+def test_a_free_motion_comes_back_to_the_bit() -> None:
+    motion = swinging(60, 1.0)
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    assert same(motion, cleaned.motion).all() and not cleaned.changed.any() and cleaned.flagged == ()
+    assert cleaned.moved.link_rms.max() == 0.0 and cleaned.moved.joint_p95.max() == 0.0
+
+
+def test_the_same_motion_gives_the_same_bits() -> None:
+    one, other = (clean(dipping(), model(), (FLOOR,), OPTIONS) for _ in range(2))
+    assert same(one.motion, other.motion).all()
+
+
+def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> None:
+    motion = lowered(swinging(60, 0.5), np.linspace(-0.3, 0.3, 60))
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    require_clean(cleaned, FLOOR)
+    assert cleaned.before.depths[0] > 0.1 and cleaned.changed[0] and not cleaned.changed[-1]
+    # near the input, not merely free: the first frame stands on the floor
+    assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
+
+
+def test_a_motion_without_any_free_frame_is_lifted_out() -> None:
+    motion = swinging(45, 0.2)
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    require_clean(cleaned, FLOOR)
+    assert cleaned.changed.all() and np.isnan(cleaned.before.jerk_free)
+    assert cleaned.motion.positions[:, 0, 2].max() < 0.6
+
+
+def test_an_avatar_that_nothing_frees_is_refused_with_the_pair() -> None:
+    palm = (Piece(Sphere(0.1)),)
+    stuck = walker()
+    links = (stuck.links[0], *(replace(link, joint=stuck.links[2].joint, anchor=(0.0, 0.0, 0.0)) for link in stuck.links[1:]))
+    tied = replace(stuck, links=tuple(replace(link, pieces=palm) for link in links))
+    motion = swinging(10, 0.5)
+    motion = Motion(motion.times, motion.positions, motion.rotations, np.repeat(motion.angles, 2, axis=1))
+    with pytest.raises(StartOverlaps, match="walker/left in walker/right"):
+        clean(motion, Model(tied, None, (), ()), (), OPTIONS)
+
+
+def test_a_user_behind_a_wall_is_flagged_as_unreachable() -> None:
+    motion = swinging(120, 1.0, along=4.0)
+    cleaned = clean(motion, model(), (wall(2.0),), OPTIONS)
+    require_clean(cleaned, wall(2.0))
+    last = cleaned.flagged[-1]
+    assert last.why == "unreachable" and last.last == 119 and motion.times[last.first] < 3.0
+    assert cleaned.motion.positions[:, 0, 0].max() < 1.9
+
+
+def test_joints_outside_their_limits_are_brought_within() -> None:
+    motion = swinging(60, 1.0, swing=1.5)
+    cleaned = clean(motion, model(), (), OPTIONS)
+    assert cleaned.before.limit_excess == pytest.approx(0.3, abs=1e-2) and cleaned.after.limit_excess == 0.0
+    assert cleaned.changed.any() and not cleaned.changed.all() and "limits" in {one.why for one in cleaned.flagged}
+
+
+def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
+    motion = dipping()
+    early, late = (clean(motion, model(), (FLOOR,), replace(OPTIONS, blend=blend)) for blend in (0.1, 0.0))
+    assert np.argmax(early.changed) < np.argmax(late.changed)
+    assert early.after.jerk_held < late.after.jerk_held
+    require_clean(late, FLOOR)
+
+
+def test_loose_bodies_stand_still_or_are_left_out() -> None:
+    block = (Piece(Box((0.3, 2.0, 0.3))),)
+    loose = simulated("block", block, "wood", solid(block, 1.0), (1.0, 0.0, 0.2))
+    motion = swinging(60, 0.5, along=2.0)
+    with_block = replace(model(), bodies=(loose,))
+    assert clean(motion, with_block, (), OPTIONS).before.overlapping > 0
+    assert clean(motion, with_block, (), replace(OPTIONS, loose=True)).before.overlapping == 0
+
+
+def test_bodies_of_one_name_are_told_apart() -> None:
+    twin = fixed("floor", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (1.0, 0.0, 0.5))
+    found = audit(swinging(30, 0.5, along=1.0), model(), (FLOOR, twin), OPTIONS)
+    assert found.deepest_pair is not None and found.deepest_pair[0] == "floor (2)"
+
+
+def ignoring() -> Model:
+    """The walker, whose legs are said never to meet."""
+    return Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
+
+
+def crossed() -> Motion:
+    """Legs that swing into each other."""
+    motion = swinging(30, 1.0, swing=0.0)
+    rotations = motion.rotations.copy()
+    rotations[:, 1] = (np.cos(0.3), np.sin(-0.3), 0.0, 0.0)
+    return Motion(motion.times, motion.positions, rotations, motion.angles)
+
+
+def test_excluded_pairs_are_measured_and_said() -> None:
+    found = audit(crossed(), ignoring(), (), OPTIONS)
+    (pair,) = found.excluded
+    assert (pair.a, pair.b) == ("left", "right") and pair.depth > 0.005 and found.overlapping == 0
+    assert "left and right" in found.said[0]
+    seen = audit(crossed(), model(), (), OPTIONS)
+    assert seen.deepest == pytest.approx(pair.depth) and seen.deepest_pair == ("walker/left", "walker/right")
+
+
+def test_an_audit_measures_what_the_judge_measures() -> None:
+    motion = dipping()
+    found: Audit = audit(motion, model(), (FLOOR,))
+    judge = Judge(Scene("judged", (replace(FLOOR, material="wood"),), (walker(),)))
+    assert np.allclose(found.depths, depths(judge, motion), atol=1e-7)
+    assert found.opinion is not None and found.opinion.frames == 90 and found.opinion.between == 89 * 9
+    assert found.opinion.frames_overlapping == found.overlapping
+    assert found.opinion.between_overlapping == int(np.sum(depths(judge, between(motion)) > 1e-6))
+    assert found.opinion.frames_deepest == pytest.approx(found.deepest, abs=1e-7) and not found.is_clean
+
+
+def test_how_far_a_motion_was_moved_is_that_of_its_links() -> None:
+    motion = dipping()
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    moved = cleaned.moved
+    assert moved.links == ("trunk", "left", "right") and moved.joints == ("trunk", "left", "right")
+    places = [poses_of_links((walker(),), one.positions, one.rotations, one.angles)[0] for one in (motion, cleaned.motion)]
+    # the trunk's middle is its origin
+    assert moved.link_rms[0] == pytest.approx(np.sqrt(np.mean(np.sum((places[1] - places[0])[:, 0] ** 2, axis=1))))
+    assert moved.joint_rms[2] == pytest.approx(np.sqrt(np.mean((cleaned.motion.angles - motion.angles) ** 2)))
+
+
+def test_what_is_no_motion_of_the_avatar_is_refused_by_frame() -> None:
+    motion = swinging(10, 1.0)
+    with pytest.raises(InvalidInput, match="avatar of the model"):
+        clean(motion, Model(None, None, (FLOOR,), ()), (), OPTIONS)
+    with pytest.raises(InvalidInput, match="in frame 0 of the motion"):
+        audit(Motion(motion.times, motion.positions, motion.rotations, np.zeros((10, 2))), model())
+    rotations = motion.rotations.copy()
+    rotations[7, 1] *= 2.0
+    with pytest.raises(InvalidInput, match="in frame 7 of the motion"):
+        clean(Motion(motion.times, motion.positions, rotations, motion.angles), model())
+    for name, value in (("margin", 0.0), ("margin", float("nan")), ("blend", -0.1), ("blend", 3.0)):
+        with pytest.raises(InvalidInput, match=name):
+            Options(**{name: value})
+
+
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_clips_of_a_few_frames(frames: int) -> None:
+    for height in (1.0, 0.1):
+        cleaned = clean(swinging(frames, height), model(), (FLOOR,), OPTIONS)
+        require_clean(cleaned, FLOOR) if frames > 1 else None
+        assert len(cleaned.motion) == frames and cleaned.after.overlapping == 0
