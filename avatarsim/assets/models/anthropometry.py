@@ -43,6 +43,9 @@ SEGMENTS = {
 }
 """Shares of male bodies (de Leva 1996); those of the limbs are of one side. Together they are the whole body."""
 
+MIDDLE = ("head", "trunk")
+"""Segments that a body has once."""
+
 SEGMENT_OF = {
     "pelvis": "trunk", "spine": "trunk", "clavicle": "trunk", "hip bone": "trunk", "neck": "head", "head": "head", "face": "head",
     "upper arm": "upper arm", "forearm": "forearm", "hand": "hand", "thumb": "hand", "finger": "hand",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import (
     BODY_MASS,
+    MIDDLE,
     RADII,
     SEGMENT_OF,
     SEGMENTS,
@@ -24,12 +25,15 @@ from avatarsim.assets.models.anthropometry import (
 from avatarsim.assets.models.capsule_gaps import link_gaps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.range_of_motion import limited
 from avatarsim.assets.models.skeleton import Skeleton
+from avatarsim.assets.models.stance import AT_REST, Stance, stance
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Mass, solid, volume
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Capsule, Piece, Sphere
-from avatarsim.scene.tracker import poses_of_links
+from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -45,31 +49,36 @@ LEAST_MASS = 0.01
 
 
 def human(
-    skeleton: Skeleton, stature: float, first: tuple[Array, Array, Array], mass: float = BODY_MASS, limits: bool = True
+    skeleton: Skeleton, stature: float, clip: Motion, mass: float = BODY_MASS, limits: bool = True
 ) -> Model:
     """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
 
-    `first` is the first posture of its clip: positions (links, 3) [m], rotations (links, 4), angles (hinges,) [rad], as in
-    TrackerSample. Links that overlap in it or at rest may overlap. `limits` gives joints of known name their range of motion,
-    other joints none. Raises InvalidInput for sizes that no avatar has."""
+    `clip` are postures of it, the first of which is that of its recording: links that overlap in it or at rest may overlap.
+    `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar
+    has, and for a mass that is none."""
     named = parts(skeleton)
     pieces = [_pieces(skeleton, k, named[k], mass, stature) for k in range(len(skeleton.bones))]
     masses = _masses(named, pieces, mass)
-    joints = [_joint(skeleton, k) for k in range(len(skeleton.bones))]
+    standing, where = stance(skeleton, named, clip)
+    joints = [_joint(skeleton, k, named, standing, limits) for k in range(len(skeleton.bones))]
     links = tuple(
         Link(bone.name, skeleton.bones[bone.parent].name if bone.parent >= 0 else None, joints[k], pieces[k], masses[k],
-             anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0), orientation=bone.turn)
+             anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0))
         for k, bone in enumerate(skeleton.bones)
     )
-    ignored = _overlapping(Avatar(skeleton.name, links), first)
+    ignored = _overlapping(Avatar(skeleton.name, links), clip, standing is not None and where == AT_REST)
     avatar = Avatar(skeleton.name, links, ignore=ignored)
     said = [
-        f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by the names of its "
-        "joints and mean human bodies, not a measurement of what was recorded",
+        f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
+        "and mean human bodies, not a measurement of what was recorded",
     ]
     unknown = [bone.name for bone, part in zip(skeleton.bones, named, strict=True) if not part.kind]
     if unknown:
         said.append(f"joints of unknown name, without limits and with radii by the length of their bones: {', '.join(unknown)}")
+    if limits and standing is None:
+        said.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
+    elif limits:
+        said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
     if ignored:
         said.append("pairs that overlap at rest or in the first frame and may: " + ", ".join(f"{a} and {b}" for a, b in ignored))
     return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
@@ -88,13 +97,15 @@ def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:
     return Coordinates(tuple(slots), len(avatar.links), hinge)
 
 
-def _joint(skeleton: Skeleton, k: int) -> Joint:
+def _joint(skeleton: Skeleton, k: int, named: Sequence[Part], standing: Stance | None, limits: bool) -> Joint:
     bone = skeleton.bones[k]
     if bone.parent < 0:
         return Free()
-    if len(bone.axes) == 3:
-        return Ball()
-    return Hinges(tuple(Hinge(axis) for axis in bone.axes)) if bone.axes else Rigid()
+    if not bone.axes:
+        return Rigid()
+    if limits:
+        return limited(skeleton, k, named, standing)
+    return Ball() if len(bone.axes) == 3 else Hinges(tuple(Hinge(axis) for axis in bone.axes))
 
 
 def _radius(part: Part, length: float, mass: float, stature: float) -> float:
@@ -157,19 +168,25 @@ def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: fl
 
 
 def _segment(part: Part, known: bool) -> tuple[str, str]:
-    """What shares a mass: a segment of one side; all links together where names are unknown."""
-    return (SEGMENT_OF[part.kind], part.side) if known and part.kind else ("", "")
+    """What shares a mass: a segment, of one side if there are two; all links together where names are unknown."""
+    if not (known and part.kind):
+        return "", ""
+    segment = SEGMENT_OF[part.kind]
+    return segment, "" if segment in MIDDLE else part.side
 
 
-def _overlapping(avatar: Avatar, first: tuple[Array, Array, Array]) -> tuple[tuple[str, str], ...]:
-    """Pairs of links, not a link and its parent, that overlap at rest or in the first posture."""
-    resting = np.zeros_like(first[0]), np.tile(rotation.IDENTITY, (len(avatar.links), 1)), np.zeros_like(first[2])
-    found = np.zeros((len(avatar.links),) * 2, dtype=np.bool_)
-    for posture in (first, resting):
-        found |= link_gaps(avatar.links, *poses_of_links([avatar], *posture)) < TOUCHING
+def _overlapping(avatar: Avatar, clip: Motion, stands: bool) -> tuple[tuple[str, str], ...]:
+    """Pairs of links, not a link and its parent, that overlap in the first posture or at rest.
+
+    At rest all pairs count if the skeleton `stands` then; of one that is folded up those of one parent, and of a parent's."""
     index = {link.name: k for k, link in enumerate(avatar.links)}
-    for k, link in enumerate(avatar.links):
-        if link.parent is not None:
-            found[k, index[link.parent]] = found[index[link.parent], k] = False
+    parent = np.array([-1 if link.parent is None else index[link.parent] for link in avatar.links])
+    here = np.arange(len(parent))
+    above = np.where(parent >= 0, parent[parent], -1)
+    counted = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above) | stands
+    still, first = rest([avatar]), clip.sample(0)
+    found = link_gaps(avatar.links, *link_poses([avatar], first)) < TOUCHING
+    found |= (link_gaps(avatar.links, *link_poses([avatar], still)) < TOUCHING) & counted
+    found &= (parent[:, None] != here) & (here[:, None] != parent)
     names = [link.name for link in avatar.links]
     return tuple((names[a], names[b]) for a, b in np.argwhere(np.triu(found)))

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.checks import Vector
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -15,11 +15,10 @@ Limits = tuple[float, float]
 
 @dataclass(frozen=True)
 class Bone:
-    """One joint and what it carries.
+    """One joint and what it carries. With every joint at zero the frames of all bones are parallel.
 
     parent   number of the bone that it hangs on, an earlier one; -1 for the root
     offset   the joint's centre in the parent's frame [m]
-    turn     the bone's frame in the parent's while the joint is at zero, (w, x, y, z)
     axes     axes of its turns in the bone's frame, the first one nearest the parent; none for a joint that does not turn
     turns    what the file calls each of them
     tips     points in the bone's frame [m] where it ends without another joint
@@ -28,7 +27,6 @@ class Bone:
     name: str
     parent: int
     offset: Vector
-    turn: Quaternion = rotation.IDENTITY
     axes: tuple[Vector, ...] = ()
     turns: tuple[str, ...] = ()
     tips: tuple[Vector, ...] = ()
@@ -51,8 +49,8 @@ class Skeleton:
                 found[bone.parent].append(k)
         return tuple(tuple(each) for each in found)
 
-    def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
-        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
+    def poses(self, positions: Array, rotations: Array, angles: Array) -> tuple[Array, Array]:
+        """Joints (..., bones, 3) [m] and orientations (..., bones, 4) in the world, of postures as in TrackerSample."""
         shape = np.shape(positions)
         places, turned = np.zeros(shape), np.zeros((*shape[:-1], 4))
         hinge = 0
@@ -60,8 +58,8 @@ class Skeleton:
             if bone.parent < 0:
                 places[..., k, :], turned[..., k, :] = positions[..., k, :], rotations[..., k, :]
                 continue
-            places[..., k, :] = places[..., bone.parent, :] + rotation.rotate(turned[..., bone.parent, :], bone.offset)
-            own = rotation.multiply(turned[..., bone.parent, :], bone.turn)
+            own = turned[..., bone.parent, :]
+            places[..., k, :] = places[..., bone.parent, :] + rotation.rotate(own, bone.offset)
             if len(bone.axes) == 3:
                 own = rotation.multiply(own, rotations[..., k, :])
             else:
@@ -69,16 +67,26 @@ class Skeleton:
                     own = rotation.multiply(own, rotation.from_axis_angle(axis, angles[..., hinge]))
                     hinge += 1
             turned[..., k, :] = own
+        return places, turned
+
+    def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
+        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
+        places, turned = self.poses(positions, rotations, angles)
         carried = [(k, tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
         tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, tip in carried]
         return np.concatenate([places, np.stack(tips, axis=-2)], axis=-2) if tips else places
 
     @cached_property
+    def still(self) -> tuple[Array, Array, Array]:
+        """The posture with every joint at zero and the root at the origin, as in TrackerSample."""
+        hinges = sum(len(bone.axes) for bone in self.bones[1:] if len(bone.axes) < 3)
+        unturned = np.tile(np.array(rotation.IDENTITY), (len(self.bones), 1))
+        return np.zeros((len(self.bones), 3)), unturned, np.zeros(hinges)
+
+    @cached_property
     def rest(self) -> Array:
         """Joints and tips (points, 3) [m] with every joint at zero and the root at the origin."""
-        hinges = sum(len(bone.axes) for bone in self.bones[1:] if len(bone.axes) < 3)
-        still = np.tile(np.array(rotation.IDENTITY), (len(self.bones), 1))
-        return self.points(np.zeros((len(self.bones), 3)), still, np.zeros(hinges))
+        return self.points(*self.still)
 
     @cached_property
     def owners(self) -> tuple[int, ...]:
@@ -87,4 +95,4 @@ class Skeleton:
 
     def ends(self, k: int) -> tuple[Vector, ...]:
         """Where bone k ends, in its own frame [m]: the joints that hang on it, then its tips."""
-        return tuple(self.bones[child].offset for child in self.children[k]) + self.bones[k].tips
+        return tuple(dict.fromkeys([*(self.bones[child].offset for child in self.children[k]), *self.bones[k].tips]))

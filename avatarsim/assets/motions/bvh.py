@@ -7,19 +7,19 @@ channels. A position channel stands for the offset along its axis, as in Blender
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import BODY_MASS
-from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_FRAMES, MOST_JOINTS
-from avatarsim.assets.motions.measures import guessed, standing
-from avatarsim.assets.motions.recording import Axes, Recording, Track, require_same_joints
+from avatarsim.assets.motions.measures import guessed
+from avatarsim.assets.motions.recorded_file import RecordedFile
+from avatarsim.assets.motions.recording import Axes, Recording, Track
+from avatarsim.assets.motions.text import decoded, number, vector
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
@@ -62,42 +62,27 @@ class _Joint:
         return [(self.first + k, axis) for k, (of, axis) in enumerate(self.channels or ()) if of == kind]
 
 
-@dataclass(frozen=True, eq=False)
-class BvhFile:
-    """A BVH file that was read whole: `head` is its text down to the line MOTION, `step_text` its frame time as it says it."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BvhFile(RecordedFile):
+    """A BVH file that was read whole.
 
-    name: str
+    head       its text down to the line MOTION
+    newline    how its lines end
+    encoding   of its text
+    step_text  its frame time as it says it"""
+
     head: str
     newline: str
     encoding: str
     step_text: str
-    recording: Recording
-    said: tuple[str, ...]
-    mass: float
-    limits: bool
     format: str = "bvh"
-
-    @cached_property
-    def _model(self) -> Model:
-        motion = self.recording.motion
-        first = motion.positions[0], motion.rotations[0], motion.angles[0]
-        return human(self.recording.skeleton, standing(self.recording), first, self.mass, self.limits)
-
-    def model(self) -> Model:
-        """The human avatar of the file's skeleton."""
-        return self._model
-
-    def motion(self, model: Model) -> Motion:
-        """The clip; InvalidFile unless `model` has the file's joints."""
-        require_same_joints(self.name, model, self._model)
-        return self.recording.motion
 
     def written(self, motion: Motion, model: Model) -> bytes:
         """The file with this motion: hierarchy and channels as they were, numbers with all their digits.
 
         Joints that the motion leaves as they were keep their numbers. Raises InvalidFile unless `model` has the file's joints,
         and InvalidInput for steps that differ from each other."""
-        require_same_joints(self.name, model, self._model)
+        self.require_own(model)
         values, step = self.recording.rows(motion)
         said = self.step_text if step == self.recording.step else repr(step)
         lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {said}"]
@@ -137,27 +122,20 @@ def read_bvh(
     recording = made(axes)
     if root:
         said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
-    head = newline.join(lines[:motion_at])
-    return BvhFile(name, head, newline, encoding, step_text, recording, tuple(said), mass, limits)
-
-
-def decoded(content: bytes) -> tuple[str, str]:
-    """The text of a file and its encoding: UTF-8, with or without a byte order mark, or else Latin-1, which takes all."""
-    encoding = "utf-8-sig" if content.startswith(b"\xef\xbb\xbf") else "utf-8"
-    try:
-        return content.decode(encoding), encoding
-    except UnicodeDecodeError:
-        return content.decode("latin-1"), "latin-1"
+    return BvhFile(
+        name=name, recording=recording, said=tuple(said), mass=mass, limits=limits, head=newline.join(lines[:motion_at]),
+        newline=newline, encoding=encoding, step_text=step_text,
+    )
 
 
 def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, statement) of a hierarchy, braces by themselves; lines count from 1."""
-    for number, line in enumerate(lines, 1):
-        if len(line) > LONGEST_LINE:
-            raise InvalidFile(f"length of line {number} of {name}", len(line), f"up to {LONGEST_LINE} characters")
-        for piece in re.split(r"([{}])", line):
+    for line, text in enumerate(lines, 1):
+        if len(text) > LONGEST_LINE:
+            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
+        for piece in re.split(r"([{}])", text):
             if piece.strip():
-                yield number, piece.strip()
+                yield line, piece.strip()
 
 
 def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
@@ -166,10 +144,10 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
     stack: list[int] = []
     awaited: int | None = None
     begun = False
-    for number, said in _statements(name, lines):
+    for line, said in _statements(name, lines):
         words = said.split(None, 7)
         word = words[0].lower()
-        at = f"line {number} of {name}"
+        at = f"line {line} of {name}"
         if not begun:
             if said.lower() != "hierarchy":
                 raise InvalidFile(at, said[:80], "HIERARCHY, with which a BVH file begins")
@@ -180,9 +158,9 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
             stack.append(awaited)
             awaited = None
         elif word == "motion" and not stack:
-            return _complete(name, joints), number
+            return _complete(name, joints), line
         elif word in ("root", "joint"):
-            awaited = _open(at, name, said, word, joints, stack, number)
+            awaited = _open(at, name, said, word, joints, stack, line)
         elif word == "end" and len(words) > 1 and words[1].lower() == "site":
             if not stack or stack[-1] < 0:
                 raise InvalidFile(at, said, "an end site within a joint")
@@ -192,7 +170,7 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
                 raise InvalidFile(at, said, "a } for a { only")
             stack.pop()
         elif word == "offset" and stack:
-            _offset(at, words, joints, stack[-1])
+            _offset(at, words, joints, stack)
         elif word == "channels" and stack and stack[-1] >= 0:
             _channels(at, said, joints, joints[stack[-1]])
         else:
@@ -221,14 +199,15 @@ def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack:
     return len(joints) - 1
 
 
-def _offset(at: str, words: list[str], joints: list[_Joint], top: int) -> None:
-    """An OFFSET line: of a joint, or of the end site of the joint that was opened last."""
+def _offset(at: str, words: list[str], joints: list[_Joint], stack: list[int]) -> None:
+    """An OFFSET line: of a joint, or of the end site within one."""
+    top = stack[-1]
     found = tuple(number(at, word) for word in words[1:4])
     if len(words) != 4:
         raise InvalidFile(f"numbers after OFFSET in {at}", len(words) - 1, "3")
     place = found[0], found[1], found[2]
     if top == END:
-        joints[-1].tips.append(place)
+        joints[stack[-2]].tips.append(place)
     elif joints[top].offset is not None:
         raise InvalidFile(at, " ".join(words), f"one OFFSET for {joints[top].name}")
     else:
@@ -266,17 +245,6 @@ def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
         joint.first = first
         first += len(joint.channels or ())
     return joints
-
-
-def number(at: str, word: str) -> float:
-    """The number that a word says; InvalidFile if it is none, or too large to mean anything."""
-    try:
-        found = float(word) if "_" not in word else np.nan
-    except ValueError:
-        found = np.nan
-    if not abs(found) <= LARGEST_NUMBER:
-        raise InvalidFile(f"number in {at}", word[:80], f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
-    return found
 
 
 def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tuple[Array, str]:
@@ -353,7 +321,6 @@ def _place(joint: _Joint, values: Array, root: bool) -> tuple[tuple[int, int, in
 
 def _recording(name: str, joints: list[_Joint], root: int, values: Array, step: float, axes: Axes) -> Recording:
     """The clip on its skeleton, in metres and with z up by `axes`; places of joints below the root are their means."""
-    above = [k for k in range(root) if k == 0 or joints[k].parent >= 0]
     bones, tracks = [], []
     for k, joint in enumerate(joints[root:], root):
         columns, start = _place(joint, values, k == root)
@@ -363,21 +330,16 @@ def _recording(name: str, joints: list[_Joint], root: int, values: Array, step: 
         unit = np.eye(3)
         bones.append(Bone(
             joint.name, joint.parent - root if k > root else -1, _metres(axes, mean),
-            axes=tuple(_vector(axes.vectors(unit[axis])) for _, axis in turns),
+            axes=tuple(vector(axes.vectors(unit[axis])) for _, axis in turns),
             turns=tuple(f"{'XYZ'[axis]}rotation" for _, axis in turns),
             tips=tuple(_metres(axes, np.array(tip)) for tip in joint.tips),
         ))
-    carriers = tuple(Track(*_place(joints[k], values, True), tuple(joints[k].columns("rotation"))) for k in above)
+    carriers = tuple(Track(*_place(joints[k], values, True), tuple(joints[k].columns("rotation"))) for k in range(root))
     return Recording(name, Skeleton(Path(name).stem, tuple(bones)), tuple(tracks), values, step, axes, carriers)
 
 
-def _vector(array: Array) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in array)
-    return x, y, z
-
-
 def _metres(axes: Axes, array: Array) -> tuple[float, float, float]:
-    return _vector(axes.scale * axes.vectors(array))
+    return vector(axes.scale * axes.vectors(array))
 
 
 def _on_parents(name: str, joints: list[_Joint], root: int, values: Array, scale: float, offsets: str) -> list[str]:

@@ -3,17 +3,16 @@
 A column that the motion leaves as it was keeps its number bit for bit; others get the angle nearest the one that stood there.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import euler
-from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.errors import InvalidInput
+from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
@@ -64,11 +63,13 @@ class Track:
 
     places  columns of x, y, z, in the file's axes
     start   (3,) what is added to them, and stands for those that have no column, in the file's unit
-    turns   (column, axis 0 to 2) of each turn, the outermost first"""
+    turns   (column, axis 0 to 2) of each turn, the outermost first
+    frame   the quaternion of the frame, in the file's axes, whose axes these are"""
 
     places: tuple[int, int, int]
     start: tuple[float, float, float]
     turns: tuple[tuple[int, int], ...]
+    frame: tuple[float, float, float, float] = rotation.IDENTITY
 
     def place(self, values: Array) -> Array:
         """Places (F, 3) in the file's unit and axes."""
@@ -86,6 +87,19 @@ class Track:
     def axes(self) -> tuple[int, ...]:
         """Axis of each turn."""
         return tuple(axis for _, axis in self.turns)
+
+    def turned(self, values: Array, angle: float) -> Array:
+        """Quaternions (F, 4) of all turns together, in the file's axes."""
+        own = euler.quaternion(self.axes, self.angles(values, angle))
+        if self.frame == rotation.IDENTITY:
+            return own
+        return rotation.multiply(rotation.multiply(self.frame, own), rotation.conjugate(self.frame))
+
+    def in_frame(self, turned: Array) -> Array:
+        """Quaternions (n, 4), in the file's axes, as turns about the frame's."""
+        if self.frame == rotation.IDENTITY:
+            return turned
+        return rotation.multiply(rotation.multiply(rotation.conjugate(self.frame), turned), self.frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +121,7 @@ class Recording:
         place, turned = np.zeros((len(values), 3)), np.tile(rotation.IDENTITY, (len(values), 1))
         for track in self.above:
             place = place + rotation.rotate(turned, track.place(values))
-            turned = rotation.multiply(turned, euler.quaternion(track.axes, track.angles(values, self.axes.angle)))
+            turned = rotation.multiply(turned, track.turned(values, self.axes.angle))
         return place, turned
 
     def looked_at(self, frames: int) -> Motion:
@@ -123,20 +137,29 @@ class Recording:
         rotations = np.tile(np.array(rotation.IDENTITY), (len(self.values), len(bones), 1))
         hinges: list[Array] = []
         for k, (bone, track) in enumerate(zip(bones, self.tracks, strict=True)):
-            angles = track.angles(self.values, self.axes.angle)
             if bone.parent < 0:
                 place, carried = self.carrier(self.values)
                 place = place + rotation.rotate(carried, track.place(self.values))
-                own = rotation.multiply(carried, euler.quaternion(track.axes, angles))
+                own = rotation.multiply(carried, track.turned(self.values, self.axes.angle))
                 positions[:, k] = self.axes.scale * self.axes.vectors(place)
-                rotations[:, k] = rotation.normalised(rotation.multiply(bone.turn, self.axes.turned(own)))
+                rotations[:, k] = rotation.normalised(self.axes.turned(own))
             elif len(track.turns) == 3:
-                rotations[:, k] = rotation.normalised(self.axes.turned(euler.quaternion(track.axes, angles)))
+                rotations[:, k] = rotation.normalised(self.axes.turned(track.turned(self.values, self.axes.angle)))
             else:
-                hinges.append(angles)
+                hinges.append(track.angles(self.values, self.axes.angle))
         all_hinges: Array = np.concatenate([np.zeros((len(self.values), 0)), *hinges], axis=1)
         times = np.arange(len(self.values), dtype=np.float64) * self.step
         return Motion(times, positions, rotations, all_hinges)
+
+    def motion_within(self, avatar: Avatar) -> Motion:
+        """The clip, with hinges on the turn nearest their limits: recordings count whole turns as they please."""
+        angles = self.motion.angles.copy()
+        hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
+        for k, hinge in enumerate(hinges):
+            if hinge.upper - hinge.lower < 2.0 * np.pi:
+                whole = np.round((angles[:, k] - 0.5 * (hinge.lower + hinge.upper)) / (2.0 * np.pi))
+                angles[:, k] -= 2.0 * np.pi * whole
+        return replace(self.motion, angles=angles)
 
     def rows(self, motion: Motion) -> tuple[Array, float]:
         """The columns (frames, columns) of another motion of the same avatar, and its step [s].
@@ -152,7 +175,8 @@ class Recording:
             if bone.parent < 0:
                 self._write_root(values, motion, near)
             elif len(track.turns) == 3:
-                self._write_turns(values, track, motion.rotations[:, k], self.motion.rotations[near, k], self.axes.turned_in_file)
+                turned = self.axes.turned_in_file(motion.rotations[:, k])
+                self._write_turns(values, track, turned, self.axes.turned_in_file(self.motion.rotations[near, k]))
             else:
                 for column, _ in track.turns:
                     _write_angle(values, column, motion.angles[:, hinge], self.motion.angles[near, hinge], self.axes.angle)
@@ -172,13 +196,13 @@ class Recording:
             raise InvalidInput("steps of a motion [s]", (float(steps.min()), float(steps.max())), valid)
         return mean
 
-    def _write_turns(self, values: Array, track: Track, turned: Array, before: Array, in_file: Callable[[Array], Array]) -> None:
-        """Write the angles of quaternions `turned` (n, 4) into `values`, where they differ from those `before`."""
+    def _write_turns(self, values: Array, track: Track, turned: Array, before: Array) -> None:
+        """Write the angles of quaternions `turned` (n, 4), in the file's axes, where they differ from those `before`."""
         moved = np.flatnonzero(away(turned, before) > SAME)[:, None]
         columns = np.array([column for column, _ in track.turns])
         near = values[moved, columns] * self.axes.angle
         a, b, c = track.axes
-        values[moved, columns] = euler.cardan((a, b, c), in_file(turned[moved[:, 0]]), near) / self.axes.angle
+        values[moved, columns] = euler.cardan((a, b, c), track.in_frame(turned[moved[:, 0]]), near) / self.axes.angle
 
     def _write_root(self, values: Array, motion: Motion, near: NDArray[np.int64]) -> None:
         bone, track = self.skeleton.bones[0], self.tracks[0]
@@ -194,14 +218,11 @@ class Recording:
                 valid = f"0: {self.thing} has no column for it"
                 raise InvalidInput(f"way of {bone.name} along {'xyz'[axis]} of the file [m]", far, valid)
 
-        def in_file(turned: Array) -> Array:
-            own = self.axes.turned_in_file(rotation.multiply(rotation.conjugate(bone.turn), turned))
-            return rotation.multiply(rotation.conjugate(carried), own)
-
-        turned = in_file(motion.rotations[:, 0])
-        before = in_file(self.motion.rotations[near, 0])
+        uncarried = rotation.conjugate(carried)
+        turned = rotation.multiply(uncarried, self.axes.turned_in_file(motion.rotations[:, 0]))
+        before = rotation.multiply(uncarried, self.axes.turned_in_file(self.motion.rotations[near, 0]))
         if len(track.turns) == 3:
-            self._write_turns(values, track, turned, before, lambda same: same)
+            self._write_turns(values, track, turned, before)
         elif (away(turned, before) > UNSAID).any():
             valid = f"0: {self.thing} has no three columns for it"
             raise InvalidInput(f"turn of {bone.name} [rad]", float(away(turned, before).max()), valid)
@@ -209,31 +230,12 @@ class Recording:
 
 def _write_angle(values: Array, column: int, angles: Array, before: Array, unit: float) -> None:
     """Write hinge angles (n,) [rad] into a column, where they differ from those `before`, on the turn that stood there."""
-    moved = np.abs(angles - before) > SAME
-    wanted = angles[moved]
-    whole = 2.0 * np.pi * np.round((wanted - before[moved]) / (2.0 * np.pi))
-    values[moved, column] = (wanted - whole) / unit
+    unturned = angles - 2.0 * np.pi * np.round((angles - before) / (2.0 * np.pi))
+    moved = np.abs(unturned - before) > SAME
+    values[moved, column] = unturned[moved] / unit
 
 
 def away(a: Array, b: Array) -> Array:
     """Angle [rad] from unit quaternions a to b, (..., 4)."""
     left = rotation.multiply(rotation.conjugate(a), b)
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(left[..., 1:], axis=-1), np.abs(left[..., 0])))
-
-
-def require_same_joints(thing: str, model: Model, own: Model) -> None:
-    """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the avatar's tree and joints."""
-    assert own.avatar is not None
-    links = () if model.avatar is None else model.avatar.links
-    for k, want in enumerate(own.avatar.links):
-        if k >= len(links):
-            raise InvalidFile(f"link {k} of the avatar for {thing}", None, f"{want.name}: the file brings its own avatar")
-        link = links[k]
-        if (link.name, link.parent) != (want.name, want.parent):
-            raise InvalidFile(f"link {k} of the avatar for {thing}", link.name, f"{want.name}: the file brings its own avatar")
-        turns = [len(joint.hinges) if isinstance(joint, Hinges) else type(joint).__name__ for joint in (link.joint, want.joint)]
-        if turns[0] != turns[1]:
-            raise InvalidFile(f"joint of {link.name}", link.joint, f"one as {want.joint}, which {thing} has turns for")
-    if len(links) > len(own.avatar.links):
-        beyond = links[len(own.avatar.links)].name
-        raise InvalidFile(f"link of the avatar for {thing}", beyond, "none: the file has no such joint")

@@ -1,0 +1,98 @@
+"""How far postures are beyond the limits of their joints: hinges, swing and twist of balls, and reach cones, in plain numpy.
+
+The same definitions as the kernels of `avatarsim/model/joint_limits.py`, for whole clips at once.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.joint import Ball, Hinges, ReachCone
+from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+NOTICED = 1e-6
+"""Angle [rad] from which a joint counts as beyond its limits: less than any figure of a file says."""
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """A joint that a clip takes beyond its limits: in how many `frames`, and by how much at `most` [rad]."""
+
+    joint: str
+    frames: int
+    most: float
+
+
+def beyond_limits(avatar: Avatar, motion: Motion) -> tuple[Beyond, ...]:
+    """The joints that a motion of this avatar takes beyond their limits, worst first."""
+    found, hinge = [], 0
+    for k, link in enumerate(avatar.links):
+        excess = np.zeros(len(motion))
+        if isinstance(link.joint, Hinges):
+            for joint in link.joint.hinges:
+                angle = motion.angles[:, hinge]
+                excess = np.maximum(excess, np.maximum(joint.lower - angle, angle - joint.upper))
+                hinge += 1
+        elif isinstance(link.joint, Ball):
+            excess = ball_excess(link.joint, rotation.multiply(link.orientation, motion.rotations[:, k]))
+        frames = int((excess > NOTICED).sum())
+        if frames:
+            found.append(Beyond(link.name, frames, float(excess.max())))
+    return tuple(sorted(found, key=lambda one: -one.most))
+
+
+def ball_excess(joint: Ball, turned: Array) -> Array:
+    """Angles (F,) [rad] by which turns (F, 4), from the link's frame to the parent's, are beyond a ball's limits; 0 inside."""
+    excess = np.zeros(len(turned))
+    if joint.limits is not None:
+        swing, twist = swing_and_twist(turned, joint.limits.axis, joint.limits.centre)
+        low, high = joint.limits.twist
+        excess = np.maximum(swing - joint.limits.swing, np.maximum(low - twist, twist - high))
+        if joint.cone is not None:
+            limbs = rotation.rotate(turned, joint.limits.axis)
+            excess = np.maximum(excess, np.array([reach_excess(joint.cone, limb) for limb in limbs]))
+    return np.maximum(excess, 0.0)
+
+
+def swing_and_twist(turned: ArrayLike, axis: ArrayLike, centre: ArrayLike) -> tuple[Array, Array]:
+    """Swing and twist (...,) [rad] of turns (..., 4): the angle of the limb, `axis` turned, to `centre`, and what is left about
+    `centre` once the limb has swung back, counted from the shortest turn of `axis` onto `centre`."""
+    start, middle = np.asarray(axis, dtype=np.float64), np.asarray(centre, dtype=np.float64)
+    limb = rotation.rotate(turned, start)
+    across = rotation.cross(middle, limb)
+    swing = np.arctan2(np.linalg.norm(across, axis=-1), limb @ middle)
+    back = rotation.conjugate(rotation.from_rotation_vector(_along(across, swing)))
+    untwisted = rotation.multiply(turned, rotation.conjugate(rotation.between(start, middle)))
+    left = rotation.multiply(back, untwisted)
+    return np.asarray(swing), np.asarray(_wrapped(2.0 * np.arctan2(left[..., 1:] @ middle, left[..., 0])))
+
+
+def _along(across: Array, angle: Array) -> Array:
+    """Vectors (..., 3) of these lengths along others; zero along one without length."""
+    length = np.linalg.norm(across, axis=-1, keepdims=True)
+    return np.asarray(across / np.where(length > 1e-12, length, 1.0) * angle[..., None])
+
+
+def _wrapped(angle: Array) -> Array:
+    return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
+
+
+def reach_excess(cone: ReachCone, limb: Array) -> float:
+    """Angle [rad] by which a unit direction (3,) is outside the polygon: the triangles of its edges and its visible point."""
+    seen, starts = np.array(cone.visible_point), cone.vertices
+    ends = np.roll(starts, -1, axis=0)
+    inward = np.cross(starts, ends)
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+    beside, following = np.cross(seen, starts) @ limb, np.cross(seen, ends) @ limb
+    if ((beside >= 0.0) & (following <= 0.0) & (inward @ limb >= 0.0)).any():
+        return 0.0
+    feet = limb - (inward @ limb)[:, None] * inward
+    feet /= np.maximum(np.linalg.norm(feet, axis=1), 1e-12)[:, None]
+    on_arc = ((np.cross(inward, starts) * feet).sum(axis=1) >= 0.0) & ((np.cross(ends, inward) * feet).sum(axis=1) >= 0.0)
+    nearest = np.concatenate([feet[on_arc], starts])
+    return float(np.arctan2(np.linalg.norm(np.cross(nearest, limb), axis=1), nearest @ limb).min())

@@ -1,0 +1,300 @@
+"""Acclaim skeleton files (ASF): bones with a direction, a length, a frame of their own and the turns of the joint they begin at.
+
+As in Lander, *Working with Motion Capture File Formats* (Game Developer, 1998). A bone's turn is C M inverse(C), with C the frame
+that `axis` states and M the turns of `dof`, the first letter of the order applied first. Bones begin where their parent ends.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.skeleton import Bone, Skeleton
+from avatarsim.assets.motions import euler
+from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_JOINTS
+from avatarsim.assets.motions.recording import Axes
+from avatarsim.assets.motions.text import SHOWN, decoded, number, vector
+from avatarsim.errors import InvalidFile
+from avatarsim.files import read_bytes
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+DEGREE = float(np.pi / 180.0)
+INCH = 0.0254
+"""Metres of an inch, in which ASF files measure once their numbers are divided by the `length` that they state."""
+
+USUAL_LENGTH = 0.45
+"""What nearly every file states as `length`, and what is taken where none does."""
+
+ROOT = "root"
+
+DOFS = {
+    "rx": ("turn", 0), "ry": ("turn", 1), "rz": ("turn", 2),
+    "tx": ("way", 0), "ty": ("way", 1), "tz": ("way", 2), "l": ("way", 3),
+}
+"""What numbers of a bone in AMC are, in small letters: turns about an axis, ways along one, and along the bone."""
+
+
+@dataclass
+class AsfBone:
+    """A bone as it stands in the file, in its units; of the root `length` is 0 and `position` where it begins.
+
+    axis    angles of its frame, and `order` in which letters these and its turns are applied
+    dof     what AMC has numbers for, in that order, of DOFS
+    limits  of each of them"""
+
+    name: str
+    line: int
+    direction: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    length: float = 0.0
+    axis: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    order: str = "xyz"
+    dof: tuple[str, ...] = ()
+    limits: list[tuple[float, float]] = field(default_factory=list)
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def turns(self) -> list[tuple[int, int]]:
+        """(place among its numbers, axis) of each turn, the outermost first: the last letter of the order."""
+        found = [(k, DOFS[dof][1]) for k, dof in enumerate(self.dof) if DOFS[dof][0] == "turn"]
+        return sorted(found, key=lambda turn: -self.order.index("xyz"[turn[1]]))
+
+    def frame(self, angle: float) -> Array:
+        """C, the bone's frame at rest, in the file's axes; `angle` is its unit of angle [rad]."""
+        axes = tuple("xyz".index(letter) for letter in reversed(self.order))
+        return euler.quaternion(axes, np.array([self.axis["xyz".index(letter)] for letter in reversed(self.order)]) * angle)
+
+
+@dataclass(frozen=True, eq=False)
+class Asf:
+    """A skeleton file: its bones, the root first and parents before children, the `parents` of each, and its units."""
+
+    name: str
+    bones: tuple[AsfBone, ...]
+    parents: tuple[int, ...]
+    length: float | None
+    angle: float
+
+    @property
+    def unit(self) -> float:
+        """Metres of a unit of length, as the file states it."""
+        return INCH / (self.length or USUAL_LENGTH)
+
+    def skeleton(self, axes: Axes) -> Skeleton:
+        """The tree of bones in metres and with z up."""
+        leaves = set(range(len(self.bones))) - set(self.parents)
+        ends = [vector(axes.scale * axes.vectors(bone.length * np.array(bone.direction))) for bone in self.bones]
+        found = []
+        for k, (bone, parent) in enumerate(zip(self.bones, self.parents, strict=True)):
+            turns, frame = bone.turns(), bone.frame(self.angle)
+            found.append(Bone(
+                bone.name, parent, ends[parent] if parent >= 0 else (0.0, 0.0, 0.0),
+                axes=tuple(vector(axes.vectors(rotation.rotate(frame, np.eye(3)[axis]))) for _, axis in turns),
+                turns=tuple(bone.dof[place] for place, _ in turns), tips=(ends[k],) if k in leaves else (),
+                limits=self._limits(bone, turns),
+            ))
+        return Skeleton(Path(self.name).stem, tuple(found))
+
+    def _limits(self, bone: AsfBone, turns: list[tuple[int, int]]) -> tuple[tuple[float, float], ...]:
+        """The file's limits [rad] of each turn; none where it states none."""
+        if not bone.limits:
+            return ()
+        return tuple((bone.limits[place][0] * self.angle, bone.limits[place][1] * self.angle) for place, _ in turns)
+
+
+def read_asf(path: str | Path) -> Asf:
+    """The ASF file at `path`. Raises InvalidFile, by file and line."""
+    path = Path(path)
+    name = path.name
+    text, _ = decoded(read_bytes(path, name, "an ASF file", MOST_BYTES))
+    sections = dict[str, list[tuple[int, str]]]()
+    current: list[tuple[int, str]] | None = None
+    for line, said in _lines(name, text):
+        if said.startswith(":"):
+            word, _, rest = said[1:].partition(" ")
+            if word.lower() in sections:
+                raise InvalidFile(f"section of line {line} of {name}", word[:SHOWN], "each section once")
+            current = sections[word.lower()] = [(line, rest.strip())] if rest.strip() else []
+        elif current is None:
+            raise InvalidFile(f"line {line} of {name}", said[:SHOWN], "a section, such as :version, before all else")
+        else:
+            current.append((line, said))
+    for wanted in ("root", "bonedata", "hierarchy"):
+        if wanted not in sections:
+            raise InvalidFile(f"sections of {name}", sorted(sections)[:20], f":{wanted} among them")
+    length, angle = _units(name, sections.get("units", []))
+    bones = [_root(name, sections["root"]), *_bones(name, sections["bonedata"])]
+    ordered, parents = _tree(name, bones, sections["hierarchy"])
+    return Asf(name, tuple(ordered), tuple(parents), length, angle)
+
+
+def _lines(name: str, text: str) -> Iterator[tuple[int, str]]:
+    """(line, text) without comments and what is empty; lines count from 1."""
+    for number_of, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+        if len(line) > LONGEST_LINE:
+            raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {LONGEST_LINE} characters")
+        said = line.partition("#")[0].strip()
+        if said:
+            yield number_of, said
+
+
+def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float]:
+    """The `length` that the section states, None if it states none, and the unit of angle [rad]."""
+    length, angle = None, DEGREE
+    for line, said in lines:
+        at = f"line {line} of {name}"
+        words = said.lower().split(None, 2)
+        if words[0] == "length" and len(words) > 1:
+            length = number(at, words[1])
+            if not length > 0.0:
+                raise InvalidFile(f"length in {at}", length, "above 0")
+        elif words[0] == "angle" and len(words) > 1:
+            angle = angle_unit(at, words[1])
+    return length, angle
+
+
+def angle_unit(at: str, word: str) -> float:
+    """The unit of angle [rad] that a word says."""
+    if word.startswith("deg"):
+        return DEGREE
+    if word.startswith("rad"):
+        return 1.0
+    raise InvalidFile(f"unit of angle in {at}", word[:SHOWN], "deg or rad")
+
+
+def _triple(at: str, words: list[str]) -> tuple[float, float, float]:
+    if len(words) < 3:
+        raise InvalidFile(f"numbers in {at}", len(words), "3")
+    return number(at, words[0]), number(at, words[1]), number(at, words[2])
+
+
+def _order(at: str, word: str) -> str:
+    if sorted(word.lower()) != ["x", "y", "z"]:
+        raise InvalidFile(f"order of axes in {at}", word[:SHOWN], "x, y and z in some order, as XYZ")
+    return word.lower()
+
+
+def _dof(at: str, words: list[str]) -> tuple[str, ...]:
+    found = tuple(word.lower() for word in words)
+    for k, word in enumerate(found):
+        if word not in DOFS or word in found[:k]:
+            raise InvalidFile(f"degree of freedom in {at}", word[:SHOWN], f"one of {', '.join(DOFS)}, each once at most")
+    return found
+
+
+def _root(name: str, lines: list[tuple[int, str]]) -> AsfBone:
+    root = AsfBone(ROOT, lines[0][0] if lines else 0)
+    for line, said in lines:
+        at = f"line {line} of {name}"
+        word, *words = said.split(None, 9)
+        if word.lower() == "order":
+            root.dof = _dof(at, words)
+        elif word.lower() == "axis":
+            root.order = _order(at, words[0] if words else "")
+        elif word.lower() == "position":
+            root.position = _triple(at, words)
+        elif word.lower() == "orientation":
+            if any(_triple(at, words)):
+                raise InvalidFile(f"orientation of root in {at}", said[:SHOWN], "0 0 0: readers differ in what others mean")
+    return root
+
+
+def _bones(name: str, lines: list[tuple[int, str]]) -> list[AsfBone]:
+    """The bones between `begin` and `end`, in the file's order."""
+    found: list[AsfBone] = []
+    bone: AsfBone | None = None
+    for line, said in lines:
+        at = f"line {line} of {name}"
+        word, *words = said.split(None, 9)
+        if word.lower() == "begin":
+            if bone is not None:
+                raise InvalidFile(at, said[:SHOWN], "an end of the bone before")
+            bone = AsfBone("", line)
+        elif bone is None:
+            raise InvalidFile(at, said[:SHOWN], "begin")
+        elif word.lower() == "end":
+            found.append(_whole(name, bone, found))
+            bone = None
+        else:
+            _say(at, said, word.lower(), words, bone)
+    if bone is not None:
+        raise InvalidFile(f"end of {name}", f"in the bone of line {bone.line}", "end after each begin")
+    return found
+
+
+def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None:
+    """One line of a bone."""
+    if word == "name":
+        bone.name = said[len(word) :].strip()
+        if not bone.name or len(bone.name) > LONGEST_NAME or bone.name.lower() == ROOT:
+            raise InvalidFile(f"name of a bone in {at}", bone.name[:SHOWN], f"1 to {LONGEST_NAME} characters, not {ROOT}")
+    elif word == "direction":
+        bone.direction = _triple(at, words)
+    elif word == "length":
+        bone.length = number(at, words[0] if words else "")
+    elif word == "axis":
+        bone.axis = _triple(at, words)
+        bone.order = _order(at, words[3] if len(words) > 3 else "XYZ")
+    elif word == "dof":
+        bone.dof = _dof(at, words)
+    elif word == "limits" or word.startswith("("):
+        pairs = re.findall(r"\(\s*([^\s()]+)\s+([^\s()]+)\s*\)", said)
+        bone.limits += [(_limit(at, low), _limit(at, high)) for low, high in pairs]
+    elif word not in ("id", "bodymass", "cofmass", "bodycolor", "radius"):
+        raise InvalidFile(at, said[:SHOWN], "id, name, direction, length, axis, dof, limits or end")
+
+
+def _limit(at: str, word: str) -> float:
+    return float(word) if word.lower() in ("inf", "-inf") else number(at, word)
+
+
+def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
+    """The bone, if it has what a bone must have."""
+    at = f"the bone of line {bone.line} of {name}"
+    if not bone.name:
+        raise InvalidFile(f"name of {at}", None, "a line name within it")
+    same = [other.line for other in before if other.name == bone.name]
+    if same:
+        raise InvalidFile(f"name of {at}", bone.name, f"another than that of line {same[0]}")
+    if len(before) >= MOST_JOINTS - 1:
+        raise InvalidFile(f"bones of {name}", f"more than {MOST_JOINTS - 1} in line {bone.line}", f"up to {MOST_JOINTS - 1}")
+    if bone.length < 0.0:
+        raise InvalidFile(f"length of {bone.name}, {at}", bone.length, "0 or more")
+    if bone.limits and len(bone.limits) != len(bone.dof):
+        raise InvalidFile(f"limits of {bone.name}, {at}", len(bone.limits), f"{len(bone.dof)}, one for each of its dof")
+    return bone
+
+
+def _tree(name: str, bones: list[AsfBone], lines: list[tuple[int, str]]) -> tuple[list[AsfBone], list[int]]:
+    """The bones with parents before children, and their parents' places; every bone hangs on the root, once."""
+    by_name = {bone.name: bone for bone in bones}
+    children = dict[str, list[str]]()
+    carried: set[str] = set()
+    for line, said in lines:
+        if said.lower() in ("begin", "end"):
+            continue
+        words = said.split(None, MOST_JOINTS + 1)
+        for word in words:
+            if word not in by_name:
+                raise InvalidFile(f"bone in line {line} of {name}", word[:SHOWN], "root or a name of :bonedata")
+        for child in words[1:]:
+            if child in carried or child == ROOT:
+                valid = "bones that hang on one other, and not the root"
+                raise InvalidFile(f"bone in line {line} of {name}", child[:SHOWN], valid)
+            carried.add(child)
+            children.setdefault(words[0], []).append(child)
+    ordered, parents = [bones[0]], [-1]
+    waiting = [(child, 0) for child in reversed(children.get(ROOT, []))]
+    while waiting:
+        child, parent = waiting.pop()
+        ordered.append(by_name[child])
+        parents.append(parent)
+        waiting += [(below, len(ordered) - 1) for below in reversed(children.get(child, []))]
+    lost = [bone.name for bone in bones if bone not in ordered]
+    if lost:
+        valid = "none: :hierarchy hangs every bone on another, in no circle"
+        raise InvalidFile(f"bones of {name} that do not hang on the root", lost[:20], valid)
+    return ordered, parents

@@ -1,0 +1,241 @@
+"""Acclaim motion files (AMC): frame by frame the numbers of every bone of a skeleton file (ASF), which stands beside them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.anthropometry import BODY_MASS
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.asf import DOFS, Asf, AsfBone, angle_unit, read_asf
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, MOST_BYTES, MOST_FRAMES
+from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
+from avatarsim.assets.motions.recorded_file import RecordedFile
+from avatarsim.assets.motions.recording import Axes, Recording, Track
+from avatarsim.assets.motions.text import SHOWN, decoded, number
+from avatarsim.errors import InvalidFile
+from avatarsim.files import read_bytes
+from avatarsim.scene.motion import Motion
+
+Array = NDArray[np.float64]
+
+USUAL_RATE = 120.0
+"""Frames a second of CMU's recordings, and of most others in this format, which has no place to say them."""
+
+FASTEST_RATE = 10_000.0
+"""Frames a second at most: no camera that sees a whole human takes more."""
+
+STILL = 1e-6
+"""Way [m] that a bone may be moved along its parent and still count as fixed on it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AmcFile(RecordedFile):
+    """An AMC file that was read whole, on its skeleton.
+
+    head   its lines before the first frame
+    first  the number of that frame
+    order  the bones, as each frame lists them, and which columns are theirs"""
+
+    head: str
+    first: int
+    order: tuple[tuple[str, slice], ...]
+    newline: str
+    encoding: str
+    format: str = "amc"
+
+    def written(self, motion: Motion, model: Model) -> bytes:
+        """The file with this motion: header and order of bones as they were, numbers with all their digits.
+
+        Bones that the motion leaves as they were keep their numbers. The format has no place for a rate: of a resampled motion
+        the reader must know it. Raises InvalidFile unless `model` has the file's joints, and InvalidInput for steps that
+        differ."""
+        self.require_own(model)
+        values, _ = self.recording.rows(motion)
+        lines = [self.head] if self.head else []
+        for frame, row in enumerate(values.tolist(), self.first):
+            lines.append(str(frame))
+            lines += [" ".join([bone, *map(repr, row[columns])]) for bone, columns in self.order]
+        return (self.newline.join(lines) + self.newline).encode(self.encoding)
+
+
+def read_amc(
+    path: str | Path, *, skeleton: str | Path | None = None, rate: float | None = None, scale: float | None = None,
+    up: str | None = None, mass: float = BODY_MASS, limits: bool = True,
+) -> AmcFile:
+    """The AMC file at `path` on its skeleton.
+
+    skeleton  the ASF file; by default the one of the same name, or of what stands before the first underscore, beside it
+    rate      frames a second; by default 120
+    scale     metres of a unit of length; by default as the ASF file states it, if a human of that size exists, else guessed
+    up        "y" or "z"; by default guessed of the postures
+    mass      of the avatar [kg]
+    limits    whether its joints have their range of motion
+
+    Raises InvalidFile for what is no such file, or does not fit the skeleton, and names its line."""
+    path = Path(path)
+    asf_path = Path(skeleton) if skeleton is not None else _beside(path)
+    asf = read_asf(asf_path)
+    said = [] if skeleton is not None else [f"skeleton of {path.name}: {asf_path.name} beside it; skeleton= names another"]
+    if rate is None:
+        rate = USUAL_RATE
+        said.append(f"rate of {path.name}: {rate:g} frames a second, as CMU's; the format does not state it, rate= does")
+    if not (isinstance(rate, (int, float)) and 0.0 < rate <= FASTEST_RATE):
+        raise InvalidFile(f"rate of {path.name} [1/s]", rate, f"above 0, up to {FASTEST_RATE:g}")
+    text, encoding = decoded(read_bytes(path, path.name, "an AMC file", MOST_BYTES))
+    newline = "\r\n" if "\r\n" in text else "\n"
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    head, angle = _header(path.name, lines, asf)
+    first, order, values = _frames(path.name, lines, head, asf)
+    tracks = _tracks(asf, dict(order))
+
+    def made(axes: Axes) -> Recording:
+        return Recording(path.name, asf.skeleton(axes), tracks, values, 1.0 / rate, axes)
+
+    axes, guesses = _axes(path.name, asf, made, angle, scale, up)
+    _require_fixed(path.name, asf, dict(order), values, axes.scale)
+    return AmcFile(
+        name=path.name, recording=made(axes), said=(*said, *guesses), mass=mass, limits=limits, head=newline.join(lines[:head]),
+        first=first, order=tuple(order), newline=newline, encoding=encoding,
+    )
+
+
+def _beside(path: Path) -> Path:
+    """The skeleton file that belongs to a motion file by their names: 02_01.amc lies beside 02_01.asf or 02.asf."""
+    stems = dict.fromkeys((path.stem, path.stem.partition("_")[0]))
+    for stem in stems:
+        for suffix in (".asf", ".ASF"):
+            if path.with_name(stem + suffix).is_file():
+                return path.with_name(stem + suffix)
+    wanted = " or ".join(f"{stem}.asf" for stem in stems)
+    raise InvalidFile(f"skeleton of {path.name}", None, f"{wanted} beside it, or skeleton= with the ASF file")
+
+
+def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
+    """How many lines stand before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
+    angle = asf.angle
+    for k, line in enumerate(lines):
+        said = line[:SHOWN].strip().lower()
+        if said.startswith(":") and said[1:4] in ("deg", "rad"):
+            angle = angle_unit(f"line {k + 1} of {name}", said[1:])
+        elif said and not said.startswith((":", "#")):
+            return k, angle
+    raise InvalidFile(f"end of {name}", "before the first frame", "a line with the number of a frame")
+
+
+def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list[tuple[str, slice]], Array]:
+    """The first frame's number, which columns are whose, and the numbers (F, columns). Raises InvalidFile."""
+    bones = {bone.name: bone for bone in asf.bones}
+    order = dict[str, slice]()
+    rows: list[Array] = []
+    row: Array | None = None
+    seen: set[str] = set()
+    first = 0
+    for line, text in enumerate(lines[head:], head + 1):
+        if not text or text.isspace() or text.startswith("#"):
+            continue
+        at = f"line {line} of {name}"
+        if len(text) > LONGEST_LINE:
+            raise InvalidFile(f"length of {at}", len(text), f"up to {LONGEST_LINE} characters")
+        words = text.split()
+        if len(words) == 1 and words[0].isdecimal():
+            _require_whole(name, order, seen, len(rows), line)
+            first = _frame_number(at, words[0], len(rows), first)
+            row = np.empty(sum(columns.stop - columns.start for columns in order.values()))
+            rows.append(row)
+            seen = set()
+            continue
+        bone = bones.get(words[0])
+        if row is None or bone is None or words[0] in seen:
+            valid = f"the number of a frame, or a bone of {asf.name}, once a frame"
+            raise InvalidFile(f"first word of {at}", words[0][:SHOWN], valid)
+        seen.add(words[0])
+        numbers = _numbers(at, words, bone)
+        if len(rows) == 1:
+            order[words[0]] = slice(len(row), len(row) + len(numbers))
+            row = rows[0] = np.concatenate([row, numbers])
+        elif words[0] not in order:
+            raise InvalidFile(f"bone in {at}", words[0], "one that the first frame has numbers for")
+        else:
+            row[order[words[0]]] = numbers
+    _require_whole(name, order, seen, len(rows), len(lines))
+    missing = [bone.name for bone in asf.bones if bone.dof and bone.name not in order]
+    if missing:
+        raise InvalidFile(f"bones of {asf.name} without numbers in {name}", missing[:20], "none: fully specified frames")
+    return first, list(order.items()), np.array(rows)
+
+
+def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: int, line: int) -> None:
+    """Raise InvalidFile if the frame that ends at a line lacks a bone that the first one has."""
+    missing = [bone for bone in order if bone not in seen]
+    if frames and missing:
+        raise InvalidFile(f"bones that frame {frames} of {name} lacks, at line {line}", missing[:20], "none")
+
+
+def _frame_number(at: str, word: str, frames: int, first: int) -> int:
+    """The number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
+    if len(word) > 12 or frames >= MOST_FRAMES:
+        raise InvalidFile(f"number of a frame in {at}", word[:SHOWN], f"at most {MOST_FRAMES} frames")
+    if frames and int(word) != first + frames:
+        raise InvalidFile(f"number of a frame in {at}", int(word), f"{first + frames}, after the one before")
+    return first if frames else int(word)
+
+
+def _numbers(at: str, words: list[str], bone: AsfBone) -> Array:
+    """The numbers of a bone's line."""
+    if len(words) - 1 != len(bone.dof):
+        raise InvalidFile(f"numbers of {bone.name} in {at}", len(words) - 1, f"{len(bone.dof)}: {' '.join(bone.dof)}")
+    try:
+        found = np.array(words[1:], dtype=np.float64)
+    except ValueError:
+        found = np.full(len(bone.dof), np.nan)
+    if not (np.abs(found) <= LARGEST_NUMBER).all():
+        for word in words[1:]:
+            number(at, word)
+    return found
+
+
+def _tracks(asf: Asf, order: dict[str, slice]) -> tuple[Track, ...]:
+    """The columns of every bone."""
+    found = []
+    for k, bone in enumerate(asf.bones):
+        first = order[bone.name].start if bone.dof else 0
+        places = [-1, -1, -1]
+        for place, dof in enumerate(bone.dof):
+            kind, axis = DOFS[dof]
+            if k == 0 and kind == "way" and axis < 3:
+                places[axis] = first + place
+        turns = tuple((first + place, axis) for place, axis in bone.turns())
+        w, x, y, z = (float(v) for v in bone.frame(asf.angle))
+        found.append(Track((places[0], places[1], places[2]), bone.position, turns, (w, x, y, z)))
+    return tuple(found)
+
+
+def _axes(
+    name: str, asf: Asf, made: Callable[[Axes], Recording], angle: float, scale: float | None, up: str | None
+) -> tuple[Axes, list[str]]:
+    """The axes of the clip: the unit of length as the skeleton states it, if a human of that size exists."""
+    axes, said = guessed(name, made, angle, asf.unit if scale is None else scale, up)
+    if scale is not None:
+        return axes, said
+    tall = standing(made(axes))
+    stated = "as it states" if asf.length else "the usual one, as it states none"
+    if SHORTEST <= tall <= TALLEST:
+        said.append(f"unit of length of {asf.name}: {asf.unit:.6g} m, {stated}; with it the skeleton stands {tall:.2f} m tall")
+        return axes, said
+    axes, guesses = guessed(name, made, angle, None, axes.up)
+    left = f"{stated} ({asf.unit:.6g} m), with which the skeleton would stand {tall:.3g} m tall"
+    said.append(f"unit of length of {asf.name} is not {left}")
+    return axes, said + guesses
+
+
+def _require_fixed(name: str, asf: Asf, order: dict[str, slice], values: Array, scale: float) -> None:
+    """Raise InvalidFile for a bone below the root that is moved along its parent: an avatar's links sit in joints."""
+    for bone in asf.bones[1:]:
+        for place, dof in enumerate(bone.dof):
+            way = values[:, order[bone.name].start + place] if DOFS[dof][0] == "way" else np.zeros(1)
+            if not (scale * np.abs(way)).max() <= STILL:
+                far = float(scale * np.abs(way).max())
+                raise InvalidFile(f"way {dof} of {bone.name} on its parent in {name} [m]", far, f"up to {STILL:g}")

@@ -1,0 +1,86 @@
+"""A file of a recorded clip that brings its own skeleton: its human avatar, its motion, and whether another avatar fits it."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from avatarsim.assets.models.ball_limits import Beyond, beyond_limits
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.measures import standing
+from avatarsim.assets.motions.recording import Recording
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.joint import Hinges
+from avatarsim.scene.motion import Motion
+
+POSTURES = 64
+"""Postures, evenly through a clip, among which a standing one is looked for."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RecordedFile:
+    """What the formats of recorded skeletons have in common.
+
+    name       of the file, for sentences
+    recording  its clip on its skeleton
+    said       sentences on what was guessed
+    mass       of the avatar [kg]
+    limits     whether its joints of known name have their range of motion"""
+
+    name: str
+    recording: Recording
+    said: tuple[str, ...]
+    mass: float
+    limits: bool
+
+    @cached_property
+    def _model(self) -> Model:
+        recording = self.recording
+        built = human(recording.skeleton, standing(recording), recording.looked_at(POSTURES), self.mass, self.limits)
+        assert built.avatar is not None
+        beyond = beyond_limits(built.avatar, recording.motion_within(built.avatar))
+        if not beyond:
+            return built
+        listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {np.degrees(one.most):.1f} degrees)" for one in beyond)
+        frames = len(recording.values)
+        leaves = f"{self.name} itself leaves limits of joints in its {frames} frames, and is clipped to them when run"
+        return replace(built, said=(*built.said, f"{leaves}: {listed}"))
+
+    def model(self) -> Model:
+        """The human avatar of the file's skeleton. What it says lists the joints that the recording takes beyond their limits."""
+        return self._model
+
+    def motion(self, model: Model) -> Motion:
+        """The clip as it was recorded, whatever the limits of joints; InvalidFile unless `model` has the file's joints."""
+        self.require_own(model)
+        assert model.avatar is not None
+        return self.recording.motion_within(model.avatar)
+
+    def beyond_limits(self, model: Model) -> tuple[Beyond, ...]:
+        """The joints that the clip takes beyond the limits of this avatar, worst first, in how many frames and by how much."""
+        motion = self.motion(model)
+        assert model.avatar is not None
+        return beyond_limits(model.avatar, motion)
+
+    def require_own(self, model: Model) -> None:
+        """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the file's tree and joints."""
+        require_same_joints(self.name, model, self._model)
+
+
+def require_same_joints(thing: str, model: Model, own: Model) -> None:
+    """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the avatar's tree and joints."""
+    assert own.avatar is not None
+    links = () if model.avatar is None else model.avatar.links
+    for k, want in enumerate(own.avatar.links):
+        if k >= len(links):
+            raise InvalidFile(f"link {k} of the avatar for {thing}", None, f"{want.name}: the file brings its own avatar")
+        link = links[k]
+        if (link.name, link.parent) != (want.name, want.parent):
+            raise InvalidFile(f"link {k} of the avatar for {thing}", link.name, f"{want.name}: the file brings its own avatar")
+        turns = [len(joint.hinges) if isinstance(joint, Hinges) else type(joint).__name__ for joint in (link.joint, want.joint)]
+        if turns[0] != turns[1]:
+            raise InvalidFile(f"joint of {link.name}", link.joint, f"one as {want.joint}, which {thing} has turns for")
+    if len(links) > len(own.avatar.links):
+        beyond = links[len(own.avatar.links)].name
+        raise InvalidFile(f"link of the avatar for {thing}", beyond, "none: the file has no such joint")

@@ -1,0 +1,96 @@
+"""A human avatar from a recorded skeleton: capsules, masses, joints, pairs that may overlap, and what is said of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.skeleton import Bone, Skeleton
+from tests.assets.models.recorded import BALL, XYZ, clip, human_skeleton
+
+SKELETON = human_skeleton()
+
+
+def test_joints_are_those_of_the_skeleton_and_masses_those_of_a_body() -> None:
+    model = human(SKELETON, 1.7, clip(SKELETON, {}), mass=80.0)
+    assert model.avatar is not None and model.coordinates is not None and model.bodies == ()
+    links = model.avatar.links
+    assert [link.name for link in links] == [bone.name for bone in SKELETON.bones]
+    assert isinstance(links[0].joint, av.Free) and all(isinstance(link.joint, av.Ball) for link in links[1:])
+    mass = {link.name: link.mass.mass for link in links}
+    assert sum(mass.values()) == pytest.approx(80.0)
+    assert mass["LeftArm"] == pytest.approx(80.0 * 0.0271) and mass["RightUpLeg"] == pytest.approx(80.0 * 0.1416)
+    assert mass["Hips"] + mass["Spine"] + mass["LeftShoulder"] + mass["RightShoulder"] == pytest.approx(80.0 * 0.4346)
+    assert model.coordinates.names == tuple(bone.name for bone in SKELETON.bones) and model.coordinates.width == 7 + 4 * 17
+    assert "construction by its joints' names" in model.said[0]
+
+
+def test_capsules_lie_between_joints_and_end_at_tips() -> None:
+    avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
+    assert avatar is not None
+    links = {link.name: link for link in avatar.links}
+    (thigh,) = links["LeftUpLeg"].pieces
+    assert isinstance(thigh.shape, av.Capsule) and thigh.shape.length == pytest.approx(0.42)
+    assert thigh.position == pytest.approx((0.0, 0.0, -0.21)) and 0.06 < thigh.shape.radius < 0.1
+    (hand,) = links["LeftHand"].pieces
+    assert isinstance(hand.shape, av.Capsule)
+    assert hand.position[1] + 0.5 * hand.shape.length + hand.shape.radius == pytest.approx(0.18)
+    assert len(links["Hips"].pieces) == 3 and len(links["Spine"].pieces) == 3
+
+
+def test_pairs_that_overlap_may_and_are_named() -> None:
+    model = human(SKELETON, 1.7, clip(SKELETON, {}))
+    assert model.avatar is not None
+    assert ("Hips", "Neck") not in model.avatar.ignore and ("Spine", "LeftArm") in model.avatar.ignore
+    assert not {"LeftHand", "LeftFoot"} & {name for pair in model.avatar.ignore for name in pair}
+    # both arms down: hands beside thighs, in the first frame only
+    down = clip(SKELETON, {"LeftArm": ((1.0, 0.0, 0.0), -97.0), "RightArm": ((1.0, 0.0, 0.0), 97.0)})
+    touching = human(SKELETON, 1.7, down)
+    assert touching.avatar is not None and ("LeftHand", "LeftUpLeg") in touching.avatar.ignore
+    assert "LeftHand and LeftUpLeg" in " ".join(touching.said)
+    engine = av.AvatarsimEngine()
+    for built, motion in ((model, clip(SKELETON, {})), (touching, down)):
+        assert built.avatar is not None
+        engine.load(av.Scene("room", avatars=(built.avatar,), start=motion.sample(0)), av.Settings(), 1.0 / 60.0)
+    engine.close()
+
+
+def test_a_folded_skeleton_excludes_what_is_near_alone() -> None:
+    """Legs and arms folded onto the trunk at rest overlap it all over, which says nothing."""
+    along = [(float(np.linalg.norm(bone.offset)), 0.0, 0.0) for bone in SKELETON.bones]
+    flat = (replace(bone, offset=offset) for bone, offset in zip(SKELETON.bones, along, strict=True))
+    folded = Skeleton("folded", tuple(flat))
+    model = human(folded, 1.7, clip(folded, {}))
+    assert model.avatar is not None and "joints without limits: no standing posture" in " ".join(model.said)
+    assert all(isinstance(link.joint, av.Free) or link.joint == av.Ball() for link in model.avatar.links)
+
+
+def test_hinges_and_rigid_joints_keep_their_order() -> None:
+    bones = list(SKELETON.bones)
+    at = {bone.name: k for k, bone in enumerate(bones)}
+    bones[at["LeftLeg"]] = replace(bones[at["LeftLeg"]], axes=(BALL[2], BALL[1]), turns=("z", "y"))
+    bones[at["LeftHand"]] = replace(bones[at["LeftHand"]], axes=(), turns=())
+    skeleton = Skeleton("human", tuple(bones))
+    model = human(skeleton, 1.7, clip(skeleton, {}), limits=False)
+    assert model.avatar is not None and model.coordinates is not None
+    knee = model.avatar.links[at["LeftLeg"]].joint
+    assert knee == av.Hinges((av.Hinge(BALL[2]), av.Hinge(BALL[1]))) and model.avatar.links[at["LeftHand"]].joint == av.Rigid()
+    assert [name for name in model.coordinates.names if "LeftLeg" in name] == ["LeftLeg z", "LeftLeg y"]
+    assert "LeftHand" not in model.coordinates.names and all(link.joint == av.Ball() for link in model.avatar.links[1:4])
+
+
+def test_unknown_names_have_radii_and_masses_by_length() -> None:
+    bones = (
+        Bone("Thing", -1, (0.0, 0.0, 0.0)), Bone("A", 0, (0.0, 0.0, 0.5), BALL, XYZ),
+        Bone("B", 1, (0.0, 0.0, 0.5), BALL, XYZ, ((0.0, 0.0, 0.4),)),
+        Bone("Marker", 2, (0.0, 0.0, 0.0), BALL, XYZ),
+    )
+    skeleton = Skeleton("thing", bones)
+    model = human(skeleton, 1.4, clip(skeleton, {}))
+    assert model.avatar is not None and "unknown name" in model.said[1] and "Thing, A, B, Marker" in model.said[1]
+    first = model.avatar.links[0].pieces[0].shape
+    assert isinstance(first, av.Capsule) and first.radius == pytest.approx(0.075)
+    assert model.avatar.links[0].mass.mass == pytest.approx(model.avatar.links[1].mass.mass)
+    assert model.avatar.links[3].pieces == () and model.avatar.links[2].joint == av.Ball()

@@ -1,0 +1,198 @@
+"""AMC files on their ASF skeletons: where bones are, what is said, the same file again, and damaged ones."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from avatarsim.assets.motions.asf_amc import AmcFile, read_amc
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.joint import Hinges, Rigid
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
+from tests.assets.motions.files import AMC_ORDER, ASF, amc
+from tests.assets.motions.twins import asf_places
+
+Array = NDArray[np.float64]
+UNIT = 0.0254 / 0.45
+
+
+def rows(frames: int = 5, spread: float = 20.0) -> Array:
+    found = np.random.default_rng(2).normal(0.0, spread, (frames, 22))
+    found[:, :3] = np.linspace((0.0, 17.0, 0.0), (8.0, 18.0, 3.0), frames)
+    return found
+
+
+def made(folder: Path, text: str, asf: str = ASF, **options: object) -> AmcFile:
+    """The file of a text, as 07_01.amc beside 07.asf."""
+    (folder / "07.asf").write_bytes(asf.encode())
+    (folder / "07_01.amc").write_bytes(text.encode())
+    return read_amc(folder / "07_01.amc", **options)  # type: ignore[arg-type]
+
+
+def test_bones_are_where_matrices_put_them(tmp_path: Path) -> None:
+    values = rows(spread=60.0)
+    file = made(tmp_path, amc(values), up="y", scale=UNIT)
+    model = file.model()
+    motion = file.motion(model)
+    assert model.avatar is not None
+    places = poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
+    for k, row in enumerate(values):
+        expected = asf_places(ASF, row)
+        for link, place in zip(model.avatar.links, places[k], strict=True):
+            x, y, z = UNIT * expected[link.name]
+            assert np.abs(place - [x, -z, y]).max() < 1e-12
+
+
+def test_radians_and_limits_are_read(tmp_path: Path) -> None:
+    values = rows()
+    degrees = made(tmp_path, amc(values), up="y")
+    turned = np.concatenate([values[:, :3], np.radians(values[:, 3:])], axis=1)
+    radians = made(tmp_path, amc(turned, head=":FULLY-SPECIFIED\n:RADIANS\n"), up="y")
+    assert np.abs(degrees.recording.motion.rotations - radians.recording.motion.rotations).max() < 1e-12
+    avatar = degrees.model().avatar
+    assert avatar is not None
+    knee = next(link.joint for link in avatar.links if link.name == "ltibia")
+    foot = next(link.joint for link in avatar.links if link.name == "lfoot")
+    assert isinstance(knee, Hinges) and isinstance(foot, Hinges) and isinstance(avatar.links[1].joint, Rigid)
+    assert np.degrees([knee.hinges[0].lower, knee.hinges[0].upper]) == pytest.approx([-10.0, 170.0])
+    # z is applied last, so its hinge is nearest the parent
+    assert np.degrees([foot.hinges[0].lower, foot.hinges[1].lower]) == pytest.approx([-70.0, -45.0])
+
+
+def test_numbers_come_back_and_others_are_nearest(tmp_path: Path) -> None:
+    values = rows(spread=100.0)
+    text = amc(values, first=7)
+    file = made(tmp_path, text, up="y", limits=False)
+    model = file.model()
+    motion = file.motion(model)
+    assert file.written(motion, model).decode() == text
+    turned = rotation.multiply(motion.rotations, rotation.from_rotation_vector(np.full((5, 10, 3), 1e-3)))
+    moved = Motion(motion.times, motion.positions + 0.01, turned, motion.angles + 0.01)
+    back = made(tmp_path, file.written(moved, model).decode(), up="y", limits=False).recording
+    balls = [k for k, bone in enumerate(back.skeleton.bones) if len(bone.axes) == 3]
+    off = rotation.multiply(rotation.conjugate(turned), back.motion.rotations)[:, balls]
+    assert np.linalg.norm(off[..., 1:], axis=-1).max() < 5e-10
+    assert np.abs(back.motion.angles - moved.angles).max() < 1e-9
+    assert np.abs(back.motion.positions[:, 0] - moved.positions[:, 0]).max() < 1e-9
+
+
+def test_what_a_clip_does_beyond_limits_is_said_and_left(tmp_path: Path) -> None:
+    values = rows(spread=1.0)
+    values[1:3, 15] = [-35.0, -12.0]
+    file = made(tmp_path, amc(values), up="y")
+    model = file.model()
+    assert any("ltibia (2 frames, up to 25.0 degrees)" in said for said in model.said)
+    (beyond,) = [one for one in file.beyond_limits(model) if one.joint == "ltibia"]
+    assert beyond.frames == 2 and np.degrees(beyond.most) == pytest.approx(25.0)
+    hinges = [bone.name for bone in file.recording.skeleton.bones if len(bone.axes) in (1, 2) for _ in bone.axes]
+    assert np.degrees(file.motion(model).angles[1, hinges.index("ltibia")]) == pytest.approx(-35.0)
+
+
+def test_units_are_as_stated_or_guessed(tmp_path: Path) -> None:
+    assert any("0.0564444 m, as it states" in said for said in made(tmp_path, amc(rows(spread=1.0))).said)
+    silent = made(tmp_path, amc(rows(spread=1.0)), ASF.replace("  length 0.45\n", ""))
+    assert silent.recording.axes.scale == pytest.approx(UNIT) and any("as it states none" in said for said in silent.said)
+    wrong = made(tmp_path, amc(rows(spread=1.0)), ASF.replace("length 0.45", "length 45"))
+    assert wrong.recording.axes.scale == pytest.approx(UNIT) and any("is not as it states" in said for said in wrong.said)
+    assert any("120 frames a second" in said for said in wrong.said)
+    assert made(tmp_path, amc(rows()), rate=60.0).recording.step == 1.0 / 60.0
+
+
+def test_the_skeleton_is_found_or_asked_for(tmp_path: Path) -> None:
+    file = made(tmp_path, amc(rows()))
+    assert "07.asf beside it" in file.said[0]
+    (tmp_path / "07.asf").rename(tmp_path / "body.asf")
+    assert read_amc(tmp_path / "07_01.amc", skeleton=tmp_path / "body.asf").recording.skeleton.name == "body"
+    with pytest.raises(InvalidFile, match="skeleton of 07_01.amc is None; valid: 07_01.asf or 07.asf beside it"):
+        read_amc(tmp_path / "07_01.amc")
+
+
+GOOD = amc(rows(3))
+MOTIONS = {
+    "nothing": ("", "end of 07_01.amc is 'before the first frame'"),
+    "cut off": (
+        GOOD[: GOOD.rindex("ltibia")],
+        r"bones that frame 3 of 07_01.amc lacks, at line 27 is \['ltibia', 'lfoot', 'rfemur', 'rfoot'\]",
+    ),
+    "cut off in a line": (GOOD[: GOOD.rindex(" ")], "numbers of rfoot in line 30 of 07_01.amc is 0; valid: 1: rx"),
+    "a frame left out": (GOOD.replace("\n2\n", "\n5\n"), "number of a frame in line 13 of 07_01.amc is 5; valid: 2"),
+    "no number": (GOOD.replace("ltibia ", "ltibia nan\nx ", 1), "number in line 9 of 07_01.amc is 'nan'"),
+    "a bone twice": (GOOD.replace("lfoot ", "ltibia ", 1), "first word of line 10 of 07_01.amc is 'ltibia'; valid: the number"),
+    "an unknown bone": (GOOD.replace("ltibia ", "tail ", 1), "first word of line 9 of 07_01.amc is 'tail'"),
+    "a bone without numbers": (
+        "".join(line for line in GOOD.splitlines(True) if "ltibia" not in line),
+        "without numbers .*ltibia",
+    ),
+    "a frame of many digits": (GOOD.replace("\n1\n", "\n" + "1" * 400 + "\n", 1), "number of a frame in line 4"),
+    "a long line": (GOOD.replace("ltibia ", "ltibia " + "1 " * 200_000, 1), "length of line 9 of 07_01.amc is 400"),
+}
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_damaged_motions_end_in_their_sentence(tmp_path: Path, name: str) -> None:
+    text, sentence = MOTIONS[name]
+    with pytest.raises(InvalidFile, match=sentence):
+        made(tmp_path, text)
+
+
+CHAIN = "".join(f"    b{k} b{k + 1}\n" for k in range(10_000))
+SKELETONS = {
+    "nothing": ("", r"sections of 07.asf is \[\]; valid: :root among"),
+    "no section": ("x\n" + ASF, "line 1 of 07.asf is 'x'; valid: a section"),
+    "a section twice": (ASF + ":root\n", "section of line .* is 'root'; valid: each section once"),
+    "no hierarchy": (ASF[: ASF.index(":hier")], "valid: :hierarchy among them"),
+    "cut off": (
+        ASF[: ASF.index("id 5")] + "\n:hierarchy\n",
+        "end of 07.asf is 'in the bone of line 53'; valid: end after each begin",
+    ),
+    "a circle": (ASF.replace("root lhipjoint ", "root ").replace("ltibia lfoot", "ltibia lhipjoint"), "do not hang on the root"),
+    "two parents": (
+        ASF.replace("lowerback head", "lowerback head ltibia"),
+        "bone in line .* is 'ltibia'; valid: bones that hang on one",
+    ),
+    "the root on a bone": (
+        ASF.replace("lowerback head", "lowerback root"),
+        "bone in line .* is 'root'; valid: bones that hang on one",
+    ),
+    "an unknown bone": (ASF.replace("lowerback head", "lowerback tail"), "bone in line .* is 'tail'; valid: root or a name"),
+    "a name twice": (
+        ASF.replace("name ltibia", "name lfemur"),
+        "name of the bone of line 34 of 07.asf is 'lfemur'; valid: another",
+    ),
+    "no name": (ASF.replace("     name ltibia\n", ""), "name of the bone of line 34 of 07.asf is None"),
+    "a bone without end": (ASF.replace("  end\n", "", 1), "line 22 of 07.asf is 'begin'; valid: an end of the bone before"),
+    "limits too few": (ASF.replace("           (-70.0 20.0)\n", ""), "limits of lfoot, .* is 1; valid: 2, one for each"),
+    "a direction of two": (ASF.replace("0.34202 -0.939693 0", "0.3 0.4", 1), "numbers in line 26 of 07.asf is 2; valid: 3"),
+    "no number": (ASF.replace("length 7.3", "length nan"), "number in line 38 of 07.asf is 'nan'"),
+    "a negative length": (ASF.replace("length 7.3", "length -7.3"), "length of ltibia, .* is -7.3; valid: 0 or more"),
+    "an unknown degree of freedom": (ASF.replace("dof rx rz", "dof rx rw"), "degree of freedom in line 49 of 07.asf is 'rw'"),
+    "an unknown order": (ASF.replace("-20  ZYX", "-20  ZZX"), "order of axes in line 65 of 07.asf is 'ZZX'; valid: x, y and z"),
+    "an unknown unit": (ASF.replace("angle deg", "angle gon"), "unit of angle in line 7 of 07.asf is 'gon'; valid: deg or rad"),
+    "a turned root": (ASF.replace("orientation 0 0 0", "orientation 0 90 0"), "orientation of root in line 14 of 07.asf"),
+    "something else": (ASF.replace("     id 3\n", "     colour red\n"), "line 35 of 07.asf is 'colour red'; valid: id, name"),
+    "a chain of strangers": (ASF + CHAIN, "bone in line .* is 'b0'; valid: root or a name of :bonedata"),
+    "ten thousand bones": (
+        ASF.replace(":hierarchy", "".join(f"begin\nname b{k}\nend\n" for k in range(10_000)) + ":hierarchy"),
+        "bones of 07.asf is 'more than 511",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SKELETONS)
+def test_damaged_skeletons_end_in_their_sentence(tmp_path: Path, name: str) -> None:
+    text, sentence = SKELETONS[name]
+    with pytest.raises(InvalidFile, match=sentence):
+        made(tmp_path, GOOD, text)
+
+
+def test_bones_that_slide_are_refused(tmp_path: Path) -> None:
+    asf = ASF.replace("    dof rx\n    limits (-10.0 170.0)", "    dof tx\n    limits (-10.0 170.0)")
+    with pytest.raises(InvalidFile, match=r"way tx of ltibia on its parent in 07_01.amc \[m\]"):
+        made(tmp_path, GOOD, asf)
+
+
+def test_columns_are_counted() -> None:
+    assert sum(count for _, count in AMC_ORDER) == rows().shape[1]
