@@ -9,8 +9,8 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from avatarsim.assets.models import doors
-from avatarsim.assets.models.compile_process import candidates
 from avatarsim.assets.models.load import load_avatar, load_room
+from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import READERS, load_motion
 from avatarsim.assets.motions.motion_file import MotionFile

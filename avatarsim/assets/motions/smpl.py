@@ -158,7 +158,7 @@ class SmplFile:
         positions[0] = root[0]
         stature = float(np.ptp(self.skeleton.rest[:, 2]))
         mass, limits = self.choices.mass, self.choices.limits
-        first = positions, rotations[0], np.zeros(0)
+        first = Motion(np.zeros(1), positions[None], rotations, np.zeros((1, 0)))
         return human(self.skeleton, stature, first, BODY_MASS if mass is None else mass, limits is not False)
 
     @property
