@@ -105,6 +105,8 @@ def _reading(one: argparse.ArgumentParser) -> None:
     motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
     motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
     motion.add_argument("--asf", metavar="FILE", type=path_option, help="skeleton of AMC files (default: the one beside them)")
+    motion.add_argument("--mass", type=float, metavar="KG", help="of a human of a recorded skeleton (default: a mean one)")
+    motion.add_argument("--no-limits", action="store_true", help="recorded skeletons without limits of joints")
     motion.add_argument("--quaternion", choices=("wxyz", "xyzw"), help="order of quaternions of trajectories")
     motion.add_argument("--joints", metavar="A,B,...", help="names of a trajectory's joints, where it has none")
     motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")

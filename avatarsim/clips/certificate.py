@@ -48,7 +48,7 @@ def entry(
 ) -> dict[str, object]:
     """The entry of one clip. `before` is of its input, `after` of what was written and read back, `decides` its `key`."""
     last = after or before
-    sentences = [*said, *before.said, *(after.said if after else ())]
+    sentences = [*said, *last.said]
     found: dict[str, object] = {
         "motion": place, "format": format_, "frames": len(motion), "rate_hz": _rate(motion), **decides,
         "is_clean": last.is_clean,

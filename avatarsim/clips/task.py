@@ -25,7 +25,7 @@ from avatarsim.scene.motion import Motion
 CERTIFICATES, PAGES = "certificates", "pages"
 """Folders of the output for what belongs to one clip each."""
 
-WORDS = {"rate": "file-rate", "skeleton": "asf"}
+WORDS = {"rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
 """Options of readers that have another name on the command line."""
 
 UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
@@ -92,7 +92,7 @@ class _Clip:
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
         bodies = room.model.bodies if room else ()
-        told = tuple(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused)
+        told = (*(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)

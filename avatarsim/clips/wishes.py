@@ -20,6 +20,7 @@ class Reading:
     offsets         a file with the rest joints of a body, or "mean" (BVH)
     stature         [m] of a body without offsets
     asf             the skeleton of AMC motions
+    mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
     fix, couplings, root, leave, folder, meshes    of the avatar's model, as in `load_avatar`
     room_scale, room_up    of a room that is a mesh"""
 
@@ -31,6 +32,8 @@ class Reading:
     offsets: str | None = None
     stature: float | None = None
     asf: str | None = None
+    mass: float | None = None
+    limits: bool = True
     fix: tuple[str, ...] = ()
     couplings: str | None = None
     root: str | None = None
@@ -45,6 +48,7 @@ class Reading:
         asked = {
             "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
             "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
+            "mass": self.mass, "limits": None if self.limits else False,
         }
         return {name: value for name, value in asked.items() if value is not None}
 

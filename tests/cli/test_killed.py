@@ -47,9 +47,15 @@ def killed(line: list[str], out: Path, after: int) -> None:
         assert running.poll() is None, "over before it was killed"
         running.kill()
         assert running.wait() == -signal.SIGKILL
-    while of_session(running.pid) and time.monotonic() < until:
+    require_over(running.pid)
+
+
+def require_over(session: int) -> None:
+    """Wait until all processes of a session are over."""
+    until = time.monotonic() + 60.0
+    while of_session(session) and time.monotonic() < until:
         time.sleep(0.02)
-    assert of_session(running.pid) == []
+    assert of_session(session) == []
 
 
 @pytest.mark.parametrize("workers", [0, 2])
@@ -86,4 +92,4 @@ def test_a_command_that_is_stopped_says_how_to_go_on(tmp_path: Path) -> None:
     assert running.returncode == 130, err
     assert "the same command goes on from there" in err and "Traceback" not in err
     assert (out / "certificate.json").exists() and 1 <= len(list(out.glob("certificates/*.json"))) < CLIPS
-    assert of_session(running.pid) == []
+    require_over(running.pid)

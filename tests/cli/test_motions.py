@@ -44,8 +44,8 @@ def certified(folder: Path) -> dict[str, Any]:
 
 
 def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bvh(tmp_path / "in" / "b.bvh")
-    bvh(tmp_path / "in" / "deep" / "a.bvh", seed=1)
+    bvh(tmp_path / "in" / "b.bvh", frames=60)
+    bvh(tmp_path / "in" / "deep" / "a.bvh", frames=50, seed=1)
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
     said, _ = capsys.readouterr()
     assert re.search(r"^b\.bvh .* [1-9]\d* frames, .*0 frames, 0 .* clean$", said, re.MULTILINE)
@@ -64,7 +64,8 @@ def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Pat
     model = before.model()
     assert model is not None
     old, new = before.motion(model), after.motion(model)
-    assert len(old) == len(new) and (old.positions[0] == new.positions[0]).all() and (old.positions[5] != new.positions[5]).any()
+    assert len(old) == len(new) and (old.positions[0] == new.positions[0]).all()
+    assert (old.positions[30] != new.positions[30]).any()
 
 
 def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,13 @@ from tests.assets.meshes.solids import cube, ell, obj_text
 HOUSE = Path(__file__).resolve().parents[2]
 
 
+@pytest.fixture(autouse=True)
+def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every test has a cache folder of its own."""
+    monkeypatch.delenv("AVATARSIM_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
 def files(folder: Path) -> tuple[str, str]:
     """A cube, and an open L."""
     (folder / "cube.obj").write_text(obj_text(cube()), encoding="utf-8")

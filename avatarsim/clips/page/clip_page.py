@@ -66,6 +66,8 @@ def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
     moments = moments_of(shown)
     clean = bool(entry["is_clean"])
     verdict = "free of overlap in and between all frames, joints within limits" if clean else "not clean: see the table"
+    if entry["excluded"]:
+        verdict += f"; {len(entry['excluded'])} pairs are excluded from contact"
     body = "\n".join([
         "<main>",
         f'<p><a href="{up}index.html">All clips</a></p>',
@@ -224,11 +226,14 @@ def _moved(entry: Mapping[str, Any]) -> str:
 
 
 def _said(entry: Mapping[str, Any]) -> str:
-    said = [*entry["said"], *(f"{one['a']} and {one['b']} are excluded from contact; deepest overlap {length(one['depth_m'])}"
-                              for one in entry["excluded"])]
-    if not said:
-        return ""
-    return "<h2>Said while reading</h2>\n<ul class=soft>" + "".join(f"<li>{esc(one)}</li>" for one in said) + "</ul>"
+    found = ""
+    if entry["said"]:
+        found = "<h2>Said</h2>\n<ul class=soft>" + "".join(f"<li>{esc(one)}</li>" for one in entry["said"]) + "</ul>"
+    if entry["excluded"]:
+        rows = [[esc(one["a"]), esc(one["b"]), esc(length(one["depth_m"]))] for one in entry["excluded"]]
+        pairs = table(["link or body", "and", "deepest overlap"], rows)
+        found += f"<details><summary>Pairs that are excluded from contact</summary>{pairs}</details>"
+    return found
 
 
 def replay(shown: Shown, moments: Sequence[Moment]) -> dict[str, object]:
