@@ -44,7 +44,8 @@ def found(named: Sequence[Path], out: Path | None) -> Found:
     left: list[Path] = []
     unreadable: list[tuple[str, str]] = []
     for path in named:
-        if not path.is_dir():
+        # by os.path, which takes names that are too long for the system as names of nothing
+        if not os.path.isdir(path):
             clips.append(Clip(path.name, path))
             continue
         for file in _files(path, out, unreadable):
@@ -65,9 +66,9 @@ def _files(folder: Path, out: Path | None, unreadable: list[tuple[str, str]]) ->
     def refused(error: OSError) -> None:
         unreadable.append((str(error.filename), error.strerror or str(error)))
 
-    inside = out.resolve() if out is not None else None
+    inside = _real(out) if out is not None else None
     for place, folders, files in os.walk(folder, onerror=refused):
-        folders[:] = sorted(name for name in folders if not name.startswith(".") and Path(place, name).resolve() != inside)
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and _real(Path(place, name)) != inside)
         yield from (Path(place, name) for name in sorted(files) if not name.startswith("."))
 
 
@@ -90,7 +91,7 @@ def _require_places(clips: Sequence[Clip], out: Path | None) -> None:
     if out is None:
         return
     taken: dict[str, Path] = {}
-    sources = {clip.path.resolve() for clip in clips}
+    sources = {_real(clip.path) for clip in clips}
     for clip in clips:
         if clip.place in taken:
             valid = "one clip for each name in the output folder; name the folder above both in their place"
@@ -98,5 +99,13 @@ def _require_places(clips: Sequence[Clip], out: Path | None) -> None:
         taken[clip.place] = clip.path
         if PurePosixPath(clip.place).parts[0] in OURS:
             raise InvalidInput("name of a clip", clip.place, f"a name that is none of {', '.join(OURS)}")
-        if (out / clip.place).resolve() in sources:
+        if _real(out / clip.place) in sources:
             raise InvalidInput("output folder", str(out), f"a folder in which {clip.place} is no file that is read")
+
+
+def _real(path: Path) -> Path:
+    """The path with links followed, as far as the system takes it."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError):
+        return path.absolute()

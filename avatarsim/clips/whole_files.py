@@ -84,7 +84,7 @@ def alone_in(out: Path) -> Iterator[None]:
     try:
         out.mkdir(parents=True, exist_ok=True)
         handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise InvalidInput("output folder", str(out), f"a folder that can be written to ({_why(error)})") from error
     try:
         try:
@@ -104,8 +104,8 @@ def alone_in(out: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _why(error: OSError) -> str:
-    return (error.strerror or type(error).__name__).lower()
+def _why(error: OSError | ValueError) -> str:
+    return (getattr(error, "strerror", None) or str(error)).lower()
 
 
 def sha256_of(path: Path) -> str:
