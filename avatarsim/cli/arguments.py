@@ -53,6 +53,7 @@ def parser() -> argparse.ArgumentParser:
     clean.add_argument("-o", "--out", required=True, metavar="DIR", type=path_option, help="folder of what is written")
     _scene(clean)
     _cleaning(clean)
+    _opinion(clean)
     clean.add_argument("--no-page", action="store_true", help="no pages that play clips")
     clean.add_argument("--force", action="store_true", help="do again what is done, and write over files of other programs")
     _running(clean)
@@ -63,8 +64,8 @@ def parser() -> argparse.ArgumentParser:
     )
     audit.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=MOTION)
     audit.add_argument("-o", "--out", metavar="DIR", type=path_option, help="folder for audit.json")
+    _opinion(audit)
     _scene(audit)
-    audit.add_argument("--margin", type=float, default=None, metavar="M", help=argparse.SUPPRESS)
     _running(audit)
     _reading(audit)
     pieces = commands.add_parser("pieces", help="convex pieces of mesh files, with error bounds", add_help=False)
@@ -88,6 +89,11 @@ def _cleaning(one: argparse.ArgumentParser) -> None:
     cleaning.add_argument("--margin", type=float, default=None, metavar="M", help="gap that is kept [m] (default 0.001)")
     cleaning.add_argument("--blend", type=float, default=None, metavar="S",
                           help="how long before and after contact limbs give way [s] (default 0.1)")
+
+
+def _opinion(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--no-opinion", action="store_true",
+                     help="do not ask coal, an independent library, for a second opinion where it is installed: twice as fast")
 
 
 def _running(one: argparse.ArgumentParser) -> None:

@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+import re
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -16,9 +17,9 @@ from avatarsim.clips import batch as batches
 from avatarsim.clips import certificate
 from avatarsim.clips.batch import Batch
 from avatarsim.clips.found import Found, found
-from avatarsim.clips.inputs import given
+from avatarsim.clips.inputs import files_of, given
 from avatarsim.clips.page.layout import length
-from avatarsim.clips.task import OVERLAPS, UNREADABLE, Outcome, Task
+from avatarsim.clips.task import OVERLAPS, UNREADABLE, WORDS, Outcome, Task
 from avatarsim.clips.whole_files import alone_in, write_whole
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
 from avatarsim.console import Progress, printable
@@ -37,6 +38,10 @@ NAMED = 5
 """Files that are left alone and are named; of more, the number."""
 SENTENCES = 24
 """Different sentences on clips that are said; the certificate has all. More would bury the table of a thousand clips."""
+OF_READERS = re.compile(
+    r"\b(scale|up|rate|skeleton|limits|mass|stature|offsets|joints|quaternion|fix|couplings|root|leave|folder|meshes)=(?:False|\.\.\.)?"
+)
+"""An option of a reader as its sentences name it."""
 WIDEST = 40
 """Characters of a clip's name in the table; of longer ones the end."""
 HEAD = {
@@ -71,12 +76,12 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
     for name, _, why in batch.troubles:
         say(f"{name}: {why}")
     try:
-        avatar, room = given(wishes)
+        models = given(wishes, files_of(wishes))
     except InvalidFile as error:
         say(str(error))
         return UNDONE
-    for one in (avatar, room):
-        for said in one.model.said if one else ():
+    for model in models:
+        for said in model.said if model else ():
             say(said)
     is_clean = asked.command == "clean"
     tasks = batches.tasks_of(clips.clips, wishes, asked.out if is_clean else None, is_clean and asked.force)
@@ -141,6 +146,10 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
         value = getattr(asked, name)
         if value is not None and not 0.0 < value < math.inf:
             raise InvalidInput(f"--{name.replace('_', '-')}", value, "a finite number above 0")
+    for names, what in ((("fix", "couplings", "root", "leave"), "avatar"), (("room_scale", "room_up"), "room")):
+        for name in names:
+            if getattr(asked, name) and getattr(asked, what) is None:
+                raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
     if asked.workers is not None and asked.workers < 0:
         raise InvalidInput("--workers", asked.workers, "0 at least")
     given_ = {name: getattr(asked, name) for name in ("margin", "blend") if getattr(asked, name, None) is not None}
@@ -154,7 +163,7 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
     room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
     return Wishes(
         avatar=None if asked.avatar is None else asked.avatar.absolute(), room=room, rate=asked.rate, reading=reading,
-        cleaning=Options(**given_, loose=asked.loose), page=not getattr(asked, "no_page", True),
+        cleaning=Options(**given_, loose=asked.loose, opinion=not asked.no_opinion), page=not getattr(asked, "no_page", True),
     )
 
 
@@ -188,8 +197,9 @@ def _deepest(one: dict[str, Any]) -> str:
 
 
 def say(sentence: str) -> None:
-    """One line on the error stream."""
-    print(f"avatarsim: {printable(sentence)}", file=sys.stderr, flush=True)
+    """One line on the error stream; options of readers, which speak of Python, by their words here."""
+    words = OF_READERS.sub(lambda found: f"--{WORDS.get(found[1], found[1].replace('_', '-'))}", printable(sentence))
+    print(f"avatarsim: {words}", file=sys.stderr, flush=True)
 
 
 def _say_left(clips: Found) -> None:

@@ -7,12 +7,15 @@ No time, no machine and no path is in them, so that two runs of one command leav
 import json
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.resources import files as resources
 from pathlib import Path
+from typing import Any
 
 from avatarsim.cleaning import Audit, Cleaned, Moved, Opinion
 from avatarsim.cleaning.result import OVERLAP
 from avatarsim.clips.inputs import Hashes
+from avatarsim.clips.schema_check import fault
 from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import parsed_json, read_text
@@ -140,10 +143,24 @@ def read(path: Path) -> dict[str, object] | None:
     """A certificate of one clip; None where there is none, or what is there is none of this layout."""
     thing = f"certificate {path.name}"
     try:
-        found = parsed_json(read_text(path, thing, "the whole file", LARGEST), thing, "the whole file")
+        found = parsed_json(read_text(path, thing, "the whole file", LARGEST), thing, "the whole file", _no_number)
     except InvalidFile:
         return None
-    return found if isinstance(found, dict) and isinstance(found.get("motion"), str) else None
+    whole = schema()
+    parts = whole["$defs"]
+    assert isinstance(parts, dict)
+    return found if isinstance(found, dict) and not fault(found, parts["clip"], whole) and _is_of_clean(found) else None
+
+
+def _is_of_clean(one: Mapping[str, Any]) -> bool:
+    """Whether an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
+    after = (one["overlap"]["after"], one["between_frames"]["not_certified_after"], one["jerk_p95_m_s3"]["after"])
+    return None not in after and {"moved", "changed_frames", "flagged", "outputs"} <= set(one)
+
+
+def _no_number(text: str) -> object:
+    """JSON has no word for what is no number, and Python's reader takes three."""
+    raise ValueError(f"{text} is no JSON")
 
 
 def output_hashes(one: Mapping[str, object] | None) -> dict[str, str]:
@@ -159,6 +176,7 @@ def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
     return output_hashes(one).get(name)
 
 
+@cache
 def schema() -> dict[str, object]:
     """The JSON schema of `summary`."""
     found: dict[str, object] = json.loads(resources("avatarsim.clips").joinpath("certificate.schema.json").read_text("utf-8"))

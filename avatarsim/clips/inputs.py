@@ -29,44 +29,56 @@ MEAN = "mean"
 """The word that stands for a way to read BVH in place of a file of offsets."""
 
 
-@dataclass(frozen=True, eq=False)
-class Given:
-    """A model and the files that it was read from; of no file, as level ground, the list is empty."""
+@dataclass(frozen=True)
+class Files:
+    """Hashes of the files of the avatar and of the room of a command; of none, and of level ground, there are none."""
 
-    model: Model
-    files: Hashes
+    avatar: Hashes
+    room: Hashes
 
 
-def given(wishes: Wishes) -> tuple[Given | None, Given | None]:
-    """Avatar and room of a command, read once by each process. Raises InvalidFile for what is refused."""
-    avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading)
-    room = None if wishes.room is None else _room(wishes.room, wishes.reading)
-    return avatar, room
+def files_of(wishes: Wishes) -> Files:
+    """Hashes of what avatar and room are read from. Raises InvalidFile for what cannot be read."""
+    folder = wishes.reading.folder
+    avatar = () if wishes.avatar is None else _files(wishes.avatar, folder)
+    room = () if wishes.room is None or str(wishes.room) == FLOOR else _files(wishes.room, folder)
+    return Files(avatar, room)
+
+
+def given(wishes: Wishes, files: Files) -> tuple[Model | None, Model | None]:
+    """Avatar and room of a command, read once by each process as long as their files stay. Raises InvalidFile, InvalidInput."""
+    avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading, files.avatar)
+    return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, files.room)
 
 
 @lru_cache(maxsize=2)
-def _avatar(path: Path, reading: Reading) -> Given:
-    files = _files(path, reading.folder)
+def _avatar(path: Path, reading: Reading, files: Hashes) -> Model:
     model = load_avatar(path, **reading.of_avatar())  # type: ignore[arg-type]
     if model.avatar is None:
         raise InvalidFile(f"avatar in {path.name}", "none", "a file with joints; a room goes with --room")
-    return Given(model, files)
+    return model
 
 
 @lru_cache(maxsize=2)
-def _room(path: Path, reading: Reading) -> Given:
+def _room(path: Path, reading: Reading, files: Hashes) -> Model:
     if str(path) == FLOOR:
-        return Given(load_room(FLOOR), ())
-    is_model = path.suffix.lower() in doors.MODELS
-    return Given(load_room(path, **reading.of_room(is_model)), _files(path, reading.folder))  # type: ignore[arg-type]
+        return load_room(FLOOR)
+    return load_room(path, **reading.of_room(path.suffix.lower() in doors.MODELS))  # type: ignore[arg-type]
 
 
 def _hashed(path: Path, name: str) -> tuple[str, str]:
     check(path, f"file {name}", "a readable file", FILE_BYTES)
     try:
-        return name, sha256_of(path)
+        status = path.stat()
+        return name, _sha256(path, status.st_ino, status.st_size, status.st_mtime_ns)
     except OSError as error:
         raise InvalidFile(f"file {name}", error.strerror or str(error), "a readable file") from error
+
+
+@lru_cache(maxsize=4096)
+def _sha256(path: Path, number: int, size: int, written: int) -> str:
+    """The hash of a file as it was when it had this number, size and time: a model of a thousand clips is hashed once."""
+    return sha256_of(path)
 
 
 def _files(path: Path, folder: str | None) -> Hashes:

@@ -14,7 +14,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
-from avatarsim.clips.inputs import Given, given, motion_files, options_for, options_of, read
+from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, read
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.whole_files import beside, moved, put, sha256_of, write_whole
 from avatarsim.clips.wishes import Wishes
@@ -78,20 +78,20 @@ class _Clip:
         self.asked = options_for(task.clip.path, task.wishes.reading)
 
     def done(self, progress: Callable[[float], None] | None) -> Outcome:
-        avatar, room = given(self.wishes)
-        files = motion_files(self.path, self.wishes.reading)
-        key = certificate.key(files, avatar.files if avatar else (), room.files if room else (), self.wishes)
+        files = files_of(self.wishes)
+        key = certificate.key(motion_files(self.path, self.wishes.reading), files.avatar, files.room, self.wishes)
         if self.task.out is not None and not self.task.force:
             kept = finished(self.task.out, self.place, key, self.wishes.page)
             if kept is not None:
                 return Outcome(self.place, kept, kept=True)
+        avatar, room = given(self.wishes, files)
         file, unused = read(self.path, self.asked)
         model = _model(avatar, file.model(), self.path)
         motion = file.motion(model)
-        said = [*(room.model.said if room else ()), *model.said, *file.said]
+        said = [*(room.said if room else ()), *model.said, *file.said]
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
-        bodies = room.model.bodies if room else ()
+        bodies = room.bodies if room else ()
         told = (*(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)
@@ -154,10 +154,10 @@ class _Clip:
             raise InvalidInput("place of the result", str(target), valid)
 
 
-def _model(avatar: Given | None, own: Model | None, path: Path) -> Model:
+def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:
     """The avatar that was asked for, else the one that the motion brings."""
     if avatar is not None:
-        return avatar.model
+        return avatar
     if own is None:
         raise InvalidFile(f"avatar for {path.name}", "none", "--avatar with an MJCF or URDF file: this format brings no skeleton")
     return own

@@ -127,6 +127,33 @@ def test_clips_of_earlier_commands_stay_in_the_certificate(tmp_path: Path) -> No
     assert [one["motion"] for one in certified(tmp_path / "out")["clips"]] == ["a.bvh", "b.bvh"]
 
 
+@pytest.mark.parametrize("frames", [1, 2])
+@pytest.mark.parametrize("sinks", [-0.3, 0.2])
+def test_the_shortest_clips_are_cleaned_too(tmp_path: Path, frames: int, sinks: float) -> None:
+    path = bvh(tmp_path / "a.bvh", frames=3, sinks=sinks)
+    head, _, rows = path.read_text().partition("Frames: 3")
+    # from its deepest frame on
+    step, *lines = rows.strip().splitlines()
+    path.write_text("\n".join([f"{head}Frames: {frames}", step, *lines[1 : 1 + frames]]) + "\n")
+    assert clean(path, "-o", tmp_path / "out", "--no-opinion") == 0
+    (one,) = certified(tmp_path / "out")["clips"]
+    assert one["frames"] == frames and (one["rate_hz"] is None) == (frames == 1) and one["between_frames"]["chords"] == frames - 1
+    assert (one["overlap"]["before"]["frames"] > 0) == (sinks > 0.0) and one["second_opinion"] == {"before": None, "after": None}
+
+
+def test_rubbish_among_the_certificates_is_left_alone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert clean(bvh(tmp_path / "a.bvh"), "-o", out) == 0
+    first = content(out)
+    good = json.loads((out / "certificates" / "a.bvh.json").read_text())
+    more = {"b.bvh.json": "{}", "c.bvh.json": "[" * 9999, "d.bvh.json": json.dumps(good), "e.bvh.json": json.dumps(
+        good | {"motion": "e.bvh", "moved": None}), "f.json": "\0"}
+    for name, text in more.items():
+        (out / "certificates" / name).write_text(text)
+    assert clean(tmp_path / "a.bvh", "-o", out) == 0
+    assert {name: one for name, one in content(out).items() if Path(name).name not in more} == first
+
+
 def rubbish(folder: Path) -> dict[str, str]:
     """Files that no reader takes, and what is said of each."""
     good = bvh(folder / "good.bvh").read_text()
@@ -195,7 +222,7 @@ CLEAN = ["clean", "a.bvh", "-o", "out"]
     (["clean", "a.bvh", "-o", "a.bvh"], "output folder"), (["clean", "a.bvh", "-o", "a.bvh/b"], "output folder"),
     (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
     (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
-    (["tidy"], "tidy"),
+    (["tidy"], "tidy"), ([*CLEAN, "--fix", "all"], "beside --avatar"), ([*CLEAN, "--room-up", "y"], "beside --room"),
 ])
 def test_wrong_usage_is_a_sentence_and_code_2(
     words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
