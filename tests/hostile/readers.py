@@ -90,6 +90,16 @@ def body(folder: Path, path: Path) -> object:
     return motion
 
 
+def recorded(folder: Path, path: Path) -> object:
+    """A clip on its skeleton: its avatar, its motion, and the file again."""
+    file = load_motion(next(folder.glob("*.amc"), path))
+    found = file.model()
+    assert found.avatar is not None
+    motion = file.motion(found)
+    assert file.written(motion, found)
+    return sound((found.avatar, finite(motion)))
+
+
 def model(folder: Path, path: Path) -> object:
     """The avatar of the first body of a model."""
     root = parsed(path).find("worldbody/body")
@@ -246,6 +256,9 @@ def doors() -> tuple[Door, ...]:
         of_files("trajectory npz", 40.0, FileDoor(valid.trajectory, damaged_zip, trajectory)),
         of_files("trajectory csv", 40.0, FileDoor(valid.trajectory_table, damaged_csv, trajectory)),
         of_files("body npz", 40.0, FileDoor(valid.body, damaged_zip, body), slow=True),
+        of_files("bvh", 60.0, FileDoor(valid.bvh_file, damaged, recorded), slow=True),
+        of_files("amc", 30.0, FileDoor(valid.amc_file, damaged, recorded, valid.asf_file), slow=True),
+        of_files("asf", 30.0, FileDoor(valid.asf_file, damaged, recorded, valid.amc_file), slow=True),
         of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
         # each is compiled in a process of its own, which takes half a second
         of_files("avatar", 1.0, FileDoor(valid.robots, damaged_xml, public_model, valid.robot_mesh), slow=True),

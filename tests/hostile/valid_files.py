@@ -15,6 +15,7 @@ import numpy as np
 from runfiles import array_file, overlapping, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
+from tests.assets.motions.files import ASF, WALKER, amc, bvh
 from tests.assets.motions.robots import JOINTS, walk
 from tests.reports import recorded
 from tests.reports.conftest import whole_run
@@ -123,6 +124,21 @@ MODEL = """<mujoco model="some"><worldbody>
    <geom type="sphere" size=".04"/><geom type="mesh" mesh="tip" pos="0 0 .05"/></body></body>
  <body name="tail" pos="0 0 -.2"><inertial pos="0 0 0" mass="0.4" diaginertia="1e-4 1e-4 1e-4"/></body></body>
 </worldbody></mujoco>"""
+
+
+def bvh_file() -> Files:
+    """A recorded skeleton with two frames."""
+    return {"walker.bvh": bvh(WALKER, np.linspace(0.0, 30.0, 60).reshape(2, 30)).encode()}
+
+
+def asf_file() -> Files:
+    """A skeleton whose motions stand in files of their own."""
+    return {"07.asf": ASF.encode()}
+
+
+def amc_file() -> Files:
+    """Two frames of it."""
+    return {"07_01.amc": amc(np.linspace(0.0, 30.0, 44).reshape(2, 22)).encode()}
 
 
 def model() -> Files:

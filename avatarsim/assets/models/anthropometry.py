@@ -25,10 +25,10 @@ class Segment:
     wider: float = 1.0
 
     def radius(self, mass: float, stature: float) -> float:
-        """Radius [m] of the cylinder that has the segment's volume and length, in a body of `mass` [kg] and `stature` [m]; of a
-        segment that is wider than deep half its depth."""
-        area = self.share * mass / (self.density * self.length * stature / STATURE)
-        return math.sqrt(area / (math.pi * self.wider))
+        """Radius [m] of the cylinder that has the segment's volume and length, in a body of `mass` [kg] and STATURE; of a segment
+        that is wider than deep half its depth. Bodies of another `stature` [m] are similar to it."""
+        area = self.share * mass / (self.density * self.length)
+        return math.sqrt(area / (math.pi * self.wider)) * stature / STATURE
 
 
 SEGMENTS = {
@@ -56,6 +56,14 @@ SEGMENT_OF = {
 RADII = {"neck": 0.055, "clavicle": 0.045, "hip bone": 0.07, "thumb": 0.010, "finger": 0.008, "toe": 0.025}
 """Radii [m] at STATURE of parts that are thinner than their segment: half of what a caliper finds across them, rounded."""
 
+KNEE, ABOVE_KNEE = 0.052, 0.6
+"""Radius [m] at STATURE of a thigh at its lower end, half of a knee's breadth, and the share of its length, from the hip, over
+which it has that of the segment: with one radius all along, knees that pass each other in a walk would overlap by centimetres."""
+
+SHOULDERS = 0.61
+"""Radius of the trunk at most, as a share of half the distance of the shoulder joints: what it is in the table's body, whose
+joints are 0.36 m apart. More: arms of skeletons with narrow shoulders hang inside the trunk."""
+
 UNKNOWN_SHARE = 0.15
 """Radius of a bone of unknown name, as a share of its length: about that of the forearm, whose table has 0.13."""
 
@@ -77,17 +85,21 @@ SYNONYMS = {
     "hand": "hand wrist palm",
     "thumb": "thumb handthumb",
     "finger": "fingers finger index mid middle ring pinky little handindex handmiddle handmid handring handpinky handlittle "
-              "fingerbase handfinger fingersbase carpal handpalm handpinkie pinkie",
+              "fingerbase handfinger fingersbase carpal handpalm handpinkie pinkie inhandindex "
+              "inhandmiddle inhandring inhandpinky",
     "thigh": "thigh upleg upperleg femur thighbend thightwist",
     "leg": "leg",
     "shank": "shank shin knee tibia lowerleg lowleg calf",
     "foot": "foot ankle heel metatarsals",
-    "toe": "toe toes toebase ball bigtoe smalltoe toeend",
+    "toe": "toe toes toebase ball bigtoe smalltoe forefoot",
 }
 """Words that names of joints are made of, once side, numbers and separators are off. `shoulder` and `leg` hang on neighbours."""
 
 PREFIXES = re.compile(r"(?i)^((mixamorig\d*|bip0*\d*|character\d+|skel|jnt|cc_base|j|b)[ _-]+)*(mixamorig\d*|bip0*1)?")
 """What tools put before names."""
+
+SUFFIXES = re.compile(r"([ _-](?i:end|nub|tip|site)|End|Nub|Tip)$")
+"""What tools put behind the name of a joint that only says where the one before ends."""
 
 WORDS = {word: part for part, words in SYNONYMS.items() for word in words.split()}
 SIDED = frozenset({
@@ -131,7 +143,7 @@ def _subtree(skeleton: Skeleton, k: int) -> Sequence[int]:
 def _read(name: str) -> tuple[str, str]:
     """(kind, side) that a name says by itself; ("", "") where it says nothing."""
     bare = re.split(r"[:|]", name)[-1]
-    bare = PREFIXES.sub("", bare.strip())
+    bare = SUFFIXES.sub("", PREFIXES.sub("", bare.strip()))
     for side, word in _sides(bare):
         kind = WORDS.get(word, "")
         if kind and (not side or kind in SIDED or kind in ("face", "pelvis")):

@@ -55,7 +55,7 @@ def ball_excess(joint: Ball, turned: Array) -> Array:
         excess = np.maximum(swing - joint.limits.swing, np.maximum(low - twist, twist - high))
         if joint.cone is not None:
             limbs = rotation.rotate(turned, joint.limits.axis)
-            excess = np.maximum(excess, np.array([reach_excess(joint.cone, limb) for limb in limbs]))
+            excess = np.maximum(excess, reach_excess(joint.cone, limbs))
     return np.maximum(excess, 0.0)
 
 
@@ -82,17 +82,19 @@ def _wrapped(angle: Array) -> Array:
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)))
 
 
-def reach_excess(cone: ReachCone, limb: Array) -> float:
-    """Angle [rad] by which a unit direction (3,) is outside the polygon: the triangles of its edges and its visible point."""
+def reach_excess(cone: ReachCone, limbs: Array) -> Array:
+    """Angles (F,) [rad] by which unit directions (F, 3) are outside a polygon: triangles of its edges and visible point."""
     seen, starts = np.array(cone.visible_point), cone.vertices
-    ends = np.roll(starts, -1, axis=0)
-    inward = np.cross(starts, ends)
-    inward /= np.linalg.norm(inward, axis=1)[:, None]
-    beside, following = np.cross(seen, starts) @ limb, np.cross(seen, ends) @ limb
-    if ((beside >= 0.0) & (following <= 0.0) & (inward @ limb >= 0.0)).any():
-        return 0.0
-    feet = limb - (inward @ limb)[:, None] * inward
-    feet /= np.maximum(np.linalg.norm(feet, axis=1), 1e-12)[:, None]
-    on_arc = ((np.cross(inward, starts) * feet).sum(axis=1) >= 0.0) & ((np.cross(ends, inward) * feet).sum(axis=1) >= 0.0)
-    nearest = np.concatenate([feet[on_arc], starts])
-    return float(np.arctan2(np.linalg.norm(np.cross(nearest, limb), axis=1), nearest @ limb).min())
+    inside, cosine = np.zeros(len(limbs), dtype=np.bool_), np.full(len(limbs), -1.0)
+    for start, end in zip(starts, np.roll(starts, -1, axis=0), strict=True):
+        inward = rotation.cross(start, end)
+        inward /= np.linalg.norm(inward)
+        height = limbs @ inward
+        inside |= (limbs @ rotation.cross(seen, start) >= 0.0) & (limbs @ rotation.cross(seen, end) <= 0.0) & (height >= 0.0)
+        feet = limbs - height[:, None] * inward
+        on_arc = (feet @ rotation.cross(inward, start) >= 0.0) & (feet @ rotation.cross(end, inward) >= 0.0)
+        # the foot of the perpendicular is as far from the limb as the limb is high above the edge's plane
+        nearest = np.maximum(limbs @ start, np.where(on_arc, np.linalg.norm(feet, axis=1), -1.0))
+        cosine = np.maximum(cosine, nearest)
+    sine = np.sqrt(np.clip(1.0 - cosine * cosine, 0.0, None))
+    return np.where(inside, 0.0, np.arctan2(sine, cosine))

@@ -1,20 +1,24 @@
 """A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
 
-The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of whoever was
+The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of what was
 recorded, and the model says so.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import (
+    ABOVE_KNEE,
     BODY_MASS,
+    KNEE,
     MIDDLE,
     RADII,
     SEGMENT_OF,
     SEGMENTS,
+    SHOULDERS,
     STATURE,
     THICKEST,
     THINNEST,
@@ -27,9 +31,11 @@ from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.range_of_motion import limited
 from avatarsim.assets.models.skeleton import Skeleton
-from avatarsim.assets.models.stance import AT_REST, Stance, stance
+from avatarsim.assets.models.stance import Stance, stance
+from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Mass, solid, volume
+from avatarsim.scene.checks import positive
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Capsule, Piece, Sphere
@@ -56,17 +62,20 @@ def human(
     `clip` are postures of it, the first of which is that of its recording: links that overlap in it or at rest may overlap.
     `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar
     has, and for a mass that is none."""
+    positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
+    positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
-    pieces = [_pieces(skeleton, k, named[k], mass, stature) for k in range(len(skeleton.bones))]
-    masses = _masses(named, pieces, mass)
     standing, where = stance(skeleton, named, clip)
+    build = _build(skeleton, named, standing, mass, stature)
+    pieces = [_pieces(skeleton, k, named, build) for k in range(len(skeleton.bones))]
+    masses = _masses(named, pieces, mass)
     joints = [_joint(skeleton, k, named, standing, limits) for k in range(len(skeleton.bones))]
     links = tuple(
         Link(bone.name, skeleton.bones[bone.parent].name if bone.parent >= 0 else None, joints[k], pieces[k], masses[k],
              anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0))
         for k, bone in enumerate(skeleton.bones)
     )
-    ignored = _overlapping(Avatar(skeleton.name, links), clip, standing is not None and where == AT_REST)
+    ignored = _overlapping(Avatar(skeleton.name, links), clip, standing)
     avatar = Avatar(skeleton.name, links, ignore=ignored)
     said = [
         f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
@@ -80,7 +89,8 @@ def human(
     elif limits:
         said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
     if ignored:
-        said.append("pairs that overlap at rest or in the first frame and may: " + ", ".join(f"{a} and {b}" for a, b in ignored))
+        listed = ", ".join(f"{a} and {b}" for a, b in ignored)
+        said.append(f"pairs that overlap in a standing posture or in the first frame, and may: {listed}")
     return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
 
 
@@ -108,33 +118,69 @@ def _joint(skeleton: Skeleton, k: int, named: Sequence[Part], standing: Stance |
     return Ball() if len(bone.axes) == 3 else Hinges(tuple(Hinge(axis) for axis in bone.axes))
 
 
-def _radius(part: Part, length: float, mass: float, stature: float) -> float:
-    """Radius [m] of a bone of `length` [m]."""
-    if part.kind in RADII:
-        return RADII[part.kind] * stature / STATURE
-    if part.kind in SEGMENT_OF:
-        return SEGMENTS[SEGMENT_OF[part.kind]].radius(mass, stature)
-    return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
+@dataclass(frozen=True)
+class Build:
+    """How a body is built: its `mass` [kg], its `stature` [m], and the largest radius of its `trunk` [m]."""
+
+    mass: float
+    stature: float
+    trunk: float
+
+    def radius(self, part: Part, length: float) -> float:
+        """Radius [m] of a bone of `length` [m]."""
+        if part.kind in RADII:
+            return RADII[part.kind] * self.stature / STATURE
+        if part.kind in SEGMENT_OF:
+            found = SEGMENTS[SEGMENT_OF[part.kind]].radius(self.mass, self.stature)
+            return min(found, self.trunk) if SEGMENT_OF[part.kind] == "trunk" else found
+        return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
 
 
-def _pieces(skeleton: Skeleton, k: int, part: Part, mass: float, stature: float) -> tuple[Piece, ...]:
-    """A capsule to each joint that hangs on bone k, one to each tip that ends there, and a ball where neither is."""
-    if part.kind == "face":
+def _build(skeleton: Skeleton, named: Sequence[Part], standing: Stance | None, mass: float, stature: float) -> Build:
+    """The build of a skeleton: its trunk no deeper than goes with the distance of its shoulder joints."""
+    arms = [next((k for k, part in enumerate(named) if part == Part("upper arm", side)), -1) for side in ("left", "right")]
+    if standing is None or min(arms) < 0:
+        return Build(mass, stature, THICKEST)
+    apart = float(np.linalg.norm(standing.places[arms[0]] - standing.places[arms[1]]))
+    return Build(mass, stature, max(SHOULDERS * 0.5 * apart, THINNEST))
+
+
+def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> tuple[Piece, ...]:
+    """A capsule to each joint that hangs on bone k and to each tip that ends there, and a ball where neither is."""
+    bone, part, children = skeleton.bones[k], named[k], skeleton.children[k]
+    if part.kind == "face" or _is_bearer(skeleton, k, named):
         return ()
     found = []
+    ending = [skeleton.bones[child].offset for child in children if _is_end(skeleton, child, named)]
     for place in skeleton.ends(k):
         end = np.array(place)
         length = float(np.linalg.norm(end))
-        radius = _radius(part, length, mass, stature)
+        radius = build.radius(part, length)
         if length < SHORTEST_BONE:
             continue
-        if not skeleton.children[k] and place in skeleton.bones[k].tips:
+        if place in ending or (not children and place in bone.tips):
             # what ends at its tip ends there, not a radius beyond it
             end *= max(length - radius, 0.5 * length) / length
+        if part.kind == "thigh":
+            found.append(capsule(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
+            end *= ABOVE_KNEE
         found.append(capsule(np.zeros(3), end, radius))
-    if not found and part.kind and not skeleton.children[k]:
-        found.append(Piece(Sphere(_radius(part, 0.0, mass, stature))))
+    if not found and part.kind and not children and not _is_end(skeleton, k, named):
+        found.append(Piece(Sphere(build.radius(part, 0.0))))
     return tuple(found)
+
+
+def _is_bearer(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
+    """Whether bone k is a root that only carries the hips about: no body reaches from the floor to them."""
+    children = skeleton.children[k]
+    return skeleton.bones[k].parent < 0 and len(children) == 1 and named[children[0]].kind == "pelvis"
+
+
+def _is_end(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
+    """Whether bone k has no extent and only says where the one that it hangs on, of the same part, ends."""
+    bone = skeleton.bones[k]
+    longest = max((float(np.linalg.norm(end)) for end in skeleton.ends(k)), default=0.0)
+    return bone.parent >= 0 and longest < SHORTEST_BONE and named[k] == named[bone.parent]
 
 
 def capsule(start: Array, end: Array, radius: float) -> Piece:
@@ -175,18 +221,21 @@ def _segment(part: Part, known: bool) -> tuple[str, str]:
     return segment, "" if segment in MIDDLE else part.side
 
 
-def _overlapping(avatar: Avatar, clip: Motion, stands: bool) -> tuple[tuple[str, str], ...]:
-    """Pairs of links, not a link and its parent, that overlap in the first posture or at rest.
+def _overlapping(avatar: Avatar, clip: Motion, standing: Stance | None) -> tuple[tuple[str, str], ...]:
+    """Pairs of links, not a link and its parent, that overlap in the first posture of a clip or in a standing one.
 
-    At rest all pairs count if the skeleton `stands` then; of one that is folded up those of one parent, and of a parent's."""
+    Where no standing one is known, at rest, and then those of one parent and of a parent's alone: the rest may be folded up."""
     index = {link.name: k for k, link in enumerate(avatar.links)}
     parent = np.array([-1 if link.parent is None else index[link.parent] for link in avatar.links])
     here = np.arange(len(parent))
     above = np.where(parent >= 0, parent[parent], -1)
-    counted = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above) | stands
-    still, first = rest([avatar]), clip.sample(0)
-    found = link_gaps(avatar.links, *link_poses([avatar], first)) < TOUCHING
-    found |= (link_gaps(avatar.links, *link_poses([avatar], still)) < TOUCHING) & counted
+    near = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above)
+    first, still = clip.sample(0), rest([avatar])
+    if standing is not None:
+        still = replace(still, rotations=standing.rotations, angles=standing.angles)
+    found = link_gaps(avatar.links, *link_poses([avatar], still)) < TOUCHING
+    found &= near | (standing is not None)
+    found |= link_gaps(avatar.links, *link_poses([avatar], first)) < TOUCHING
     found &= (parent[:, None] != here) & (here[:, None] != parent)
     names = [link.name for link in avatar.links]
     return tuple((names[a], names[b]) for a, b in np.argwhere(np.triu(found)))

@@ -29,12 +29,13 @@ STRAIGHT = 0.9
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """A standing posture: unit vectors `forward`, `left` and `up` (3,) of the body in the world, orientations `turned` (bones, 4)
-    of the bones in the world, and the posture, as in TrackerSample."""
+    """A standing posture: unit vectors `forward`, `left` and `up` (3,) of the body in the world, `places` (bones, 3) [m] and
+    orientations `turned` (bones, 4) of the bones in the world, and the posture, as in TrackerSample."""
 
     forward: Array
     left: Array
     up: Array
+    places: Array
     turned: Array
     rotations: Array
     angles: Array
@@ -76,7 +77,7 @@ def _upright(
     if not np.linalg.norm(side) > 0.0:
         return None, cosine
     side /= np.linalg.norm(side)
-    return Stance(rotation.cross(side, up), side, up, turned, rotations, angles), cosine
+    return Stance(rotation.cross(side, up), side, up, places, turned, rotations, angles), cosine
 
 
 def _of_kind(named: Sequence[Part], kind: str) -> list[int]:

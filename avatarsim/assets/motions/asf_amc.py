@@ -27,6 +27,9 @@ USUAL_RATE = 120.0
 FASTEST_RATE = 10_000.0
 """Frames a second at most: no camera that sees a whole human takes more."""
 
+NOTICED = 1e-4
+"""Degrees beyond a limit from which they count: files state six digits."""
+
 STILL = 1e-6
 """Way [m] that a bone may be moved along its parent and still count as fixed on it."""
 
@@ -96,6 +99,7 @@ def read_amc(
 
     axes, guesses = _axes(path.name, asf, made, angle, scale, up)
     _require_fixed(path.name, asf, dict(order), values, axes.scale)
+    guesses += _beyond_stated(path.name, asf, dict(order), values, angle)
     return AmcFile(
         name=path.name, recording=made(axes), said=(*said, *guesses), mass=mass, limits=limits, head=newline.join(lines[:head]),
         first=first, order=tuple(order), newline=newline, encoding=encoding,
@@ -239,3 +243,16 @@ def _require_fixed(name: str, asf: Asf, order: dict[str, slice], values: Array, 
             if not (scale * np.abs(way)).max() <= STILL:
                 far = float(scale * np.abs(way).max())
                 raise InvalidFile(f"way {dof} of {bone.name} on its parent in {name} [m]", far, f"up to {STILL:g}")
+
+
+def _beyond_stated(name: str, asf: Asf, order: dict[str, slice], values: Array, angle: float) -> list[str]:
+    """A sentence on the turns that a clip takes beyond the limits that its own skeleton states; recordings often do."""
+    found = []
+    for bone in asf.bones:
+        for place, (dof, (low, high)) in enumerate(zip(bone.dof, bone.limits, strict=False)):
+            turned = np.degrees(values[:, order[bone.name].start + place] * angle)
+            excess = np.maximum(np.degrees(low * asf.angle) - turned, turned - np.degrees(high * asf.angle))
+            if DOFS[dof][0] == "turn" and (excess > NOTICED).any():
+                found.append(f"{bone.name} {dof} ({int((excess > NOTICED).sum())} frames, up to {excess.max():.1f} degrees)")
+    beyond = f"{name} goes beyond the limits that {asf.name} states, in its {len(values)} frames"
+    return [f"{beyond}: {', '.join(found)}"] if found else []

@@ -11,6 +11,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.measures import standing
 from avatarsim.assets.motions.recording import Recording
 from avatarsim.errors import InvalidFile
+from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Hinges
 from avatarsim.scene.motion import Motion
 
@@ -39,13 +40,7 @@ class RecordedFile:
         recording = self.recording
         built = human(recording.skeleton, standing(recording), recording.looked_at(POSTURES), self.mass, self.limits)
         assert built.avatar is not None
-        beyond = beyond_limits(built.avatar, recording.motion_within(built.avatar))
-        if not beyond:
-            return built
-        listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {np.degrees(one.most):.1f} degrees)" for one in beyond)
-        frames = len(recording.values)
-        leaves = f"{self.name} itself leaves limits of joints in its {frames} frames, and is clipped to them when run"
-        return replace(built, said=(*built.said, f"{leaves}: {listed}"))
+        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, recording.motion_within(built.avatar))))
 
     def model(self) -> Model:
         """The human avatar of the file's skeleton. What it says lists the joints that the recording takes beyond their limits."""
@@ -66,6 +61,16 @@ class RecordedFile:
     def require_own(self, model: Model) -> None:
         """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the file's tree and joints."""
         require_same_joints(self.name, model, self._model)
+
+
+def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]:
+    """A sentence on the joints that a recording takes beyond the limits of its avatar; none where it takes none."""
+    beyond = beyond_limits(avatar, motion)
+    if not beyond:
+        return ()
+    listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {np.degrees(one.most):.1f} degrees)" for one in beyond)
+    leaves = f"{name} itself leaves limits of joints in its {len(motion)} frames, and is clipped to them when run"
+    return (f"{leaves}: {listed}",)
 
 
 def require_same_joints(thing: str, model: Model, own: Model) -> None:

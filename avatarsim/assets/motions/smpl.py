@@ -6,7 +6,7 @@ the body at rest. Shape and soft tissue (`betas`, `dmpls`) are not used.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, opened, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.assets.motions.recorded_file import POSTURES, said_of_limits
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
@@ -153,13 +154,18 @@ class SmplFile:
 
     @cached_property
     def _model(self) -> Model:
-        rotations, root = self._rotations(slice(0, 1))
-        positions = np.zeros((len(self.skeleton.bones), 3))
-        positions[0] = root[0]
         stature = float(np.ptp(self.skeleton.rest[:, 2]))
-        mass, limits = self.choices.mass, self.choices.limits
-        first = Motion(np.zeros(1), positions[None], rotations, np.zeros((1, 0)))
-        return human(self.skeleton, stature, first, BODY_MASS if mass is None else mass, limits is not False)
+        mass = BODY_MASS if self.choices.mass is None else self.choices.mass
+        links = len(self.skeleton.bones)
+        turns, root = self._rotations(slice(None))
+        places = np.zeros((len(turns), links, 3))
+        places[:, 0] = root
+        motion = Motion(self.times, places, turns, np.zeros((len(turns), 0)))
+        few = np.unique(np.linspace(0, len(turns) - 1, POSTURES).round().astype(np.int64))
+        looked_at = Motion(self.times[few], places[few], turns[few], motion.angles[few])
+        built = human(self.skeleton, stature, looked_at, mass, self.choices.limits is not False)
+        assert built.avatar is not None
+        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, motion)))
 
     @property
     def _upright(self) -> Array:

@@ -31,9 +31,12 @@ def test_capsules_lie_between_joints_and_end_at_tips() -> None:
     avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
     assert avatar is not None
     links = {link.name: link for link in avatar.links}
-    (thigh,) = links["LeftUpLeg"].pieces
-    assert isinstance(thigh.shape, av.Capsule) and thigh.shape.length == pytest.approx(0.42)
-    assert thigh.position == pytest.approx((0.0, 0.0, -0.21)) and 0.06 < thigh.shape.radius < 0.1
+    (shank,) = links["LeftLeg"].pieces
+    assert isinstance(shank.shape, av.Capsule) and shank.shape.length == pytest.approx(0.41)
+    assert shank.position == pytest.approx((0.0, 0.0, -0.205)) and 0.04 < shank.shape.radius < 0.05
+    knee, thigh = (piece.shape for piece in links["LeftUpLeg"].pieces)
+    assert isinstance(knee, av.Capsule) and isinstance(thigh, av.Capsule)
+    assert knee.length == pytest.approx(0.42) and thigh.length < knee.length and knee.radius < thigh.radius < 0.1
     (hand,) = links["LeftHand"].pieces
     assert isinstance(hand.shape, av.Capsule)
     assert hand.position[1] + 0.5 * hand.shape.length + hand.shape.radius == pytest.approx(0.18)
@@ -94,3 +97,17 @@ def test_unknown_names_have_radii_and_masses_by_length() -> None:
     assert isinstance(first, av.Capsule) and first.radius == pytest.approx(0.075)
     assert model.avatar.links[0].mass.mass == pytest.approx(model.avatar.links[1].mass.mass)
     assert model.avatar.links[3].pieces == () and model.avatar.links[2].joint == av.Ball()
+
+
+def test_a_root_on_the_floor_and_joints_that_end_others_have_no_body() -> None:
+    bones = [Bone("Reference", -1, (0.0, 0.0, 0.0)), Bone("Hips", 0, (0.0, 0.0, 0.9), BALL, XYZ)]
+    bones += [replace(bone, parent=bone.parent + 1, tips=()) for bone in SKELETON.bones[1:]]
+    bones.append(Bone("Head_End", 4, (0.0, 0.0, 0.2), BALL, XYZ))
+    skeleton = Skeleton("human", tuple(bones))
+    avatar = human(skeleton, 1.7, clip(skeleton, {})).avatar
+    assert avatar is not None and avatar.links[0].pieces == () and avatar.links[-1].pieces == () and avatar.links[1].pieces
+    (head,) = avatar.links[4].pieces
+    assert isinstance(head.shape, av.Capsule)
+    assert head.position[2] + 0.5 * head.shape.length + head.shape.radius == pytest.approx(0.2, abs=0.02)
+    (hand,) = next(link.pieces for link in avatar.links if link.name == "LeftHand")
+    assert isinstance(hand.shape, av.Sphere)

@@ -196,3 +196,24 @@ def test_bones_that_slide_are_refused(tmp_path: Path) -> None:
 
 def test_columns_are_counted() -> None:
     assert sum(count for _, count in AMC_ORDER) == rows().shape[1]
+
+
+def test_whole_turns_are_left_out_of_the_motion_and_stay_in_the_file(tmp_path: Path) -> None:
+    """A knee at 380 degrees is one at 20: within its limits as it is shown, and 380 where it is written."""
+    values = rows(spread=1.0)
+    values[:, 15] = 380.0
+    file = made(tmp_path, amc(values), up="y")
+    model = file.model()
+    hinges = [bone.name for bone in file.recording.skeleton.bones[1:] if len(bone.axes) < 3 for _ in bone.axes]
+    assert np.degrees(file.motion(model).angles[:, hinges.index("ltibia")]) == pytest.approx(20.0)
+    assert file.written(file.motion(model), model).decode() == amc(values)
+    assert not any("leaves limits" in said and "ltibia" in said for said in model.said)
+
+
+def test_the_skeleton_s_own_limits_are_counted(tmp_path: Path) -> None:
+    values = rows(spread=1.0)
+    values[:, 12] = np.radians(0.0)
+    values[2:4, 12] = 40.0
+    (said,) = [said for said in made(tmp_path, amc(values)).said if "states, in its" in said]
+    assert said.startswith("07_01.amc goes beyond the limits that 07.asf states, in its 5 frames: ")
+    assert said.endswith(": lfemur rx (2 frames, up to 20.0 degrees)")

@@ -34,7 +34,7 @@ def test_pickles_are_refused_with_a_way_out(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", ["some.fbx", "some", "some.npz.zip"])
 def test_other_suffixes_are_refused_with_those_that_are_read(tmp_path: Path, name: str) -> None:
-    with pytest.raises(InvalidFile, match=r"end of the name.*\.csv.*\.npz.*\.txt"):
+    with pytest.raises(InvalidFile, match=r"end of the name.*\.amc, \.bvh, \.csv, \.npz, \.txt"):
         load_motion(tmp_path / name)
 
 
@@ -57,8 +57,6 @@ def test_files_are_known_by_the_end_of_their_names(tmp_path: Path) -> None:
     assert av.load_motion(str(tmp_path / "a.BVH"), scale=0.02, up="z").said == ()
 
 
-def test_other_files_and_options_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidFile, match="end of the name of clip.fbx is '.fbx'; valid: one of .amc, .bvh"):
-        av.load_motion(tmp_path / "clip.fbx")
+def test_options_are_those_of_the_reader(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="option for clip.bvh is 'size'; valid: one of limits, mass, offsets, scale, up"):
-        av.load_motion(tmp_path / "clip.bvh", size=2)
+        load_motion(tmp_path / "clip.bvh", size=2)
