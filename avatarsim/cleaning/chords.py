@@ -19,6 +19,7 @@ from avatarsim.model.skeleton import BALL, FREE
 from avatarsim.model.world import build, sample_arrays
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
+from avatarsim.scene.checks import instance, listed
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
@@ -86,34 +87,47 @@ def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
     return Certified(np.array([share for share, _ in found], dtype=np.float64), tuple(pair for _, pair in found))
 
 
-def scene_of(model: Model, room: Sequence[Body], options: Options, start: TrackerSample | None = None) -> Scene:
+def scene_of(model: Model, room: Sequence[Body], options: Options) -> Scene:
     """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out.
 
-    Raises InvalidInput for a model without avatar."""
-    if model.avatar is None:
-        raise InvalidInput("avatar of the model", None, "one: a file of a robot, a hand or a skeleton")
-    bodies = [body for body in (*model.bodies, *room) if body.role is Role.FIXED or not options.loose]
-    standing = [
-        replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0)) for body in bodies
-    ]
-    bodies_named = tuple(_with_own_names(standing, model.avatar))
-    # what bodies are made of matters to impacts only, of which there are none
-    made_of = sorted({body.material for body in standing} | {link.material for link in model.avatar.links})
-    law = ContactLaw(0.0, 0.0)
-    materials = PairTable({(one, other): law for one in made_of for other in made_of})
-    return Scene("clean", bodies_named, (model.avatar,), materials, start=start)
-
-
-def _with_own_names(bodies: Iterable[Body], avatar: Avatar) -> list[Body]:
-    """The bodies with a number behind names that occur before, or are those of links."""
+    Raises InvalidInput for a model without avatar, and for what is none or no bodies."""
+    instance("model to clean with", model, Model, "a Model, as load_avatar gives", InvalidInput)
+    instance("options of cleaning", options, Options, "Options(margin, blend, ...)", InvalidInput)
+    for body in listed(room):
+        instance("body of the room", body, Body, "a Body, for instance those of load_room(path).bodies", InvalidInput)
+    avatar = model.avatar
+    if not isinstance(avatar, Avatar):
+        raise InvalidInput("avatar of the model", avatar, "one: a file of a robot, a hand or a skeleton")
+    own, others = ([standing(body) for body in bodies if is_taken(body, options)] for bodies in (model.bodies, room))
     links = avatar.links
     taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
-    found: list[Body] = []
+    named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}
+    exclude = tuple(pair for pair in model.exclude if known.issuperset(pair))
+    # what bodies are made of matters to impacts only, of which there are none
+    made_of = sorted({body.material for body in named} | {link.material for link in links})
+    law = ContactLaw(0.0, 0.0)
+    materials = PairTable({(one, other): law for one in made_of for other in made_of})
+    return Scene("clean", named, (avatar,), materials, start=model.start, exclude=exclude)
+
+
+def is_taken(body: Body, options: Options) -> bool:
+    """Whether a body takes part: loose ones may be left out."""
+    return body.role is Role.FIXED or not options.loose
+
+
+def standing(body: Body) -> Body:
+    """The body, fixed where it is."""
+    return replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0))
+
+
+def with_own_names(bodies: Iterable[Body], taken: set[str]) -> tuple[Body, ...]:
+    """The bodies with a number behind names that are taken or occur before."""
+    known, found = set(taken), list[Body]()
     for body in bodies:
         name, count = body.name, 1
-        while name in taken:
+        while name in known:
             count += 1
             name = f"{body.name} ({count})"
-        taken.add(name)
+        known.add(name)
         found.append(body if name == body.name else replace(body, name=name))
-    return found
+    return tuple(found)

@@ -27,6 +27,9 @@ LEAST_FRAMES = 4
 WIDEST = 1.0
 """[rad] a displacement of a joint beyond this is no small one that may be scaled and averaged."""
 
+WORTH = 0.95
+"""Share of the jerk of what was tracked first that a smoothed episode has at most: else free frames would change for nothing."""
+
 TRIES = 2
 """Windows that are tried, each twice as long as the one before."""
 
@@ -68,8 +71,8 @@ def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
     where = np.arange(some.start, some.stop)[np.any(d != 0.0, axis=1)]
     d = d[np.any(d != 0.0, axis=1)]
     moves, turns = d[:, : 3 * len(free)], d[:, 3 * len(free) : 3 * len(free) + 3 * len(turning)]
-    positions[where[:, None], free] += moves.reshape(-1, len(free), 3)
-    steps = rotation.from_rotation_vector(turns.reshape(-1, len(turning), 3))
+    positions[where[:, None], free] += moves.reshape(len(d), len(free), 3)
+    steps = rotation.from_rotation_vector(turns.reshape(len(d), len(turning), 3))
     turned = rotation.multiply(steps, rotations[where[:, None], turning])
     rotations[where[:, None], turning] = rotation.normalised(turned)
     angles[where] += d[:, 3 * len(free) + 3 * len(turning) :]
@@ -134,7 +137,7 @@ def again(
     if is_input[last] and trial.kind[-1] != Kind.INPUT:
         return False
     new = trial.motion
-    if not high(jerk(chords, new)) < high(jerk(chords, old)) or not (certified(chords, new).until >= 1.0).all():
+    if not high(jerk(chords, new)) < WORTH * high(jerk(chords, old)) or not (certified(chords, new).until >= 1.0).all():
         return False
     trial.kind[0] = written.kind[first]
     trial.kind[(trial.kind == Kind.INPUT) & np.any(d != 0.0, axis=1)] = Kind.BLENDED

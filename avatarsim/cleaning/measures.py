@@ -5,6 +5,8 @@ Jerk: third differences of link positions over the time of a frame cubed (Flash 
 motion by it).
 """
 
+from itertools import islice
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,9 @@ Flags = NDArray[np.bool_]
 
 HIGH = 95.0
 """[percent] which of the sorted values is given."""
+
+NAMED = 8
+"""Excluded pairs that a sentence names, the deepest; all are in the audit."""
 
 
 def jerk(chords: Chords, motion: Motion) -> Array:
@@ -47,9 +52,11 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
     excluded, said = excluded_pairs(chords, motion), []
-    blind = [f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in excluded if one.depth > OVERLAP]
+    blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
-        said.append("excluded pairs that overlap, which no measure counts and no proof looks at: " + ", ".join(blind))
+        named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in islice(blind, NAMED))
+        more = f" and {len(blind) - NAMED} more" if len(blind) > NAMED else ""
+        said.append(f"excluded pairs that overlap, which no measure counts and no proof looks at: {named}{more}")
     opinion, why = opinion_of(chords.scene, motion) if with_opinion else (None, "")
     if why:
         said.append(why)
@@ -60,14 +67,15 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
 
 
 def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
-    """The pairs of links that the avatar excludes, besides each link and its parent, and how deep they get into each other."""
-    scene, avatar = chords.scene, chords.scene.avatars[0]
+    """The pairs that avatar and model exclude, besides each link and its parent, and how deep they get into each other."""
+    scene, avatar, names = chords.scene, chords.scene.avatars[0], chords.scene.names
     at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
-    pairs = np.array([(at[a], at[b]) for a, b in avatar.ignore], dtype=np.int64).reshape(-1, 2)
+    found = [(at[a], at[b]) for a, b in avatar.ignore] + [(names.index(a), names.index(b)) for a, b in scene.exclude]
+    pairs = np.array(sorted({(min(pair), max(pair)) for pair in found}), dtype=np.int64).reshape(-1, 2)
     depths = np.zeros(len(pairs))
     for frame in range(len(motion) if len(pairs) else 0):
         depths = np.maximum(depths, -chords.gaps(motion.sample(frame), pairs))
-    return tuple(Excluded(a, b, depth) for (a, b), depth in zip(avatar.ignore, depths.tolist(), strict=True))
+    return tuple(Excluded(names[a], names[b], depth) for (a, b), depth in zip(pairs.tolist(), depths.tolist(), strict=True))
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:

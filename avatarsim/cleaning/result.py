@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.checks import instance, within
 from avatarsim.scene.motion import Motion
 
 Array = NDArray[np.float64]
@@ -34,10 +35,12 @@ class Options:
     opinion: bool = True
 
     def __post_init__(self) -> None:
-        if not 1e-5 <= self.margin <= 0.1:
-            raise InvalidInput("margin [m]", self.margin, "1e-5 to 0.1")
-        if not 0.0 <= self.blend <= 2.0:
-            raise InvalidInput("blend [s]", self.blend, "0 to 2")
+        object.__setattr__(self, "margin", within("margin [m]", self.margin, 1e-5, 0.1, InvalidInput))
+        object.__setattr__(self, "blend", within("blend [s]", self.blend, 0.0, 2.0, InvalidInput))
+        for name in ("loose", "opinion"):
+            instance(name, getattr(self, name), bool, "True or False", InvalidInput)
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int | np.integer):
+            raise InvalidInput("seed", self.seed, "a whole number")
 
 
 DEFAULTS = Options()
@@ -147,12 +150,14 @@ class Flagged:
 
 @dataclass(frozen=True, eq=False)
 class Cleaned:
-    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ
-    (changed, (F,)) and the runs of frames of which something is to be said."""
+    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ from
+    it (changed, (F,)), which frames of the input were not free (held, (F,): they overlap, come nearer than the margin, or are
+    beyond limits), and the runs of frames that changed."""
 
     motion: Motion
     before: Audit
     after: Audit
     moved: Moved
     changed: Flags
+    held: Flags
     flagged: tuple[Flagged, ...]

@@ -1,6 +1,7 @@
 """Where tracking starts: the first free frame; without any, a free posture near the first frame's, found by lifting the root.
 
-Postures between the first frame's and that of rest are looked at as well, since no lift helps an avatar that overlaps itself.
+Postures between the first frame's and that of the model's start, or at rest, are looked at as well, since no lift helps an avatar
+that overlaps itself.
 """
 
 from collections.abc import Iterator
@@ -11,13 +12,13 @@ import numpy as np
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.track import Follower, between, difference
 from avatarsim.errors import StartOverlaps
-from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.scene.tracker import TrackerSample
 
 LIFTS = (0.0, *(1e-3 * 2.0**k for k in range(13)))
 """[m] how far a root is moved, to 4 m: a doubling finds a place of any size in as many looks."""
 
 SHARES = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
-"""Shares of the way to the posture of rest."""
+"""Shares of the way to the model's start."""
 
 DIRECTIONS = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """Where a root is moved: upwards first, out of the ground."""
@@ -30,8 +31,8 @@ most; and [rad, m] of what then moves no more."""
 def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]:
     """Postures near one, nearest first."""
     clipped, _ = chords.clipped(sample)
-    at_rest = rest(chords.scene.avatars, sample.time)
-    at_rest = replace(at_rest, positions=sample.positions, rotations=at_rest.rotations.copy())
+    at_rest = replace(chords.scene.first_sample, positions=sample.positions)
+    at_rest = replace(at_rest, rotations=at_rest.rotations.copy())
     at_rest.rotations[chords.free_roots] = sample.rotations[chords.free_roots]
     at_rest, _ = chords.clipped(at_rest)
     has_root = len(chords.free_roots) > 0

@@ -13,6 +13,7 @@ from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body
+from avatarsim.scene.checks import finite_array, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
 
@@ -38,12 +39,12 @@ class Shield:
     """
 
     def __init__(self, model: Model, room: Sequence[Body] = (), rate: float = 60.0, options: Options = DEFAULTS) -> None:
-        if not SLOWEST <= rate <= FASTEST:
-            raise InvalidInput("rate of a shield [1/s]", rate, f"{SLOWEST:g} to {FASTEST:g}")
+        rate = within("rate of a shield [1/s]", rate, SLOWEST, FASTEST, InvalidInput)
+        scene = scene_of(model, room, options)
         if model.coordinates is None:
             raise InvalidInput("coordinates of the model", None, "those of an avatar: a file of a robot, a hand or a skeleton")
         self.coordinates, self.options, self._step = model.coordinates, options, 1.0 / rate
-        self._chords = Chords(scene_of(model, room, options))
+        self._chords = Chords(scene)
         self._follower: Follower | None = None
         self._before: TrackerSample | None = None
         self._time = 0.0
@@ -55,9 +56,7 @@ class Shield:
 
         Raises InvalidInput for another width, numbers that are not finite and quaternions without length, and StartOverlaps where
         no free posture is found near the first one; what came before then still counts."""
-        row = np.asarray(q, dtype=np.float64)
-        if row.shape != (self.coordinates.width,):
-            raise InvalidInput("shape of generalized coordinates", row.shape, f"({self.coordinates.width},)")
+        row = finite_array("generalized coordinates", q, (self.coordinates.width,), InvalidInput)
         time = self._time + self._step
         sample = self.coordinates.motion(row[None], np.array([time])).sample(0)
         gap, _ = self._chords.nearest(sample, self.options.margin)
@@ -65,6 +64,7 @@ class Shield:
         if self._follower is None or self._before is None:
             start = sample if is_free else free_posture(self._chords, sample, self.options.margin)
             self._follower = Follower(self._chords, self.options, start, is_free)
+            self._follower.load_all()
             if not is_free:
                 approach(self._follower, sample)
         else:

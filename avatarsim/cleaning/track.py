@@ -99,6 +99,11 @@ class Follower:
         self._engines: dict[int, AvatarsimEngine] = {}
         self._level, self._since, self._at = 0, 0.0, -1
 
+    def load_all(self) -> None:
+        """Load the engines of all levels now: else each is when it is first needed, which takes milliseconds."""
+        for level in range(LEVELS):
+            self._engine(level, self.shown)
+
     def begin(self, start: TrackerSample, is_input: bool) -> None:
         """Begin again elsewhere."""
         self.shown, self.is_input = start, is_input

@@ -14,6 +14,7 @@ from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower, Judged, Kind, Written, track
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body
+from avatarsim.scene.checks import FARTHEST, instance
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import checked
@@ -30,7 +31,12 @@ def chords_of(motion: Motion, model: Model, room: Sequence[Body], options: Optio
 
 
 def require_fit(scene: Scene, motion: Motion) -> None:
-    """Raise InvalidInput for a motion of another avatar, or with rotations that are none; it names the frame."""
+    """Raise InvalidInput for a motion of another avatar, with rotations that are none, or off the world; it names the frame."""
+    instance("motion to clean", motion, Motion, "a Motion, as a motion file gives", InvalidInput)
+    away = np.abs(motion.positions).reshape(len(motion), -1).max(axis=1, initial=0.0)
+    if not (away <= FARTHEST).all():
+        frame = int(np.argmax(away))
+        raise InvalidInput(f"positions in frame {frame} of the motion [m]", float(away[frame]), f"coordinates up to {FARTHEST:g}")
     for frame in range(len(motion)):
         try:
             checked(motion.sample(frame), scene.avatars)
@@ -61,7 +67,8 @@ def clean_motion(
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
     tell(1.0)
     return Cleaned(
-        done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, flags(motion, judged, written.kind)
+        done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, ~judged.is_free,
+        flags(motion, judged, written.kind),
     )
 
 

@@ -8,10 +8,12 @@ import pytest
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, Options, audit, clean
 from avatarsim.errors import InvalidInput, StartOverlaps
+from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.joint import Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import poses_of_links
 from reference.judging.judge import Judge
 from scenarios.cleaned import between, depths
@@ -79,6 +81,12 @@ def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> 
     assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
 
 
+def test_a_place_beyond_the_world_is_refused() -> None:
+    motion = lowered(swinging(5, 1.0), np.array([0.0, 0.0, 0.0, 1e9, 0.0]))
+    with pytest.raises(InvalidInput, match="positions in frame 3"):
+        audit(motion, model())
+
+
 def test_a_motion_without_any_free_frame_is_lifted_out() -> None:
     motion = swinging(45, 0.2)
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
@@ -131,6 +139,42 @@ def test_loose_bodies_stand_still_or_are_left_out() -> None:
     assert clean(motion, with_block, (), replace(OPTIONS, loose=True)).before.overlapping == 0
 
 
+def test_pairs_that_the_file_excludes_may_overlap_and_only_those() -> None:
+    block = fixed("block", (Piece(Box((0.3, 2.0, 0.3))),), "wood", (1.0, 0.0, 0.2))
+    names = ("walker/trunk", "walker/left", "walker/right")
+    with_block = replace(model(), bodies=(block,), exclude=tuple((name, "block") for name in names))
+    motion = swinging(60, 0.5, along=2.0)
+    found = audit(motion, with_block, (replace(block, position=(50.0, 0.0, 0.0)),), OPTIONS)
+    assert found.overlapping == 0 and max(one.depth for one in found.excluded) > 0.1
+    # a body of the room that only shares the name is not excluded
+    found = audit(motion, replace(with_block, bodies=()), (block,), OPTIONS)
+    assert found.overlapping > 0 and found.excluded == ()
+
+
+def bolted() -> Model:
+    """An arm of two links on the ground, without a root that could be lifted."""
+    rod = (Piece(Capsule(0.04, 0.4), (0.0, 0.0, 0.25)),)
+    upper = Link("upper", None, Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.1))
+    lower = Link("lower", "upper", Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.5))
+    return Model(Avatar("arm", (upper, lower)), None, (), ())
+
+
+def bent(angles: np.ndarray) -> Motion:
+    """The arm with these angles (F, 2)."""
+    frames = len(angles)
+    return Motion(np.arange(frames) / 30.0, np.zeros((frames, 2, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (frames, 2, 1)), angles)
+
+
+@pytest.mark.parametrize("first", [0.0, 1.6])
+def test_an_arm_that_is_bolted_down_slides_along_a_wall(first: float) -> None:
+    """Also from a first posture within the wall, where there is no root to lift."""
+    motion = bent(np.stack([np.linspace(first, 1.6, 60), np.full(60, 0.3)], axis=1))
+    cleaned = clean(motion, bolted(), (wall(0.6),), OPTIONS)
+    assert cleaned.after.is_clean and cleaned.after.unproven == 0 and cleaned.before.deepest > 0.1
+    assert cleaned.changed[0] == (first > 0.0) and cleaned.changed[-1]
+    assert cleaned.motion.angles[-1, 0] > 0.5
+
+
 def test_bodies_of_one_name_are_told_apart() -> None:
     twin = fixed("floor", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (1.0, 0.0, 0.5))
     found = audit(swinging(30, 0.5, along=1.0), model(), (FLOOR, twin), OPTIONS)
@@ -153,8 +197,8 @@ def crossed() -> Motion:
 def test_excluded_pairs_are_measured_and_said() -> None:
     found = audit(crossed(), ignoring(), (), OPTIONS)
     (pair,) = found.excluded
-    assert (pair.a, pair.b) == ("left", "right") and pair.depth > 0.005 and found.overlapping == 0
-    assert "left and right" in found.said[0]
+    assert (pair.a, pair.b) == ("walker/left", "walker/right") and pair.depth > 0.005 and found.overlapping == 0
+    assert "walker/left and walker/right" in found.said[0]
     seen = audit(crossed(), model(), (), OPTIONS)
     assert seen.deepest == pytest.approx(pair.depth) and seen.deepest_pair == ("walker/left", "walker/right")
 

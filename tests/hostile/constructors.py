@@ -19,15 +19,20 @@ from hypothesis.strategies import SearchStrategy
 
 from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.decompose import Wishes
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning import Options, Shield, clean
 from avatarsim.engine import Settings
+from avatarsim.errors import AvatarsimError
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.joint import Ball, Hinge, Hinges, ReachCone, SwingTwist
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 from avatarsim.simulator import AvatarsimEngine
+from tests.cleaning.rooms import FLOOR, model
 from tests.hostile import values as v
 from tests.hostile.doors import Case, Door, Unsound, finite, nothing, sound
 
@@ -213,6 +218,42 @@ def engine_doors() -> list[SearchStrategy[Asked]]:
     ]
 
 
+def cleaning_doors() -> list[SearchStrategy[Asked]]:
+    """Options, clips of random postures of random avatars among random bodies, and streams of coordinates."""
+    options = st.builds(Options, margin=st.floats(1e-5, 0.05), blend=st.floats(0.0, 0.3), opinion=st.just(False))
+    rows = st.lists(st.builds(lambda seed: np.random.default_rng(seed).normal(size=12), v.seeds), min_size=1, max_size=4)
+    return [
+        v.asked(Options, margin=st.floats(1e-5, 0.1), blend=st.floats(0.0, 2.0), loose=st.booleans(), seed=v.seeds,
+                opinion=st.booleans()),
+        v.asked(cleaned, avatar=v.avatars, bodies=st.lists(v.bodies, max_size=3), moves=st.lists(v.seeds, min_size=1, max_size=6),
+                step=v.lengths, options=options),
+        v.asked(shielded, rows=rows, rate=st.floats(10.0, 100.0), options=options),
+    ]
+
+
+def cleaned(avatar: Avatar, bodies: list[Body], moves: list[int], step: float, options: Options) -> object:
+    """A clip of random postures, cleaned. Raises Unsound where something overlaps in what is written."""
+    known = [move for move in (moves if isinstance(moves, list) else [moves]) if isinstance(move, int) and 0 <= move < 1000]
+    samples = [v.sample((avatar,), move, 0.3) for move in known] if isinstance(avatar, Avatar) else []
+    arrays = ([getattr(sample, name) for sample in samples] for name in ("positions", "rotations", "angles"))
+    times = step * np.arange(len(samples)) if isinstance(step, float) else step
+    motion = Motion(times, *(np.array(array) for array in arrays))  # type: ignore[arg-type]
+    found = clean(motion, Model(avatar, None, (), ()), bodies, options)
+    if not found.after.is_clean or found.after.unproven:
+        after = found.after
+        raise Unsound(f"a cleaned motion is not clean: {after.overlapping} {after.unproven} {after.limit_excess}")
+    return found.motion.positions
+
+
+def shielded(rows: list[object], rate: float, options: Options) -> object:
+    """A stream of coordinates that goes on after a row that is refused. Raises Unsound for what comes out and is no posture."""
+    shield, shown = Shield(model(), (FLOOR,), rate, options), np.zeros(12)
+    for row in rows if isinstance(rows, list) else [rows]:
+        with suppress(AvatarsimError):
+            shown = shield(row)  # type: ignore[arg-type]
+    return shown
+
+
 def small(value: object) -> bool:
     """Whether a number asks for little work."""
     return not (isinstance(value, int | float | np.number) and abs(float(min(max(value, -1e9), 1e9))) > 50.0)
@@ -249,11 +290,11 @@ def doors() -> tuple[Door, ...]:
     """All of them; each constructor's strategy is drawn as often as its neighbours in a group."""
     groups: tuple[tuple[str, float, Callable[[], list[SearchStrategy[Asked]]]], ...] = (
         ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors),
-        ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors),
+        ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors), ("cleaning", 5.0, cleaning_doors),
     )
     return tuple(
         Door(name, weight, partial(cases, partial(one_of, made), as_declared), slow=weight <= 10.0,
-             warm=compiled if name == "engine" else nothing)
+             warm=partial(compiled, made) if name in ("engine", "cleaning") else nothing)
         for name, weight, made in groups
     )
 
@@ -263,8 +304,8 @@ def one_of(made: Callable[[], list[SearchStrategy[Asked]]]) -> SearchStrategy[As
     return st.one_of(made())
 
 
-def compiled() -> None:
+def compiled(made: Callable[[], list[SearchStrategy[Asked]]]) -> None:
     """Let both methods show what the first scenes of a seed ask, so that no case waits for a kernel to be compiled or read."""
-    for make, arguments in drawn(one_of(engine_doors), 0, 60):
+    for make, arguments in drawn(one_of(made), 0, 60):
         with suppress(Exception):
             make(**arguments)
