@@ -56,7 +56,8 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
-        vfs[f"{NOWHERE}{name}"] = content
+        place = NOWHERE + name
+        vfs[place] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
         MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)

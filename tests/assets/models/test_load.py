@@ -83,6 +83,25 @@ def test_links_without_mass_get_one_and_it_is_said(tmp_path: Path) -> None:
     assert model.avatar.links[2].mass.mass == 1e-3
 
 
+ROD = '<inertial><mass value="{}"/><inertia ixx="{}" iyy="{}" izz="{}" ixy="{}" ixz="0" iyz="0"/></inertial>'
+
+
+@pytest.mark.parametrize("numbers", [
+    (1, 1, 1, 5, 0), (1, 0, 0, 0, 0), (2, -1, 1, 1, 0), (1, 1, 1, 1, 3), (0, 0, 0, 0, 0), (1e-3, 1e-9, 0, 1e-9, 0),
+])
+def test_moments_that_no_solid_has_are_raised_and_it_is_said(numbers: tuple[float, ...], tmp_path: Path) -> None:
+    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+    text = f'<robot name="r"><link name="a">{ball}</link><link name="b">{ROD.format(*numbers)}{ball}</link>{joint}</robot>'
+    (tmp_path / "r.urdf").write_text(text)
+    model = av.load_avatar(tmp_path / "r.urdf")
+    assert model.avatar is not None and any("b" in said.split(": ")[-1].split(", ") for said in model.said)
+    mass = model.avatar.links[1].mass
+    assert mass.mass == pytest.approx(numbers[0] or 1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
+    moments = np.linalg.eigvalsh(mass.inertia)
+    assert 0.0 < moments[0] and moments[2] <= (moments[0] + moments[1]) * (1.0 + 1e-9)
+
+
 def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path) -> None:
     obj_of(tmp_path, "ell.obj", *ell())
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
