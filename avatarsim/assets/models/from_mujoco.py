@@ -180,12 +180,13 @@ class _Reading:
     def _ignored(self, tree: Tree, skeleton: Skeleton) -> tuple[tuple[str, str], ...]:
         """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
-        found, masked = [], 0
         parts = self._link_parts(tree, self._names)
+        found, masked = [], 0
+        kept_apart = set(self._filter.kept_apart(parts))
         for k, two in enumerate(parts):
-            for one in parts[:k]:
+            for j, one in enumerate(parts[:k]):
                 apart = self._filter.apart(one, two)
-                if parent[two.name] != one.name and (apart or not self._filter.meet(one, two)):
+                if parent[two.name] != one.name and (apart or (j, k) in kept_apart):
                     found.append((one.name, two.name))
                     masked += not apart
         if masked:
@@ -210,18 +211,12 @@ class _Reading:
         room = list(self._parts.values())
         names = {} if tree is None or avatar is None else self._scene_names(tree, avatar)
         links = [] if tree is None else self._link_parts(tree, names)
-        found, masked = [], 0
-        for k, one in enumerate(room):
-            for two in (*room[:k], *links):
-                if one.weld == 0 and two.weld == 0:
-                    # bodies of the room are one family already
-                    found += [(one.name, two.name)] if two.name not in self._parts else []
-                elif not self._filter.meet(one, two):
-                    found.append((one.name, two.name))
-                    masked += 1
+        parts, first = [*room, *links], len(room)
+        found = [(one.name, two.name) for two in links if two.weld == 0 for one in room if one.weld == 0]
+        masked = [(parts[i].name, parts[j].name) for i, j in self._filter.kept_apart(parts) if i < first]
         if masked:
-            self._said.append(f"{masked} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
-        return tuple(found)
+            self._said.append(f"{len(masked)} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
+        return (*found, *masked)
 
     def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
         """What a scene calls the link that carries a body."""
