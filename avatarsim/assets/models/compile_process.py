@@ -137,7 +137,8 @@ def main(arguments: list[str]) -> int:
         value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
         numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}
     except MemoryError:
-        numbers = {"refused": np.array(json.dumps([f"model {path.name}", "too large", f"one that compiles in {MEMORY:.2g} bytes"]))}
+        valid = f"one that compiles in {MEMORY:.2g} bytes"
+        numbers = {"refused": np.array(json.dumps([f"model {path.name}", "too large", valid]))}
     buffer = io.BytesIO()
     np.savez(buffer, **numbers)
     with answer:

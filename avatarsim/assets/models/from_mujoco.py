@@ -36,7 +36,7 @@ WORLD = "world"
 class Options:
     """What a user asks of a model file; see `load.load_avatar`."""
 
-    avatar: str | None = None
+    avatar: str | tuple[str, ...] | None = None
     driven: bool = True
     folder: str | Path | None = None
     joints: JointWishes = field(default_factory=JointWishes)
@@ -80,7 +80,7 @@ class _Reading:
             avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range)
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar)
-        bodies = [*self._world(), *(body for bodies in forest if bodies != chosen for body in self._body(bodies))]
+        bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         self._say_equalities()
         self._said += [*self._geoms.said(), *self._masses.said()]
@@ -100,16 +100,22 @@ class _Reading:
         """The tree that becomes the avatar: the one that is asked for, or the one with the most joints."""
         asked = self._options.avatar
         if asked is not None:
-            for bodies in forest:
-                if asked in {self._names[b] for b in bodies}:
-                    return bodies
-            known = [name for b, name in self._names.items() if b > 0]
-            raise UnknownName(f"body of {self._file} to be the avatar", asked, known)
+            chosen = {self._tree_with(name, forest) for name in ((asked,) if isinstance(asked, str) else asked)}
+            if chosen:
+                return tuple(sorted(b for bodies in chosen for b in bodies))
         counts = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
         if not forest or (max(counts) == 0 and not self._free_root()):
             valid = 'at least 1; load_room reads a room, root="free" lets a body without joints go where its user goes'
             raise InvalidFile(f"joints of {self._file}", 0, valid)
         return forest[int(np.argmax(counts))]
+
+    def _tree_with(self, name: str, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
+        """The tree that has a body of this name."""
+        for bodies in forest:
+            if name in {self._names[b] for b in bodies}:
+                return bodies
+        known = [name for b, name in self._names.items() if b > 0]
+        raise UnknownName(f"body of {self._file} to be the avatar", name, known)
 
     def _free_root(self) -> bool:
         """Whether a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes it."""

@@ -22,14 +22,15 @@ MESHES = (".obj", *BY_TRIMESH)
 
 
 def load_avatar(
-    path: str | Path, *, avatar: str | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
+    path: str | Path, *, avatar: str | tuple[str, ...] | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
     couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
     leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
     size_range: tuple[float, float] = PLAUSIBLE_SIZE,
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
 
-    avatar      name of a body of the tree that becomes the avatar; by default the tree with the most joints
+    avatar      name of a body of the tree that becomes the avatar, or several, whose trees are one avatar then (two arms on a
+                table); by default the tree with the most joints
     root        "file": free where the file has a free joint, and in URDF, which has no word for it, unless its root is named
                 "world"; "free"; "fixed"
     fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have (slides, and joints

@@ -10,6 +10,7 @@ import avatarsim as av
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import Role
 from tests.assets.meshes.solids import cube, ell
+from tests.assets.models.mujoco_twin import Twin, greatest_difference
 from tests.assets.models.test_links_of_tree import GEOM, written
 from tests.assets.models.test_pieces_of_geoms import obj_of
 
@@ -31,6 +32,26 @@ def test_the_avatar_is_the_tree_with_most_joints_or_the_one_asked_for(tmp_path: 
     (big,) = asked.bodies
     assert (big.name, big.role, len(big.pieces)) == ("big", Role.SIMULATED, 2)
     np.testing.assert_allclose(big.pieces[1].position, (0.0, 0.0, -1.0))
+
+
+def test_two_arms_can_be_one_avatar(tmp_path: Path) -> None:
+    arm = f'<body name="{{0}}" pos="{{1}} 0 0">{GEOM}' \
+          f'<body name="{{0}} arm" pos="0 0.5 0.5"><joint name="{{0}}"/>{GEOM}</body></body>'
+    path = written(tmp_path, arm.format("left", -1) + arm.format("right", 1))
+    model = av.load_avatar(path, avatar=("left", "right arm"))
+    assert model.avatar is not None and model.coordinates is not None and not model.bodies
+    assert [link.name for link in model.avatar.links] == ["world", "left", "left arm", "right", "right arm"]
+    assert model.coordinates.names == ("left", "right")
+    assert greatest_difference(Twin(path), model, 5) <= 1e-12
+    assert frozenset(("left arm", "right arm")) not in {frozenset(pair) for pair in model.avatar.ignore}
+
+
+def test_trees_that_go_apart_are_not_one_avatar(tmp_path: Path) -> None:
+    path = written(tmp_path, TWO)
+    with pytest.raises(InvalidFile, match=r"trees of the avatar in model\.xml is 'free'; .*root=\"fixed\""):
+        av.load_avatar(path, avatar=("small", "big"))
+    model = av.load_avatar(path, avatar=("small", "big"), root="fixed")
+    assert model.avatar is not None and len(model.avatar.links) == 4
 
 
 def test_a_room_has_no_avatar(tmp_path: Path) -> None:
