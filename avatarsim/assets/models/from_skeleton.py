@@ -1,7 +1,7 @@
 """A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
 
-The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of whoever was
-recorded, and the model says so.
+The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of the recorded
+human, and the model says so.
 """
 
 from collections.abc import Sequence
@@ -17,6 +17,7 @@ from avatarsim.assets.models.anthropometry import (
     MIDDLE,
     RADII,
     SEGMENT_OF,
+    SEGMENT_OF_KIND,
     SEGMENTS,
     SHOULDERS,
     STATURE,
@@ -131,7 +132,7 @@ class Build:
         if part.kind in RADII:
             return RADII[part.kind] * self.stature / STATURE
         if part.kind in SEGMENT_OF:
-            found = SEGMENTS[SEGMENT_OF[part.kind]].radius(self.mass, self.stature)
+            found = SEGMENT_OF_KIND[part.kind].radius(self.mass, self.stature)
             return min(found, self.trunk) if SEGMENT_OF[part.kind] == "trunk" else found
         return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
 

@@ -14,7 +14,7 @@ from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, MOST_BYT
 from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import SHOWN, decoded, number
+from avatarsim.assets.motions.text import decoded, number, quoted
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
@@ -121,7 +121,7 @@ def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
     """How many lines stand before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
     angle = asf.angle
     for k, line in enumerate(lines):
-        said = line[:SHOWN].strip().lower()
+        said = quoted(line.strip()).lower()
         if said.startswith(":") and said[1:4] in ("deg", "rad"):
             angle = angle_unit(f"line {k + 1} of {name}", said[1:])
         elif said and not said.startswith((":", "#")):
@@ -154,7 +154,7 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
         bone = bones.get(words[0])
         if row is None or bone is None or words[0] in seen:
             valid = f"the number of a frame, or a bone of {asf.name}, once a frame"
-            raise InvalidFile(f"first word of {at}", words[0][:SHOWN], valid)
+            raise InvalidFile(f"first word of {at}", quoted(words[0]), valid)
         seen.add(words[0])
         numbers = _numbers(at, words, bone)
         if len(rows) == 1:
@@ -181,7 +181,7 @@ def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: i
 def _frame_number(at: str, word: str, frames: int, first: int) -> int:
     """The number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
     if len(word) > 12 or frames >= MOST_FRAMES:
-        raise InvalidFile(f"number of a frame in {at}", word[:SHOWN], f"at most {MOST_FRAMES} frames")
+        raise InvalidFile(f"number of a frame in {at}", quoted(word), f"at most {MOST_FRAMES} frames")
     if frames and int(word) != first + frames:
         raise InvalidFile(f"number of a frame in {at}", int(word), f"{first + frames}, after the one before")
     return first if frames else int(word)

@@ -19,7 +19,7 @@ from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import decoded, number, vector
+from avatarsim.assets.motions.text import decoded, number, quoted, vector
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
@@ -150,11 +150,11 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
         at = f"line {line} of {name}"
         if not begun:
             if said.lower() != "hierarchy":
-                raise InvalidFile(at, said[:80], "HIERARCHY, with which a BVH file begins")
+                raise InvalidFile(at, quoted(said), "HIERARCHY, with which a BVH file begins")
             begun = True
         elif awaited is not None:
             if said != "{":
-                raise InvalidFile(at, said[:80], "{ after the name of a joint")
+                raise InvalidFile(at, quoted(said), "{ after the name of a joint")
             stack.append(awaited)
             awaited = None
         elif word == "motion" and not stack:
@@ -174,7 +174,7 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
         elif word == "channels" and stack and stack[-1] >= 0:
             _channels(at, said, joints, joints[stack[-1]])
         else:
-            raise InvalidFile(at, said[:80], "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
+            raise InvalidFile(at, quoted(said), "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
     open_joint = f", with {joints[stack[-1]].name} of line {joints[stack[-1]].line} open" if stack and stack[-1] >= 0 else ""
     raise InvalidFile(f"end of {name}", f"in the hierarchy{open_joint}", "a line MOTION and frames after it")
 
@@ -183,11 +183,11 @@ def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack:
     """A joint begins: its number."""
     called = said[len(word) :].strip()
     if not called or len(called) > LONGEST_NAME:
-        raise InvalidFile(f"name of a joint in {at}", called[:LONGEST_NAME], f"1 to {LONGEST_NAME} characters")
+        raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {LONGEST_NAME} characters")
     if (word == "root") != (not joints):
-        raise InvalidFile(at, said[:80], "one ROOT, before every JOINT")
+        raise InvalidFile(at, quoted(said), "one ROOT, before every JOINT")
     if word == "joint" and (not stack or stack[-1] == END):
-        raise InvalidFile(at, said[:80], "a JOINT within the braces of another")
+        raise InvalidFile(at, quoted(said), "a JOINT within the braces of another")
     if len(joints) >= MOST_JOINTS:
         raise InvalidFile(f"joints of {name}", f"more than {MOST_JOINTS} in line {line}", f"up to {MOST_JOINTS}")
     same = [joint.line for joint in joints if joint.name == called]
@@ -219,16 +219,16 @@ def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
     words = said.split(None, 9)
     count = words[1] if len(words) > 1 else ""
     if not re.fullmatch(r"[0-6]", count):
-        raise InvalidFile(f"number of channels in {at}", count[:80], "0 to 6")
+        raise InvalidFile(f"number of channels in {at}", quoted(count), "0 to 6")
     names = [word.lower() for word in words[2:]]
     if len(names) != int(count):
         raise InvalidFile(f"channels listed in {at}", len(names), f"{count}, as it says")
     for k, called in enumerate(names):
         if called not in CHANNELS or called in names[:k]:
             valid = "Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation, each once at most"
-            raise InvalidFile(f"channel in {at}", words[2 + k][:80], valid)
+            raise InvalidFile(f"channel in {at}", quoted(words[2 + k]), valid)
     if joint.channels is not None:
-        raise InvalidFile(at, said[:80], f"one CHANNELS for {joint.name}")
+        raise InvalidFile(at, quoted(said), f"one CHANNELS for {joint.name}")
     joint.channels = tuple(CHANNELS[called] for called in names)
 
 
@@ -253,13 +253,13 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
     count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
     step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
     if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= MOST_FRAMES):
-        raise InvalidFile(f"number of frames in {at_count}", count[:80], f"1 to {MOST_FRAMES}")
+        raise InvalidFile(f"number of frames in {at_count}", quoted(count), f"1 to {MOST_FRAMES}")
     rows = rest[2:]
     if len(rows) != int(count):
         raise InvalidFile(f"lines of frames in {name}", len(rows), f"{int(count)}, as {at_count} says")
     seconds = number(at_step, step)
     if not (0.0 < seconds <= LONGEST_STEP or (seconds == 0.0 and len(rows) == 1)):
-        raise InvalidFile(f"frame time in {at_step} [s]", step[:80], f"above 0, up to {LONGEST_STEP:g}")
+        raise InvalidFile(f"frame time in {at_step} [s]", quoted(step), f"above 0, up to {LONGEST_STEP:g}")
     return table(name, rows, sum(len(joint.channels or ()) for joint in joints)), step
 
 
@@ -268,7 +268,7 @@ def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: s
     if k >= len(rest):
         raise InvalidFile(f"end of {name}", "after MOTION", valid)
     line, text = rest[k]
-    found = re.fullmatch(pattern, text[:LONGEST_NAME].strip(), re.IGNORECASE)
+    found = re.fullmatch(pattern, quoted(text.strip()), re.IGNORECASE)
     if not found:
         raise InvalidFile(f"line {line} of {name}", text.strip()[:80], valid)
     return found[1], f"line {line} of {name}"

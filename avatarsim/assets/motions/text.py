@@ -12,6 +12,11 @@ SHOWN = 80
 """Characters of a line that a sentence quotes."""
 
 
+def quoted(text: str) -> str:
+    """The beginning of a text, as far as a sentence quotes it."""
+    return text[:SHOWN]
+
+
 def decoded(content: bytes) -> tuple[str, str]:
     """The text of a file and its encoding: UTF-8, with or without a byte order mark, or else Latin-1, which takes all."""
     encoding = "utf-8-sig" if content.startswith(b"\xef\xbb\xbf") else "utf-8"
@@ -28,7 +33,7 @@ def number(at: str, word: str) -> float:
     except ValueError:
         found = np.nan
     if not abs(found) <= LARGEST_NUMBER:
-        raise InvalidFile(f"number in {at}", word[:80], f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
+        raise InvalidFile(f"number in {at}", quoted(word), f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
     return found
 
 
