@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions import euler
-from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_JOINTS
+from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_JOINTS
 from avatarsim.assets.motions.recording import Axes
-from avatarsim.assets.motions.text import decoded, number, quoted, vector
+from avatarsim.assets.motions.text import lines_of, number, quoted, readable, vector, without_mark
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -91,7 +90,7 @@ class Asf:
         for k, (bone, parent) in enumerate(zip(self.bones, self.parents, strict=True)):
             turns, frame = bone.turns(), bone.frame(self.angle)
             found.append(Bone(
-                bone.name, parent, ends[parent] if parent >= 0 else (0.0, 0.0, 0.0),
+                readable(bone.name), parent, ends[parent] if parent >= 0 else (0.0, 0.0, 0.0),
                 axes=tuple(vector(axes.vectors(rotation.rotate(frame, np.eye(3)[axis]))) for _, axis in turns),
                 turns=tuple(bone.dof[place] for place, _ in turns), tips=(ends[k],) if k in leaves else (),
                 limits=self._limits(bone, turns),
@@ -109,10 +108,9 @@ def read_asf(path: str | Path) -> Asf:
     """The ASF file at `path`. Raises InvalidFile, by file and line."""
     path = Path(path)
     name = path.name
-    text, _ = decoded(read_bytes(path, name, "an ASF file", MOST_BYTES))
     sections = dict[str, list[tuple[int, str]]]()
     current: list[tuple[int, str]] | None = None
-    for line, said in _lines(name, text):
+    for line, said in _lines(name, lines_of(path, "an ASF file")[0]):
         if said.startswith(":"):
             word, _, rest = said[1:].partition(" ")
             if word.lower() in sections:
@@ -131,12 +129,12 @@ def read_asf(path: str | Path) -> Asf:
     return Asf(name, tuple(ordered), tuple(parents), length, angle)
 
 
-def _lines(name: str, text: str) -> Iterator[tuple[int, str]]:
+def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, text) without comments and what is empty; lines count from 1."""
-    for number_of, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+    for number_of, line in enumerate(lines, 1):
         if len(line) > LONGEST_LINE:
             raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {LONGEST_LINE} characters")
-        said = line.partition("#")[0].strip()
+        said = (line if number_of > 1 else without_mark(line)).partition("#")[0].strip()
         if said:
             yield number_of, said
 

@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Bone, Skeleton
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_FRAMES, MOST_JOINTS
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_FRAMES, MOST_JOINTS
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import decoded, number, quoted, vector
+from avatarsim.assets.motions.text import in_bytes, lines_of, number, quoted, readable, vector, without_mark
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
 
 Array = NDArray[np.float64]
@@ -68,12 +67,10 @@ class BvhFile(RecordedFile):
 
     head       its text down to the line MOTION
     newline    how its lines end
-    encoding   of its text
     step_text  its frame time as it says it"""
 
     head: str
     newline: str
-    encoding: str
     step_text: str
     format: str = "bvh"
 
@@ -87,7 +84,7 @@ class BvhFile(RecordedFile):
         said = self.step_text if step == self.recording.step else repr(step)
         lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {said}"]
         lines += [" ".join(map(repr, row)) for row in values.tolist()]
-        return (self.newline.join(lines) + self.newline).encode(self.encoding)
+        return in_bytes(self.newline.join(lines) + self.newline)
 
 
 def read_bvh(
@@ -105,9 +102,7 @@ def read_bvh(
     Raises InvalidFile for what is no BVH file, names its line, and for a unit that cannot be guessed."""
     path = Path(path)
     name = path.name
-    text, encoding = decoded(read_bytes(path, name, "a BVH file", MOST_BYTES))
-    newline = "\r\n" if "\r\n" in text else "\n"
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines, newline = lines_of(path, "a BVH file")
     if offsets not in ("refuse", "mean"):
         raise InvalidFile(f"offsets of {name}", offsets, '"refuse" or "mean"')
     joints, motion_at = _hierarchy(name, lines)
@@ -124,7 +119,7 @@ def read_bvh(
         said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
     return BvhFile(
         name=name, recording=recording, said=tuple(said), mass=mass, limits=limits, head=newline.join(lines[:motion_at]),
-        newline=newline, encoding=encoding, step_text=step_text,
+        newline=newline, step_text=step_text,
     )
 
 
@@ -133,7 +128,7 @@ def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     for line, text in enumerate(lines, 1):
         if len(text) > LONGEST_LINE:
             raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
-        for piece in re.split(r"([{}])", text):
+        for piece in re.split(r"([{}])", text if line > 1 else without_mark(text)):
             if piece.strip():
                 yield line, piece.strip()
 
@@ -181,7 +176,7 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
 
 def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
     """A joint begins: its number."""
-    called = said[len(word) :].strip()
+    called = readable(said[len(word) :].strip())
     if not called or len(called) > LONGEST_NAME:
         raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {LONGEST_NAME} characters")
     if (word == "root") != (not joints):
