@@ -181,7 +181,8 @@ def row(command: str, one: Outcome) -> str:
     entry: dict[str, Any] = dict(one.entry or {})
     overlap, chords, limits = entry["overlap"], entry["between_frames"], entry["limits"]
     name = printable(one.place)
-    name = name if len(name) <= WIDEST else f"...{name[3 - WIDEST:]}"
+    over = len(name) + 3 - WIDEST
+    name = name if over <= 3 else f"...{name[over:]}"
     last = ("clean" if entry["is_clean"] else "OVERLAPS") + (", done before" if one.kept else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
     if command == "audit":

@@ -68,6 +68,7 @@ def entry(
     }
     if cleaned is not None:
         found["moved"] = _moved(cleaned.moved)
+        found["held_frames"] = int(cleaned.held.sum())
         found["changed_frames"] = int(cleaned.changed.sum())
         found["flagged"] = [
             {"first": one.first, "last": one.last, "why": one.why, "pair": list(one.pair) if one.pair else None}
@@ -155,7 +156,7 @@ def read(path: Path) -> dict[str, object] | None:
 def _is_of_clean(one: Mapping[str, Any]) -> bool:
     """Whether an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
     after = (one["overlap"]["after"], one["between_frames"]["not_certified_after"], one["jerk_p95_m_s3"]["after"])
-    return None not in after and {"moved", "changed_frames", "flagged", "outputs"} <= set(one)
+    return None not in after and {"moved", "held_frames", "changed_frames", "flagged", "outputs"} <= set(one)
 
 
 def _no_number(text: str) -> object:

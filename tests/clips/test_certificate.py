@@ -32,7 +32,8 @@ def audit(depth: float = 0.0, opinion: bool = True) -> Audit:
 
 def entry(**changed: Any) -> dict[str, object]:
     moved = Moved(("hand", "arm"), np.array([0.01, 0.02]), np.array([0.03, 0.04]), ("elbow",), np.array([0.1]), np.array([0.2]))
-    cleaned = Cleaned(motion(), audit(0.03), audit(), moved, np.array([False, True, True, False]), (
+    cleaned = Cleaned(motion(), audit(0.03), audit(), moved, np.array([False, True, True, False]),
+                      np.array([False, True, False, False]), (
         Flagged(1, 2, "overlap", ("hand", "table")), Flagged(3, 3, "blend")))
     files = (("walk.bvh", "0" * 64),)
     wishes = Wishes(Path("/home/x/robot.xml"), Path("floor"), reading=Reading(asf="/tmp/y/02.asf", fix=("a", "b")))
@@ -74,6 +75,7 @@ def test_figures_stand_where_they_belong() -> None:
     assert one["between_frames"] == {"chords": 3, "not_certified_before": 1, "not_certified_after": 0}
     assert one["jerk_p95_m_s3"]["before"] == {"where_free": 12.5, "elsewhere": None}
     assert one["moved"]["links"][1] == {"name": "arm", "rms_m": 0.02, "p95_m": 0.04} and one["changed_frames"] == 2
+    assert one["held_frames"] == 1
     assert one["flagged"][0] == {"first": 1, "last": 2, "why": "overlap", "pair": ["hand", "table"]}
     assert one["said"] == ["read so", "said of the audit"] and one["rate_hz"] == 30.0
     assert one["inputs"]["avatar"][1] == {"name": "assets/a.stl", "sha256": "2" * 64}

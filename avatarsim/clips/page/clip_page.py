@@ -213,7 +213,10 @@ def _count(number: int) -> str:
 def _moved(entry: Mapping[str, Any]) -> str:
     links = sorted(entry["moved"]["links"], key=lambda one: -one["p95_m"])
     joints = sorted(entry["moved"]["joints"], key=lambda one: -one["p95_rad"])
-    changed = f"{entry['changed_frames']} of {entry['frames']} frames differ from the input."
+    changed = (
+        f"{entry['held_frames']} of {entry['frames']} frames of the input are not free or not within limits; "
+        f"{entry['changed_frames']} differ from the input in what was written."
+    )
     parts = [f"<h2>How far it moved</h2><p class=soft>{changed}</p>"]
     for title, rows in (
         ("link", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in links]),
