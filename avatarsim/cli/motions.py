@@ -39,7 +39,7 @@ NAMED = 5
 SENTENCES = 24
 """Different sentences on clips that are said; the certificate has all. More would bury the table of a thousand clips."""
 OF_READERS = re.compile(
-    r"\b(scale|up|rate|skeleton|limits|mass|stature|offsets|joints|quaternion|fix|couplings|root|leave|folder|meshes)=(?:False|\.\.\.)?"
+    r"\b(scale|up|rate|skeleton|limits|mass|stature|offsets|joints|quaternion|fix|couplings|root|leave|folder|meshes)=(?:False|\.\.\.)?(?=(\S)?)"
 )
 """An option of a reader as its sentences name it."""
 WIDEST = 40
@@ -199,8 +199,12 @@ def _deepest(one: dict[str, Any]) -> str:
 
 def say(sentence: str) -> None:
     """One line on the error stream; options of readers, which speak of Python, by their words here."""
-    words = OF_READERS.sub(lambda found: f"--{WORDS.get(found[1], found[1].replace('_', '-'))}", printable(sentence))
-    print(f"avatarsim: {words}", file=sys.stderr, flush=True)
+    print(f"avatarsim: {OF_READERS.sub(_as_option, printable(sentence))}", file=sys.stderr, flush=True)
+
+
+def _as_option(found: re.Match[str]) -> str:
+    name = WORDS.get(found[1], found[1])
+    return f"--{name} " if found[2] else f"--{name}"
 
 
 def _say_left(clips: Found) -> None:

@@ -85,12 +85,12 @@ def _same(value: object, asked: object) -> bool:
     return value == asked and isinstance(value, bool) == isinstance(asked, bool)
 
 
-def _above(open_: bool) -> Any:
+def _within(word: str) -> Any:
     def check(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
         if not isinstance(value, int | float) or isinstance(value, bool):
             return ""
-        right = value > asked if open_ else value >= asked
-        return "" if right else f"{place} is below {asked}"
+        right = {"minimum": value >= asked, "exclusiveMinimum": value > asked, "maximum": value <= asked}[word]
+        return "" if right else f"{place} is beyond {asked}"
 
     return check
 
@@ -111,7 +111,7 @@ def _pattern(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping
 
 CHECKS: Mapping[str, Any] = {
     "$ref": _ref, "type": _type, "const": _const, "enum": _enum, "anyOf": _any_of, "required": _required,
-    "properties": _properties, "additionalProperties": _additional, "items": _items, "minimum": _above(False),
-    "exclusiveMinimum": _above(True), "minItems": _length(True), "maxItems": _length(False), "pattern": _pattern,
+    "properties": _properties, "additionalProperties": _additional, "items": _items, "minimum": _within("minimum"),
+    "exclusiveMinimum": _within("exclusiveMinimum"), "maximum": _within("maximum"), "minItems": _length(True), "maxItems": _length(False), "pattern": _pattern,
 }
 """What each keyword asks: (value, what the keyword says, schema, root, place) -> where the value is against it."""
