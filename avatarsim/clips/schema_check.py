@@ -112,6 +112,7 @@ def _pattern(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping
 CHECKS: Mapping[str, Any] = {
     "$ref": _ref, "type": _type, "const": _const, "enum": _enum, "anyOf": _any_of, "required": _required,
     "properties": _properties, "additionalProperties": _additional, "items": _items, "minimum": _within("minimum"),
-    "exclusiveMinimum": _within("exclusiveMinimum"), "maximum": _within("maximum"), "minItems": _length(True), "maxItems": _length(False), "pattern": _pattern,
+    "exclusiveMinimum": _within("exclusiveMinimum"), "maximum": _within("maximum"), "minItems": _length(True),
+    "maxItems": _length(False), "pattern": _pattern,
 }
 """What each keyword asks: (value, what the keyword says, schema, root, place) -> where the value is against it."""

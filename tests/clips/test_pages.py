@@ -90,6 +90,7 @@ def test_any_text_is_text(text: str) -> None:
 
 def test_addresses_lead_to_files_of_any_name() -> None:
     assert address("deep/a b.bvh") == "deep/a%20b.bvh" and address("100%#?.bvh") == "100%25%23%3F.bvh"
+    assert address("\ud800") == "%3F"
     assert address("bad\udcff") == "bad%FF" and address("\"'<>") == "%22%27%3C%3E"
 
 

@@ -55,7 +55,8 @@ def test_it_agrees_with_a_whole_validator_on_certificates() -> None:
 
 
 @given(VALUES, st.sampled_from([
-    {"type": "integer", "minimum": 0}, {"maximum": 1}, {"type": "number", "exclusiveMinimum": 0}, {"const": 1}, {"enum": ["a", 0, True]},
+    {"type": "integer", "minimum": 0}, {"maximum": 1},
+    {"type": "number", "exclusiveMinimum": 0}, {"const": 1}, {"enum": ["a", 0, True]},
     {"anyOf": [{"type": "string", "pattern": "^0"}, {"type": "null"}]}, {"type": "array", "minItems": 1, "maxItems": 2},
     {"items": {"type": "object", "properties": {"a": {"type": "boolean"}}, "required": ["a"], "additionalProperties": False}},
     {"additionalProperties": {"type": "integer"}},

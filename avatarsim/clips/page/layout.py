@@ -26,7 +26,11 @@ def esc(text: object) -> str:
 
 def address(name: str) -> str:
     """The path of a file below the folder as an address; its separators stay."""
-    return esc(quote(os.fsencode(name)))
+    try:
+        return esc(quote(os.fsencode(name)))
+    except UnicodeEncodeError:
+        # no file has such a name
+        return esc(quote(name, errors="replace"))
 
 
 def data(name: str, value: object) -> str:
