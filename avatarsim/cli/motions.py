@@ -18,7 +18,7 @@ from avatarsim.clips import certificate
 from avatarsim.clips.batch import Batch
 from avatarsim.clips.found import Found, found
 from avatarsim.clips.inputs import files_of, given
-from avatarsim.clips.page.layout import length
+from avatarsim.clips.page.layout import angle, length
 from avatarsim.clips.task import OVERLAPS, UNREADABLE, WORDS, Outcome, Task
 from avatarsim.clips.whole_files import alone_in, write_whole
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
@@ -186,8 +186,7 @@ def row(command: str, one: Outcome) -> str:
     last = ("clean" if entry["is_clean"] else "OVERLAPS") + (", done before" if one.kept else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
     if command == "audit":
-        excess = 57.29577951308232 * limits["excess_before_rad"]
-        return f"{begin} {chords['not_certified_before']:18}  {excess:12.3g} °  {last}"
+        return f"{begin} {chords['not_certified_before']:18}  {angle(limits['excess_before_rad']):>14}  {last}"
     ways = f"{chords['not_certified_before']} / {chords['not_certified_after']}"
     most = max((link["p95_m"] for link in entry["moved"]["links"]), default=0.0)
     return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {length(most):>9}  {last}"

@@ -122,7 +122,8 @@ def moments_of(shown: Shown) -> list[Moment]:
             found.append(Moment(int(np.argmax(audit.depths)), f"deepest overlap {when}: {length(audit.deepest)}{pair}", True))
     for run in islice(shown.flagged, MOMENTS):
         pair = f": {run.pair[0]} and {run.pair[1]}" if run.pair else ""
-        found.append(Moment(run.first, f"frames {run.first} to {run.last}, {run.why}{pair}"))
+        frames = f"frames {run.first} to {run.last}" if run.last > run.first else f"frame {run.first}"
+        found.append(Moment(run.first, f"{frames}, {run.why}{pair}"))
     return found
 
 
@@ -203,7 +204,9 @@ def measures(entry: Mapping[str, Any]) -> str:
 
 
 def _per_cubed(jerk: float | None) -> str:
-    return "—" if jerk is None else f"{jerk:.3g} m/s³"
+    if jerk is None:
+        return "—"
+    return f"{jerk:,.0f} m/s³" if jerk >= 100.0 else f"{jerk:.3g} m/s³"
 
 
 def _count(number: int) -> str:

@@ -7,11 +7,16 @@ import base64
 import hashlib
 import html
 import json
+import math
 import os
 from importlib.resources import files as resources
 from urllib.parse import quote
 
 from avatarsim.console import printable
+
+
+ROUNDING = 1e-9
+"""Angle that is none [rad]: within it joints count as within their limits."""
 
 
 def resource(name: str) -> str:
@@ -71,8 +76,10 @@ def length(metres: object) -> str:
 
 
 def angle(radians: object) -> str:
-    """An angle in degrees with three digits."""
-    return f"{57.29577951308232 * radians:.3g}°" if isinstance(radians, int | float) else "—"
+    """An angle in degrees with three digits; what rounding leaves is 0."""
+    if not isinstance(radians, int | float):
+        return "—"
+    return "0" if abs(radians) <= ROUNDING else f"{math.degrees(radians):.3g}°"
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
