@@ -14,7 +14,6 @@ from urllib.parse import quote
 
 from avatarsim.console import printable
 
-
 ROUNDING = 1e-9
 """Angle that is none [rad]: within it joints count as within their limits."""
 
