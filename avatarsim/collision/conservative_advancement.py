@@ -23,14 +23,14 @@ from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
 Array = NDArray[np.float64]
 
 STAND_OFF = 2e-8
-"""Gap [m] at which the forward motion stops: bodies never overlap by rounding. A bounce of height h has its apex off by
-2e-8/h."""
+"""Gap [m] at which bodies stop, meet and rest, so that they never overlap by rounding. The first apex of a bounce of height h is
+off by 2e-8/h; must stay above about a hundred roundings of a coordinate."""
 
 FAR_OUT = 1e3 * 2.220446049250313e-16
 """The stand-off is at least this part of the coordinates, or rounding would swallow it (beyond 90 km from the origin)."""
 
-TOLERANCE = 2e-9
-"""Accuracy [m] of the gap found: above rounding, a tenth of the stand-off."""
+TOLERANCE = STAND_OFF / 10.0
+"""Accuracy [m] of the gap found: above rounding."""
 
 DIP = -2.5e-7
 """How far [m] bodies that rest or roll on each other may dip before that is an event. Nearer to 0: a hundred segments a frame for

@@ -10,11 +10,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.motion_bounds import earliest_touch, turning
+from avatarsim.collision.motion_bounds import ENOUGH, LEAST, earliest_touch, turning
 from avatarsim.collision.path import Paths, acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Geometry, Poses, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, row, scale, sub
+from avatarsim.tolerances import NOTHING
 
 Array = NDArray[np.float64]
 
@@ -93,7 +94,7 @@ def edges_apart(
         f = scale(f, -1.0)
     across = cross(e, f)
     wide, full = norm(across), norm(e) * norm(f)
-    if not (wide > 1e-9 * full):
+    if not (wide > NOTHING * full):
         return False
     m = scale(across, 1.0 / wide)
     a, b = geometry.body[sa], geometry.body[sb]
@@ -150,7 +151,7 @@ def edge_step(
             short = min(h, sqrt(3.0 * v / jerk))
             found = max(found, min(short, earliest_touch(gap, 0.5 * v, rows[0, 2], short)))
         best = max(best, found)
-        if found >= 0.7 * h:
+        if found >= ENOUGH * h:
             break
-        horizon = max(2.0 * best, 0.2 * h) if 2.0 * best < h else 0.5 * h
+        horizon = max(2.0 * best, LEAST * h) if 2.0 * best < h else 0.5 * h
     return best

@@ -17,6 +17,7 @@ from avatarsim.collision.support import reach
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, row, scale, sub, unit
+from avatarsim.tolerances import GRAIN, PROOF
 
 Found = tuple[bool, Vec3, float, Vec3, Vec3]
 """(whether stationary, unit normal m of A - B, h(m) [m], point of A, point of B)."""
@@ -24,13 +25,13 @@ Found = tuple[bool, Vec3, float, Vec3, Vec3]
 STEPS_CAP = 20
 """Newton steps: from a coarse start 4 to 6. Fewer: flat minima are given up too early."""
 
-STATIONARY = 1e-14
+STATIONARY = GRAIN
 """Relative to the shapes' size: a gradient this small is rounding."""
 
 NEARLY = 1e-11
 """Relative to the shapes' size: a gradient that is accepted when rounding leaves no smaller one."""
 
-PROVED = 1e-10
+PROVED = PROOF
 """Relative to the shapes' size: largest difference of the bounds above and below. Larger: a wrong answer by as much."""
 
 LONGEST_STEP = 0.5
@@ -102,9 +103,9 @@ def newton(
         # Where the surface bends the wrong way, or hardly, the matrix is shifted until it points downhill; by twice the
         # wrong bend, which makes a step as long as the surface there is wide.
         half, apart = 0.5 * (uu + vv), sqrt(0.25 * (uu - vv) * (uu - vv) + uv * uv)
-        least = half - apart
-        if least < SLACK * size + 0.01 * steep:
-            shift = max(-2.0 * least, SLACK * size + 0.01 * steep - least)
+        least, wanted = half - apart, SLACK * size + 0.01 * steep
+        if least < wanted:
+            shift = max(-2.0 * least, wanted - least)
             uu, vv = uu + shift, vv + shift
         det = uu * vv - uv * uv
         t_u, t_v = -(vv * g_u - uv * g_v) / det, -(uu * g_v - uv * g_u) / det

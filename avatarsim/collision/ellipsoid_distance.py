@@ -28,6 +28,7 @@ from avatarsim.collision.status import CONVERGED, DEGENERATE, NOT_FINITE, OUT_OF
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
+from avatarsim.tolerances import NOTHING, PROOF
 
 START = 0.03
 """Relative to the shapes' size: how near GJK and EPA come before Newton is tried. Larger: it is tried in vain; smaller:
@@ -42,10 +43,10 @@ FEATURE = 3
 MINIMA_KEPT = 24
 """Stationary points kept in one query, in the last slots of the scratch. Fewer: symmetric pairs converge slowly."""
 
-SAME = 1e-9
+SAME = NOTHING
 """One minus the cosine of two normals that are the same stationary point."""
 
-EXPLAINED = 1e-10
+EXPLAINED = PROOF
 """Relative to the shapes' size: a facet lower than the answer by less needs no explanation."""
 
 

@@ -34,6 +34,7 @@ from avatarsim.spatial.vec3 import (
     scale,
     sub,
 )
+from avatarsim.tolerances import GRAIN, NOTHING, PROOF, ROUNDING
 
 
 @kernel
@@ -186,7 +187,7 @@ INDEPENDENT = 1e-3
 """Relative to the shapes' size: a point that GJK left is kept only if it is this far off the others' point,
 line or plane. A flat first tetrahedron is legal but gives thin faces; a new support is cheap."""
 
-FLAT = 1e-12
+FLAT = ROUNDING
 """Relative to the shapes' size: if no support leaves the others' plane by more, A - B has no inside."""
 
 
@@ -276,7 +277,7 @@ def grow_tetrahedron(
     return points
 
 
-EXACT = 1e-12
+EXACT = ROUNDING
 """Relative to the shapes' size: support minus face at which a polytope's depth is found. True faces differ by
 rounding only."""
 
@@ -284,16 +285,16 @@ SMOOTH = 5e-10
 """The same for ellipsoids, whose surface facets only approach. Tighter: more iterations than the scratch has
 points."""
 
-VISIBLE = 1e-14
+VISIBLE = GRAIN
 """Relative to the shapes' size: a face is removed if the new point is above it by more. Larger: thin slivers
 stay as dents; smaller: rounding decides which of several coplanar faces go, and the horizon may tear."""
 
-SAME_FACE = 1e-9
+SAME_FACE = NOTHING
 """Relative height, and one minus cosine: faces this alike are parts of one facet when the witness point is
 looked for."""
 
 
-POINTS_APART = 1e-10
+POINTS_APART = PROOF
 """Relative to the shapes' size: witness points that differ from depth m by more do not prove the depth from below as m does from
 above. Larger: rounding passes for an answer; smaller: it is reported as DEGENERATE where it is as good as coordinates allow."""
 

@@ -14,6 +14,7 @@ from avatarsim.collision.support import reach, support
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, put_row, row, scale, sub
+from avatarsim.tolerances import GRAIN, PROOF
 
 Share2 = tuple[float, float]
 Share4 = tuple[float, float, float, float]
@@ -22,7 +23,7 @@ THIN = 1e-3
 """Sine of an angle: below it the edges of a triangle are put at right angles before they are multiplied. Smaller: of a sine
 x, a normal by vector product alone is off by 1e-16 / x; larger: only costs time."""
 
-FLAT = 1e-14
+FLAT = GRAIN
 """Relative to the product of three edges: below this volume of a tetrahedron the side of a plane on which the origin lies is
 rounding noise, and it is treated as the union of its faces. Larger: well-formed thin ones lose their inside."""
 
@@ -192,7 +193,7 @@ CLOSE_ENOUGH = 1e-13
 rounding (2e-16 times the coordinates) smooth shapes would never end; polytopes end exactly, whatever it
 is."""
 
-ACCEPTED = 1e-10
+ACCEPTED = PROOF
 """Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as
 DEGENERATE."""
 

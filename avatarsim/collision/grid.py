@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagLine, Grid, IndexGrid, IndexLine
 from avatarsim.model.geometry import PairFilter, may_meet
+from avatarsim.tolerances import NOTHING
 
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -137,7 +138,7 @@ def level_of(fat: Boxes, b: int) -> int:
     if not (far < FARTHEST):
         return BEYOND
     # a hair more than its length, so that rounding never lets a box reach over half a cell
-    power: int = frexp(length * (1.0 + 1e-9))[1]
+    power: int = frexp(length * (1.0 + NOTHING))[1]
     return max((power - LOWEST + 1) // 2, 0) if length > 0.0 else 0
 
 

@@ -30,6 +30,7 @@ from avatarsim.spatial.vec3 import (
     sub,
     unit,
 )
+from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION
 
 Array = NDArray[np.float64]
 
@@ -184,17 +185,17 @@ FEATURE_ROOM = 64
 """Vertices of one touching feature; the face of a hull rarely has ten. Of one with more, those stay that are farthest in so many
 directions all around: a disc of a thousand corners stands on all of its rim but a thousandth of its radius."""
 
-PARALLEL = 1e-6
+PARALLEL = SAME_DIRECTION
 """Sine of the angle below which two edges touch along a stretch and not in a point."""
 
-EQUAL = 1e-12
+EQUAL = ROUNDING
 """Relative to the shapes' size: points closer than this are the same point."""
 
 
 LEANING = 1e-2
 """Rise of a face over its own size up to which it counts as lying on another, and not as standing on its edge."""
 
-EVEN = 1e-9
+EVEN = NOTHING
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
 
 NO_FACE, FACE_OF_A, FACE_OF_B = 0, 1, 2
@@ -323,7 +324,7 @@ def manifold(
         return only_witness(found, on_a, on_b, gap), n
     size = max(shapes.extent[a], shapes.extent[b])
     # everything nearer than the band takes part, however deep the deepest point has dipped
-    tolerance = band - min(gap, 0.0) + 1e-9 * size
+    tolerance = band - min(gap, 0.0) + NOTHING * size
     u = perpendicular(n)
     v = cross(n, u)
     origin = scale(add(on_a, on_b), 0.5)
@@ -404,7 +405,8 @@ def spread_points(
     if near > MANIFOLD_POINTS:
         for turn in range(MANIFOLD_POINTS):
             # eight directions, none along an edge of an axis-aligned face
-            c, s = np.cos(0.3 + 0.25 * np.pi * turn), np.sin(0.3 + 0.25 * np.pi * turn)
+            angle = 0.3 + 0.25 * np.pi * turn
+            c, s = np.cos(angle), np.sin(angle)
             best = 0
             for i in range(1, near):
                 if c * found.cut[i, 0] + s * found.cut[i, 1] > c * found.cut[best, 0] + s * found.cut[best, 1]:

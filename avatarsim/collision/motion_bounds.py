@@ -13,13 +13,17 @@ from avatarsim.collision.support import reach as reach_along
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Geometry, Poses
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, row, sub
+from avatarsim.tolerances import NOTHING
 
 Array = NDArray[np.float64]
 
 HORIZONS = 8
 """Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
 
-ROUNDED = 1e-9
+ENOUGH, LEAST = 0.7, 0.2
+"""Parts of a horizon: a safe step that takes this much of it is taken, and the next horizon is at least the other."""
+
+ROUNDED = NOTHING
 """Part of an arm by which its distance from the axis may be off: rounding, with room."""
 
 SMOOTH_TURN = 0.2
@@ -152,9 +156,9 @@ def longest_safe_step(
         own, plane = turning(paths, b, ball, horizon), turning(paths, c, plane_of_ball, horizon)
         found = safe_step(rows, count, own, plane, slide, target, horizon)
         step = max(step, found)
-        if found >= 0.7 * horizon:
+        if found >= ENOUGH * horizon:
             break
-        horizon = max(2.0 * step, 0.2 * horizon) if 2.0 * step < horizon else 0.5 * horizon
+        horizon = max(2.0 * step, LEAST * horizon) if 2.0 * step < horizon else 0.5 * horizon
     return step
 
 

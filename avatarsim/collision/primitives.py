@@ -18,6 +18,7 @@ from avatarsim.collision.support import reach
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub
+from avatarsim.tolerances import NOTHING, SAME_DIRECTION
 
 Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 """(whether known, signed distance of the cores [m], unit normal out of b into a, point of a, point of b)."""
@@ -202,14 +203,14 @@ def off(corner: Vec3, u: Vec3, v: Vec3) -> float:
 
 Edges = tuple[Vec3, Vec3, Vec3]
 
-PARALLEL = 1e-6
+PARALLEL = SAME_DIRECTION
 """Sine of the angle of two edges below which the boxes are left to EPA: aligned boxes have facets that are equally low and
 witness points that are many, and which of them is taken should not depend on the formula. Smaller: rounding takes part in it."""
 
-BESIDE = 1e-9
+BESIDE = NOTHING
 """Relative to an edge: how far outside of a face or an edge rounding may put a witness point."""
 
-CLEARLY_DEEP = 1e-9
+CLEARLY_DEEP = NOTHING
 """Relative to the shapes' size: depths below this are left to GJK and EPA. Smaller: rounding decides whether there is one."""
 
 

@@ -6,9 +6,44 @@ Support feature of a shape along a direction: vertex, edge or face.
 from math import sqrt
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.simd import farthest
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, row
+
+
+@kernel
+def farthest(vertices: Rows, first: int, last: int, d: Vec3) -> int:
+    """The row among first .. last - 1 whose product with d is largest; of equal ones the lowest.
+
+    Most of the time of a query between hulls goes into this scan and that of `largest`. Rows are compared by twos, the better one
+    with the best so far, since each of these comparisons waits for the last. Where no product is a number: the first row.
+    """
+    best, found, i = dot(row(vertices, first), d), first, first + 1
+    while i + 1 < last:
+        t, u, at = dot(row(vertices, i), d), dot(row(vertices, i + 1), d), i
+        if u > t:
+            t, at = u, i + 1
+        if t > best:
+            best, found = t, at
+        i += 2
+    return i if i < last and dot(row(vertices, i), d) > best else found
+
+
+@kernel
+def largest(vertices: Rows, first: int, last: int, d: Vec3) -> float:
+    """The largest product of rows first .. last - 1 with d, in two thirds of the time of `farthest`.
+
+    Odd and even rows are compared among themselves. Where the product of the first row is no number, nor is this.
+    """
+    best = dot(row(vertices, first), d)
+    other, i = best, first + 1
+    while i + 1 < last:
+        t, u = dot(row(vertices, i), d), dot(row(vertices, i + 1), d)
+        best = t if t > best else best
+        other = u if u > other else other
+        i += 2
+    t = dot(row(vertices, last - 1), d)
+    best = t if t > best else best
+    return other if other > best else best
 
 
 @kernel
@@ -36,7 +71,7 @@ def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
     """Support function of the core of shape s: the largest x.d over its points x."""
     first = shapes[s].start
     if shapes[s].kind == POINTS:
-        return dot(row(vertices, farthest(vertices, first, shapes[s + 1].start, d)), d)
+        return largest(vertices, first, shapes[s + 1].start, d)
     dx = dot(row(vertices, first + 1), d)
     dy = dot(row(vertices, first + 2), d)
     dz = dot(row(vertices, first + 3), d)

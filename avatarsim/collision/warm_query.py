@@ -55,8 +55,9 @@ from avatarsim.collision.warm_start import (
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
+from avatarsim.tolerances import NOTHING
 
-CLEARLY_DEEP = 1e-9
+CLEARLY_DEEP = NOTHING
 """Relative to the shapes' size: below this depth a query starts cold, with GJK first. Smaller: rounding decides on which side of
 a cached face the origin is."""
 

@@ -18,7 +18,7 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
-from avatarsim.tolerances import NOTHING, ROUNDING, least_gap, wedged_gap
+from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION, least_gap, wedged_gap
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
 """Trace of the turn [rad] of two bodies against each other up to which directions are carried by one of them."""
@@ -105,7 +105,7 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
         return True
     middle = add(n0, n1)
     length = norm(middle)
-    if length > 1e-6:
+    if length > SAME_DIRECTION:
         n = scale(middle, 1.0 / length)
         if is_apart(geo, poses, a, b, n, scratch_out) and is_apart(geo, trial, a, b, n, scratch_out):
             return True
@@ -119,7 +119,7 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
         # links that turn a little against each other while the whole avatar turns far
         middle = add(carried, n1)
         length = norm(middle)
-        if length > 1e-6:
+        if length > SAME_DIRECTION:
             n = scale(middle, 1.0 / length)
             back = turned(columns(poses.rotation, body), turned_back(columns(trial.rotation, body), n))
             if is_apart(geo, trial, a, b, n, scratch_out) and is_apart(geo, poses, a, b, back, scratch_out):

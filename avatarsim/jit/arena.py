@@ -23,7 +23,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError
-from avatarsim.jit.by_reference import address, lying_at, referred
+from avatarsim.jit.by_reference import lying_at, referred
 from avatarsim.jit.kernel import config, kernel
 from avatarsim.jit.layout import NUMBERS, Axes, Index, axes_of, fields
 from avatarsim.jit.record import RECORDS, TABLES
@@ -205,7 +205,7 @@ if not config.DISABLE_JIT:
     @kernel
     def put_right(words: Index) -> None:
         """Correct the addresses of an image whose words have been moved."""
-        moved = address(words) - words[ADDRESS]
+        moved = np.int64(words.ctypes.data) - words[ADDRESS]
         if moved != 0:
             for k in range(words[LIST], words[LIST] + words[MANY]):
                 words[words[k]] += moved

@@ -11,13 +11,10 @@ A reference is valid until the kernel that called `refer` returns, so none may b
 from typing import Any, TypeVar
 
 from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.datamodel import models
-from numba.core.datamodel.registry import register_default
-from numba.core.extending import intrinsic
-from numba.core.imputils import lower_getattr_generic
-from numba.core.types.containers import BaseNamedTuple
-from numba.core.typing.templates import AttributeTemplate, infer_getattr, signature
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 
 from avatarsim.jit.kernel import config
 from avatarsim.jit.layout import numba_type
@@ -33,7 +30,7 @@ class Reference(types.Type):
         super().__init__(name=f"reference({whole})")
 
 
-@register_default(Reference)
+@register_model(Reference)
 class ReferenceModel(models.PrimitiveModel):
     """One word: where the tuple lies, laid out as LLVM lays out its value."""
 
@@ -51,7 +48,7 @@ class ReferenceFields(AttributeTemplate):
         if name not in of.whole.fields:
             return None
         field = of.whole.types[of.whole.fields.index(name)]
-        return Reference(field) if isinstance(field, BaseNamedTuple) else field
+        return Reference(field) if isinstance(field, types.BaseNamedTuple) else field
 
 
 @lower_getattr_generic(Reference)
@@ -59,7 +56,7 @@ def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str)
     """Machine code for ``reference.name``."""
     place = of.whole.fields.index(name)
     field = cgutils.gep_inbounds(builder, value, 0, place)
-    return field if isinstance(of.whole.types[place], BaseNamedTuple) else parts(builder, field)
+    return field if isinstance(of.whole.types[place], types.BaseNamedTuple) else parts(builder, field)
 
 
 def parts(builder: Any, pointer: Any) -> Any:
@@ -83,9 +80,9 @@ if not config.DISABLE_JIT:
     @intrinsic
     def refer(context: Any, tree: Any) -> Any:
         if isinstance(tree, Reference):
-            return signature(tree, tree), lambda _context, _builder, _signature, values: values[0]
-        if isinstance(tree, BaseNamedTuple):
-            return signature(Reference(tree), tree), lambda _context, builder, _signature, values: place_of(builder, values[0])
+            return tree(tree), lambda _context, _builder, _signature, values: values[0]
+        if isinstance(tree, types.BaseNamedTuple):
+            return Reference(tree)(tree), lambda _context, builder, _signature, values: place_of(builder, values[0])
         return None
 
 
@@ -98,16 +95,6 @@ def place_of(builder: Any, value: Any) -> Any:
         if any(call.args and call.args[0] is place for call in calls):
             return place
     return cgutils.alloca_once_value(builder, value)
-
-
-def address_of(_context: Any, words: Any) -> Any:
-    """Type and code of `address`."""
-
-    def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        array = context.make_array(signature.args[0])(context, builder, values[0])
-        return builder.ptrtoint(array.data, ir.IntType(64))
-
-    return types.int64(words), build
 
 
 def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
@@ -141,7 +128,5 @@ def words_from(_context: Any, place: Any, count: Any) -> Any:
 
 lying_at: Any = intrinsic(words_from)
 """In a kernel: the words that lie at an address, and so many."""
-address: Any = intrinsic(address_of)
-"""In a kernel: where an array of words lies."""
 referred: Any = intrinsic(reference_in)
 """In a kernel: a reference to the named tuple of a class that lies from a byte of an array of words on."""

@@ -53,7 +53,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FLAGS = ("DISABLE_JIT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "OPT")
 """numba settings that change the machine code; the processor is in the name of each entry instead."""
 
-SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py", "jit/compiler_passes.py")
+SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py")
 """Files that shape the machine code of every kernel."""
 
 STOCK = "AVATARSIM_STOCK_NUMBA"

@@ -23,12 +23,12 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple, cast
 
 import llvmlite.binding as llvm
-from numba.core import sigutils, types
+from numba import types
+from numba.core import sigutils
 from numba.core.compiler import CompileResult, compile_result
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
-from numba.core.types.misc import unliteral
 
 from avatarsim.jit.cache import KernelFiles
 from avatarsim.jit.compiler_passes import KernelCompiler, KernelLibrary, is_large
@@ -115,8 +115,8 @@ class KernelDispatcher(CalledKernel):
 
     def get_call_template(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
         """Take a literal as any number of its type: without this, numba compiles a kernel anew for every constant it is given."""
-        plain = tuple(unliteral(value) for value in args)
-        named = {name: unliteral(value) for name, value in kws.items()}
+        plain = tuple(types.unliteral(value) for value in args)
+        named = {name: types.unliteral(value) for name, value in kws.items()}
         if plain in self.overloads:
             return super().get_call_template(plain, named)
         return self.called.get_call_template(plain, named)

@@ -9,9 +9,7 @@ from typing import Any
 
 import numba
 import numpy as np
-from llvmlite import ir
-from numba.core.datamodel.models import RecordModel
-from numba.extending import register_model, typeof_impl
+from numba.extending import models, register_model, typeof_impl
 
 types: Any = numba.types
 Layout = np.dtype[Any]
@@ -34,19 +32,19 @@ class Pointer(types.Record):  # type: ignore[misc]  # numba's annotations know n
 
 
 @register_model(Pointer)
-class PointerModel(RecordModel):  # type: ignore[misc]
+class PointerModel(models.RecordModel):  # type: ignore[misc]
     """In memory, and so in a tuple, what a function is given: the pointer."""
 
-    def get_data_type(self) -> ir.Type:
+    def get_data_type(self) -> Any:
         return self.get_value_type()
 
-    def as_data(self, builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+    def as_data(self, builder: Any, value: Any) -> Any:
         return value
 
-    def from_data(self, builder: ir.IRBuilder, value: ir.Value) -> ir.Value:
+    def from_data(self, builder: Any, value: Any) -> Any:
         return value
 
-    def load_from_data_pointer(self, builder: ir.IRBuilder, ptr: ir.Value, align: int | None = None) -> ir.Value:
+    def load_from_data_pointer(self, builder: Any, ptr: Any, align: int | None = None) -> Any:
         return builder.load(ptr)
 
 

@@ -13,22 +13,14 @@ from avatarsim.errors import UnsupportedVersion
 TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
 """Minor versions that the test suite runs with; pyproject.toml lets no later ones be installed."""
 
-
 PRIVATE = {
-    "numba.core": ("cgutils", "compiler", "sigutils", "types"),
+    "numba.core": ("cgutils", "compiler", "sigutils"),
     "numba.core.codegen": ("JITCodeLibrary", "get_host_cpu_features"),
     "numba.core.compiler": ("CompileResult", "compile_result"),
     "numba.core.compiler_lock": ("global_compiler_lock",),
-    "numba.core.datamodel": ("models",),
-    "numba.core.datamodel.models": ("RecordModel",),
-    "numba.core.datamodel.registry": ("register_default",),
-    "numba.core.extending": ("intrinsic",),
-    "numba.core.imputils": ("lower_getattr_generic",),
     "numba.core.registry": ("CPUDispatcher",),
     "numba.core.serialize": ("dumps",),
-    "numba.core.types.containers": ("BaseNamedTuple",),
-    "numba.core.types.misc": ("unliteral",),
-    "numba.core.typing.templates": ("AttributeTemplate", "infer_getattr", "signature"),
+    "numba.core.typing.templates": ("AttributeTemplate",),
 }
 """Private parts of numba that the package uses."""
 

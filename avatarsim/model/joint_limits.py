@@ -15,7 +15,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import Skeleton
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub, unit
-from avatarsim.tolerances import ROUNDING
+from avatarsim.tolerances import NOTHING, PROOF, ROUNDING
 
 
 @kernel
@@ -179,11 +179,11 @@ def acos_of(cosine: float) -> float:
 UNLIMITED_COSINE = -2.0
 """Marks a ball without limits in Skeleton.cone: no cosine is below -1."""
 
-SURELY = 1e-10
+SURELY = PROOF
 """[rad] a ball so far inside its limits is inside whatever the rounding; smaller: rounding could pass one that is outside. Within
 this of a half turn from an end the sine is not conclusive; then the angles are computed."""
 
-INWARD = 1e-9
+INWARD = NOTHING
 """Target postures are put this far [rad] inside their limits, so that rounding never shows as an excess."""
 
 LEFT_ALONE = 2.0 * INWARD
@@ -199,7 +199,7 @@ def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, fl
     back = cross(limb, centre)
     sine = norm(back)
     swing = atan2(sine, dot(limb, centre))
-    if sine > 1e-12:
+    if sine > ROUNDING:
         back = scale(back, 1.0 / sine)
     else:
         back = any_normal(centre)
@@ -309,7 +309,7 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
         again = cross(allowed, centre)
         sine = norm(again)
         out = atan2(sine, dot(allowed, centre))
-        again = scale(again, 1.0 / sine) if sine > 1e-12 else back
+        again = scale(again, 1.0 / sine) if sine > ROUNDING else back
     x, y, z = turn
     x, y, z = about(back, swing, x), about(back, swing, y), about(back, swing, z)
     x, y, z = about(centre, clipped - twist, x), about(centre, clipped - twist, y), about(centre, clipped - twist, z)

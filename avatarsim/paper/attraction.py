@@ -22,6 +22,7 @@ from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened
 from avatarsim.spatial.vec3 import Rows, add, norm, put_row, row, scale, sub
+from avatarsim.tolerances import ROUNDING
 
 
 @kernel
@@ -60,7 +61,7 @@ def attract(skel: Skeleton, target: Posture, share: float, posture_out: Posture)
 Index = NDArray[np.int64]
 Lengths = NDArray[np.float64]
 
-UNDISTURBED = 1e-12
+UNDISTURBED = ROUNDING
 """[m] a root displayed this near to where eq. 6 put it keeps the velocity of eq. 6; else it has that of its displayed motion."""
 
 

@@ -38,6 +38,7 @@ from avatarsim.spatial.tangent import (
     turned_back,
 )
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, put_row, row, scale, sub
+from avatarsim.tolerances import NOTHING, SAME_DIRECTION
 
 
 @kernel
@@ -69,7 +70,7 @@ def pose_link(skel: Skeleton, posture: Posture, link: int, poses_out: Poses, axe
     put_columns(poses_out.rotation, body, frame)
 
 
-ON_AXIS = 1e-9
+ON_AXIS = NOTHING
 """Relative to the longer of the two arms: an effector or a goal nearer than this to the joint's axis has no direction in
 the joint's plane. Larger: hands close to an axis are not turned; smaller: rounding decides which way they turn."""
 
@@ -140,7 +141,7 @@ CCD_NAMES: Final = {
 }
 """What to print for each status."""
 
-STRAIGHT: Final = 1e-6
+STRAIGHT: Final = SAME_DIRECTION
 """Sine of the angle below which two directions count as one. Larger: bent chains are called singular; smaller: CCD leaves
 near-singular ones only slowly."""
 

@@ -27,6 +27,7 @@ from avatarsim.jit.layout import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.model.dynamics import DRIVEN, FIXED
 from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, norm, put_row, row, scale
+from avatarsim.tolerances import SAME_DIRECTION
 
 Flags = NDArray[np.bool_]
 
@@ -138,7 +139,7 @@ def find_overlaps(geo: Geometry, poses: Poses, overlaps_out: Overlaps) -> int:
     return found
 
 
-CANCELLED = 1e-6
+CANCELLED = SAME_DIRECTION
 """Relative to sum pd_i^2: a shorter sum of pd_i^2 n_i has no trustworthy direction. Smaller: rounding picks
 the way out; larger: pieces that nearly oppose each other are given up too early."""
 

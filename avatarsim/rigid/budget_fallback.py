@@ -28,6 +28,7 @@ from avatarsim.rigid.first_event import event_of_pair, never_meet
 from avatarsim.rigid.islands import NONE, changed, line_up, next_of
 from avatarsim.rigid.state import BLOCKED, DONE, NOT_FINITE, STOPPED, Memory
 from avatarsim.spatial.vec3 import dot, norm, row, sub
+from avatarsim.tolerances import NOTHING
 
 Index = NDArray[np.int64]
 
@@ -108,7 +109,7 @@ def of_balls(memory: Memory) -> bool:
     return True
 
 
-STALL = 1e-9
+STALL = NOTHING
 """A pair is blocked if its event comes earlier than this [s] although its bodies do not approach at their contacts."""
 
 AGAIN = -1

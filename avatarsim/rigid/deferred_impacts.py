@@ -8,11 +8,12 @@ made it, and the driven body receives no more than its coupled mass can take.
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import STAND_OFF
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, axis, impulse_of, push, velocity_at, weigh
 from avatarsim.rigid.impacts import same_pair
-from avatarsim.rigid.resting import STAND_OFF, SWEEPS
+from avatarsim.rigid.resting import SWEEPS
 from avatarsim.rigid.solver import sweeps
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub

@@ -13,6 +13,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import RESTING
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
@@ -31,6 +32,7 @@ from avatarsim.rigid.solver import FIRST_TRY, change, solve_contacts, solve_roug
 from avatarsim.rigid.state import APPROACH, IMPACT, Events, Memory
 from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.tolerances import NOTHING as NEGLIGIBLE
 
 Array = NDArray[np.float64]
 
@@ -70,11 +72,11 @@ def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array
 
 Index = NDArray[np.int64]
 
-REST_SPEED = 1.5e-3
+REST_SPEED = -RESTING
 """A rebound slower than this [m/s], times the pace of the scene, is rest: it would rise 1.1e-7 m. Larger: visible bounces end
 early; smaller: a bouncing ball takes more impacts to come to rest, without limit as it goes to 0."""
 
-TIE = 1e-9
+TIE = NEGLIGIBLE
 """Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
 
 BLOCK_TOLERANCE = 1e-15
@@ -92,7 +94,7 @@ ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
 NOTHING = -1
 """No contact."""
 
-CENTRAL = 1e-9
+CENTRAL = NEGLIGIBLE
 """An arm whose part across the normal is smaller than this part of it counts as parallel: then normal and friction impulse do
 not influence each other and eqs 9 and 10 are the exact answer."""
 

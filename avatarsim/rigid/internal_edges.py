@@ -23,6 +23,8 @@ from avatarsim.rigid.rolling import put_radius
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, perpendicular, put_row, row, sub
+from avatarsim.tolerances import NOTHING as NEGLIGIBLE
+from avatarsim.tolerances import PROOF
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -31,10 +33,10 @@ FLUSH = -5e-7
 """Gap [m] along a neighbour's normal from which on two pieces count as flush. Must be below the dip of resting bodies, which
 slide on at that depth, and above the depth at which positions are corrected."""
 
-SAME = 1e-10
+SAME = PROOF
 """Normals nearer to each other than this are the same."""
 
-BEHIND = -1e-9
+BEHIND = -NEGLIGIBLE
 """Normals that point against each other by more than this are of two sides of a body."""
 
 EVEN = 1e-8

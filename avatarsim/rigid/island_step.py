@@ -36,6 +36,7 @@ from avatarsim.rigid.state import (
     Memory,
     Switches,
 )
+from avatarsim.tolerances import GRAIN
 
 Index = NDArray[np.int64]
 
@@ -188,7 +189,7 @@ def step(
             islands.late[members[m]] = 0
             arrive(geometry, poses, velocities, memory, members[m], t)
     for m in range(size):
-        islands.due[members[m]] = dt if t == left or now + t > dt * (1.0 - 1e-14) else now + t
+        islands.due[members[m]] = dt if t == left or now + t > dt * (1.0 - GRAIN) else now + t
     if t < STALL:
         spend(memory, members, STALL_COSTS)
     memory.counts[WORK] += contacts.visits[0]

@@ -11,6 +11,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import STAND_OFF
 from avatarsim.collision.path import FREE, HELD, STILL, spun
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
@@ -28,7 +29,7 @@ from avatarsim.rigid.impacts import (
     settle,
     time_to_contact,
 )
-from avatarsim.rigid.resting import ATTEMPTS, HOP, PARTING, SOLVED, STAND_OFF, SWEEPS, Care, hold
+from avatarsim.rigid.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.rigid.rolling import curvature
 from avatarsim.rigid.solver import FIRST_TRY
 from avatarsim.rigid.state import (
@@ -48,6 +49,7 @@ from avatarsim.rigid.state import (
 )
 from avatarsim.spatial.tangent import columns, put_columns, turned
 from avatarsim.spatial.vec3 import add, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.tolerances import PROOF, ROUNDING
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -142,7 +144,7 @@ RISE, FEW = 8e-7, 2
 """Largest spin x gravity x h^3 [m] of a segment for a body on at most FEW points: it rises by a quarter of that (h^3 / 12 times
 three times spin x twist x arm), and from a micrometre on it would leave its contacts, land and lose energy."""
 
-SETTLED, BRISKLY_SETTLED = 1e-10, 1e-8
+SETTLED, BRISKLY_SETTLED = PROOF, 1e-8
 """Approach [m/s] that needs no impulse, and that of many bodies in motion: forces brake it within a nanometre."""
 
 PRECISE, VISITS, LOOKS = 24, 20000, 80000
@@ -226,7 +228,7 @@ def impacts(
         # forces brake what is left within a nanometre
         tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
         settle(
-            contacts, memory.strike, members, care.attempts == 1, 1e-12 if few else tolerance, care.first, care.sweeps, v, w,
+            contacts, memory.strike, members, care.attempts == 1, ROUNDING if few else tolerance, care.first, care.sweeps, v, w,
             memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
         )
     return status

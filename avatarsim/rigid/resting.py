@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import LIFTED, STAND_OFF
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import kinetic_friction, tangential_velocity
 from avatarsim.rigid.contacts import (
@@ -27,13 +28,14 @@ from avatarsim.rigid.contacts import (
 from avatarsim.rigid.solver import change, solve_contacts, solve_roughly, sweeps, unsolved
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row, sub
+from avatarsim.tolerances import NOTHING
 
 Array = NDArray[np.float64]
 
 SLIPPED = 1e-8
 """The end of a slip is looked for if it would go farther than this [m] in the segment, and is faster than `remainder`."""
 
-PARALLEL = 1e-9
+PARALLEL = NOTHING
 """Normals nearer to each other than this are of one face."""
 
 
@@ -137,16 +139,12 @@ def slip_on(
 
 Index = NDArray[np.int64]
 
-STAND_OFF = 2e-8
-"""Gap [m] at which bodies stop, meet and rest. The first apex of a bounce of height h is off by 2e-8/h; must stay above about a
-hundred roundings of a coordinate, see `collision.conservative_advancement`."""
-
 LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
 """Heights in stand-offs: a held point below LEVEL stays at its height, a higher one is brought down to LEVEL. Among more than
 DETERMINED points it may stay up to HOVER: a body may have more of them than it needs, and the corners of one face, a nanometre
 apart in height, would ask for velocities that no rigid body can have at once."""
 
-PARTING = 5e-4
+PARTING = LIFTED
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
 below the slowest rebound of `impact_queue`."""
 
@@ -162,7 +160,7 @@ PAYS = 400.0
 """A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times the cost of the lift on Earth. Slower bodies
 stay in their dip, since lifting them would add energy."""
 
-SOLVED = 1e-9
+SOLVED = NOTHING
 """Accuracy [m/s] of the resting solve: a resting body sinks less than 2e-11 m a frame. 1e-12 makes moving stacks ten times
 slower."""
 

@@ -28,6 +28,7 @@ from avatarsim.rigid.near_pairs import margin_for
 from avatarsim.scene.body import Role
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
+from avatarsim.tolerances import ROUNDING
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -257,7 +258,7 @@ def make_memory(
             reach[b], span[b] = max(reach[b], far), max(span[b], far + shapes.radius[s])
         only = pieces[0] if len(pieces) == 1 else -1
         if only >= 0 and shapes.kind[only] == 0 and shapes.start[only + 1] - shapes.start[only] == 1:
-            ball[b] = int(reach[b] <= 1e-12 * span[b])
+            ball[b] = int(reach[b] <= ROUNDING * span[b])
     inverse_inertia = np.zeros((n, 3, 3))
     inverse_mass = dynamics.inverse_mass
     # without the gyroscopic effect a tumbling body just keeps its angular velocity

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, scale, unit
+from avatarsim.tolerances import GRAIN
 
 Columns: TypeAlias = tuple[Vec3, Vec3, Vec3]
 """The columns x, y, z of a rotation matrix: where it takes the coordinate axes."""
@@ -15,7 +16,7 @@ Columns: TypeAlias = tuple[Vec3, Vec3, Vec3]
 Matrices: TypeAlias = NDArray[np.float64]
 """Rotation matrices (n, 3, 3)."""
 
-STRAIGHT = 1e-14
+STRAIGHT = GRAIN
 """Rotation vectors shorter than this [rad] are no rotation: dividing by their length would only make noise."""
 
 
