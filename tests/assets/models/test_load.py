@@ -123,7 +123,8 @@ def test_moments_that_no_solid_has_are_raised_and_it_is_said(numbers: tuple[floa
     assert 0.0 < moments[0] and moments[2] <= (moments[0] + moments[1]) * (1.0 + 1e-9)
 
 
-def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path) -> None:
+def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
     obj_of(tmp_path, "ell.obj", *ell())
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies

@@ -105,6 +105,13 @@ def test_a_hull_of_fewer_vertices_loses_what_is_said(tmp_path: Path) -> None:
     assert "at most 0 mm" in " ".join(whole.said) and volume(few) < volume(all_of_them)
 
 
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Convex pieces are kept in a folder of this test."""
+    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
+
+
+@pytest.mark.usefixtures("own_cache")
 def test_a_mesh_is_decomposed_when_asked(tmp_path: Path) -> None:
     vertices, triangles = ell()
     obj_of(tmp_path, "ell.obj", vertices, triangles)
@@ -117,6 +124,7 @@ def test_a_mesh_is_decomposed_when_asked(tmp_path: Path) -> None:
     assert len(pieces) >= 2 and sum(volume(piece.shape) for piece in pieces) < 0.95 * volume(whole[0].shape)
 
 
+@pytest.mark.usefixtures("own_cache")
 def test_an_open_mesh_is_not_decomposed_unless_it_is_wrapped(tmp_path: Path) -> None:
     vertices, triangles = ell()
     obj_of(tmp_path, "ell.obj", vertices, triangles[1:])
