@@ -66,15 +66,15 @@ Files
 
 Frames
 ------
-    AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, close
+    AvatarsimEngine load, advance, contacts; reset, change, snapshot, restore, posture, put, close
     Settings        preset, options, seed, and what is recorded
     FrameRecord     what `advance` returns: the state shown, joint angles, counts, statuses
     Snapshot        positions, orientations and velocities of all bodies at one instant
     Contact         where two bodies touch: their names, point, normal, gap
     advance_many    a frame of many engines at once, on several threads
 
-Motions
--------
+Cleaning
+--------
     Motion          postures of one avatar at times
     clean           the nearest motion without overlap, proved free in frames and between them
     audit           measures of a motion as it is

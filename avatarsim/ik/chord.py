@@ -10,9 +10,10 @@ shows it the interval is halved. Directions are proposed by GJK (Gilbert, Johnso
 Zhang, Redon, Lee and Kim 2007, Continuous collision detection for articulated models using Taylor models and temporal culling,
 bound the same motion by intervals of its Taylor series; here the second term alone is bounded, and convexity does the rest.
 
-The bound: joints above a point turn by s_1, s_2, ... over the way, S in all, each about an axis that the ones before it carry. So
-its angular velocity is at most S, the rate of that at most the sum of s_i s_j over i < j, and a segment of length l that this
-carries has a second derivative of at most l (S^2 + sum s_i s_j). A pair of links is looked at in the frame of their nearest
+The bound: a point is carried by rotations one after the other, those of the joints above it, which turn by s_1, s_2, ... over the
+way, each about an axis that stands still in what carries it. The second derivative of such a product is a sum of products, each
+of rotations and two generators of unit norm, with factors s_i s_j: its norm is at most S^2, S the sum of all turns. So a segment
+of length l bends by at most l S^2, and the segments of a chain add up. A pair of links is looked at in the frame of their nearest
 common ancestor, which only the joints below it move.
 """
 
@@ -65,7 +66,7 @@ class Chord(NamedTuple):
     start, end   the two postures
     step         (nd) from one to the other in the tangent space; part (nd) a share of it
     axes         (nd, 3) axes of the degrees, which nothing here reads
-    turn, square (nl) sum of the turns of all joints above a link's points [rad], and sum of their squares
+    turn         (nl) sum of the turns of all joints above a link's points [rad]
     bend         (ns) bound of the second derivative of a piece's points in the world [m]
     one, other   poses at the ends of the interval that is looked at
     near         bodies in reach of the avatars
@@ -84,7 +85,6 @@ class Chord(NamedTuple):
     part: Line
     axes: Vectors
     turn: Line
-    square: Line
     bend: Line
     one: Poses
     other: Poses
@@ -106,7 +106,7 @@ def make_chord(world: World) -> Chord:
     copies = [Poses(*(array.copy() for array in world.poses)) for _ in range(2)]
     return Chord(
         world.hinges.copy(), common_ancestors(skel), np.linalg.norm(skel.anchor, axis=1), core_reaches(geo, skel),
-        empty_posture(nl, nd), empty_posture(nl, nd), np.zeros(nd), np.zeros(nd), np.zeros((nd, 3)), np.zeros(nl), np.zeros(nl),
+        empty_posture(nl, nd), empty_posture(nl, nd), np.zeros(nd), np.zeros(nd), np.zeros((nd, 3)), np.zeros(nl),
         np.zeros(ns), copies[0], copies[1], np.zeros(max(skel.first, 1), dtype=np.int64), np.zeros((room, 2), dtype=np.int64),
         np.zeros(DEPTH + 3, dtype=np.int64), np.zeros(DEPTH + 2), np.zeros(DEPTH + 2, dtype=np.int64),
         make_pair_cache(driven, ns), make_scratch(),
@@ -139,7 +139,6 @@ def measure_step(skel: Skeleton, chord_out: Chord) -> None:
     for link in range(skel.kind.shape[0]):
         d, kind, parent = skel.first_dof[link], skel.kind[link], skel.parent[link]
         c.turn[link] = c.turn[parent] if parent >= 0 else 0.0
-        c.square[link] = c.square[parent] if parent >= 0 else 0.0
         if kind == FREE:
             way = sub(row(c.end.root, link), row(c.start.root, link))
             for k in range(3):
@@ -150,12 +149,10 @@ def measure_step(skel: Skeleton, chord_out: Chord) -> None:
             for k in range(3):
                 c.step[d + k] = w[k]
             c.turn[link] += norm(w)
-            c.square[link] += dot(w, w)
         elif kind == HINGES:
             for j in range(d, skel.first_dof[link + 1]):
                 c.step[j] = c.end.angle[j] - c.start.angle[j]
                 c.turn[link] += abs(c.step[j])
-                c.square[link] += c.step[j] * c.step[j]
 
 
 @kernel
@@ -163,11 +160,10 @@ def bend_below(skel: Skeleton, chord: Chord, above: int, link: int, reach: float
     """Bound of the second derivative [m] of points up to `reach` [m] from the joint of `link`, seen from the link `above` it, or
     from the world (-1)."""
     turn0 = chord.turn[above] if above >= 0 else 0.0
-    square0 = chord.square[above] if above >= 0 else 0.0
     total, length, k = 0.0, reach, link
     while k != above:
-        turn, square = chord.turn[k] - turn0, chord.square[k] - square0
-        total += length * (turn * turn + 0.5 * max(turn * turn - square, 0.0))
+        turn = chord.turn[k] - turn0
+        total += length * turn * turn
         length, k = chord.length[k], skel.parent[k]
     return total
 

@@ -1,5 +1,6 @@
 """Cleaning of whole clips: nothing overlaps in frames or between, what was free stays to the bit, the rest is said."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -212,6 +213,12 @@ def test_an_audit_measures_what_the_judge_measures() -> None:
     assert found.opinion.frames_overlapping == found.overlapping
     assert found.opinion.between_overlapping == int(np.sum(depths(judge, between(motion)) > 1e-6))
     assert found.opinion.frames_deepest == pytest.approx(found.deepest, abs=1e-7) and not found.is_clean
+
+
+def test_a_second_opinion_that_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "coal", None)
+    found = audit(dipping(), model(), (FLOOR,))
+    assert found.opinion is None and "coal is not installed" in found.said[-1] and found.overlapping > 0
 
 
 def test_how_far_a_motion_was_moved_is_that_of_its_links() -> None:

@@ -16,7 +16,7 @@ from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.worlds.little_worlds import X, Y, at, hand, mixed_avatar, panel
 
@@ -71,6 +71,37 @@ def test_what_is_proved_is_free_at_a_thousand_places(seed: int, size: float) -> 
         # just behind the place where the proof ends something is as near as what curves within the shortest interval
         beyond = gaps_along(chords, before, after, np.linspace(until, min(1.0, until + 2.0**-DEPTH), 20))
         assert pair is not None and beyond.min() < 1e-5
+
+
+@given(st.integers(0, 10**6), st.sampled_from((0.1, 1.0)))
+def test_no_point_bends_more_than_its_bound(seed: int, size: float) -> None:
+    """Second differences of every vertex along the way, in the world; and of one link's as another one sees them."""
+    avatar, rng, step = mixed_avatar(), np.random.default_rng(seed), 1e-3
+    chords = Chords(scene_with(avatar, ()))
+    before, after = two_postures(avatar, rng, size)
+    chords.free_until(before, after)
+    geo, chord = chords.world.geometry, chords.parts
+    for share in rng.uniform(step, 1.0 - step, 5):
+        places = [placed(chords, between(before, after, float(share + k * step))) for k in (-1, 0, 1)]
+        bends = np.linalg.norm(places[0] - 2.0 * places[1] + places[2], axis=1) / step**2
+        for s in range(len(geo.body)):
+            most = bends[geo.shapes.start[s] : geo.shapes.start[s + 1]].max()
+            assert most <= chord.bend[s] * (1.0 + 1e-3) + 1e-6
+
+
+def placed(chords: Chords, sample: TrackerSample) -> np.ndarray:
+    """Vertices (nv, 3) of all pieces at a posture, by the plain kinematics of samples."""
+    positions, turns = link_poses(chords.scene.avatars, sample)
+    geo = chords.world.geometry
+    owner = np.repeat(geo.body, np.diff(geo.shapes.start)) - len(chords.scene.bodies)
+    return positions[owner] + np.einsum("nij,nj->ni", rotation.to_matrix(turns)[owner], geo.local)
+
+
+@pytest.mark.parametrize("turn", [0.1, 2.0])
+def test_the_bound_of_one_hinge_is_reached(turn: float) -> None:
+    chords = Chords(scene_with(arm(), ()))
+    chords.free_until(turned(arm(), -turn), turned(arm(), turn))
+    assert chords.parts.bend.max() == pytest.approx(1.0 * (2.0 * turn) ** 2)
 
 
 @given(st.integers(0, 10**6))
