@@ -20,7 +20,7 @@ from avatarsim.clips.found import Found, found
 from avatarsim.clips.inputs import files_of, given
 from avatarsim.clips.page.layout import angle, length
 from avatarsim.clips.task import OVERLAPS, UNREADABLE, WORDS, Outcome, Task
-from avatarsim.clips.whole_files import alone_in, write_whole
+from avatarsim.clips.whole_files import alone_in, require_ours, write_whole
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
@@ -34,6 +34,8 @@ CLEAN, LEFT, UNDONE = 0, 1, 3
 STOPPED = 130
 """Exit code of a program that the user stopped."""
 
+AUDIT = "audit.json"
+"""File of an audit's measures."""
 NAMED = 5
 """Files that are left alone and are named; of more, the number."""
 SENTENCES = 24
@@ -61,6 +63,9 @@ def run(asked: argparse.Namespace) -> int:
         held.enter_context(stoppable())
         if asked.command == "clean":
             held.enter_context(alone_in(asked.out))
+            batches.require_place(asked.out, asked.force)
+        elif asked.out is not None:
+            require_ours(asked.out / AUDIT, certificate.MARK, False)
         _say_left(clips)
         batch = Batch(troubles=[(name, UNREADABLE, why) for name, why in clips.unreadable])
         try:
@@ -89,12 +94,12 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
         _work(asked, tasks, batch)
     finally:
         # also of what was done until the user stopped it
-        if is_clean:
+        if is_clean and batch.outcomes:
             batches.leave(asked.out, batch)
     if not is_clean and asked.out is not None:
-        write_whole(asked.out / "audit.json", certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))
-    if is_clean:
-        print(f"{asked.out / 'index.html'}")
+        write_whole(asked.out / AUDIT, certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))
+    if is_clean and batch.outcomes:
+        print(f"{asked.out / batches.INDEX}")
     return exit_code(batch)
 
 

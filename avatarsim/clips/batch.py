@@ -13,14 +13,18 @@ from typing import TYPE_CHECKING
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
 from avatarsim.clips.page.index_page import index_page
+from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.task import CERTIFICATES, REFUSED, Outcome, Task, outcome
-from avatarsim.clips.whole_files import write_whole
+from avatarsim.clips.whole_files import require_ours, write_whole
 from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import AvatarsimError, MissingPackage
 from avatarsim.running.sources import about, code_hash
 
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
+
+INDEX, WHOLE = "index.html", "certificate.json"
+"""Page and certificate of the whole folder."""
 
 PATIENCE = 6 * 3600.0
 """Longest a clip may take [s]. A million frames take some two hours; an endless loop must end somewhere."""
@@ -124,13 +128,19 @@ def tasks_of(clips: Sequence[Clip], wishes: Wishes, out: Path | None, force: boo
     return [Task(Clip(clip.place, clip.path.absolute()), wishes, whole, force) for clip in clips]
 
 
+def require_place(out: Path, force: bool) -> None:
+    """Raise InvalidInput where a file of another program stands in the place of the folder's page or certificate."""
+    require_ours(out / INDEX, GENERATOR, force)
+    require_ours(out / WHOLE, certificate.MARK, force)
+
+
 def leave(out: Path, batch: Batch) -> dict[str, object]:
     """Write `certificate.json` and `index.html` of all clips in the folder, of earlier commands too; the former's value."""
     entries = {str(one["motion"]): one for one in earlier(out)}
     entries.update({str(one["motion"]): one for one in batch.entries})
     whole = certificate.summary("clean", list(entries.values()), batch.troubles)
-    write_whole(out / "index.html", index_page(whole))
-    write_whole(out / "certificate.json", certificate.text(whole))
+    write_whole(out / INDEX, index_page(whole))
+    write_whole(out / WHOLE, certificate.text(whole))
     return whole
 
 

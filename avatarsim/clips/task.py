@@ -16,7 +16,8 @@ from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
 from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, read
 from avatarsim.clips.page.clip_page import Shown, clip_page
-from avatarsim.clips.whole_files import beside, moved, put, sha256_of, write_whole
+from avatarsim.clips.page.layout import GENERATOR
+from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole
 from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.scene.body import Body
@@ -118,6 +119,7 @@ class _Clip:
             if self.wishes.page:
                 shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged)
                 page = page_of(self.place)
+                require_ours(out / page, GENERATOR, self.task.force)
                 write_whole(out / page, clip_page(entry, shown, page))
             moved(path, target)
         write_whole(out / certificate_of(self.place), certificate.text(entry))

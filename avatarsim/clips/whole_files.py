@@ -19,6 +19,9 @@ from avatarsim.errors import InvalidInput
 BEGUN, PART = ".avatarsim-", ".part"
 """How the name of a folder begins and ends in which a file is being written."""
 
+BEGINNING = 4096
+"""Bytes of a file in which its mark stands."""
+
 AT_ONCE = 2**20
 """Bytes of a file that are hashed at once."""
 
@@ -102,6 +105,21 @@ def alone_in(out: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+def require_ours(place: Path, mark: str, force: bool) -> None:
+    """Raise InvalidInput where a file stands in the place of one of ours that does not have `mark` near its beginning; with
+    `force` it is written over."""
+    if force or not os.path.lexists(place):
+        return
+    try:
+        with open(place, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+            ours = mark.encode() in file.read(BEGINNING)
+    except OSError:
+        ours = False
+    if not ours:
+        valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
+        raise InvalidInput("place of a result", str(place), valid)
 
 
 def _why(error: OSError | ValueError) -> str:

@@ -93,3 +93,14 @@ def test_a_command_that_is_stopped_says_how_to_go_on(tmp_path: Path) -> None:
     assert "the same command goes on from there" in err and "Traceback" not in err
     assert (out / "certificate.json").exists() and 1 <= len(list(out.glob("certificates/*.json"))) < CLIPS
     require_over(running.pid)
+
+
+def test_of_two_commands_at_once_one_has_the_folder(tmp_path: Path) -> None:
+    for k in range(CLIPS):
+        bvh(tmp_path / "in" / f"c{k:02}.bvh", seed=k)
+    line = command(tmp_path, "out", 0)
+    both = [subprocess.Popen(line, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    ends = sorted((one.communicate(timeout=300.0)[1], one.returncode) for one in both)
+    assert sorted(code for _, code in ends) == [0, 2]
+    assert sum("no other command is writing into" in said for said, _ in ends) == 1
+    assert len(list((tmp_path / "out" / "certificates").iterdir())) == CLIPS

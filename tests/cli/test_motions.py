@@ -256,6 +256,20 @@ def test_an_avatar_or_a_room_that_cannot_be_read_ends_it(
     assert said in err and "Traceback" not in err and content(tmp_path / "out") == {}
 
 
+@pytest.mark.parametrize(("name", "code"), [("index.html", 2), ("certificate.json", 2), ("pages/a.bvh.html", 3), ("a.bvh", 3)])
+def test_files_of_other_programs_stay(tmp_path: Path, name: str, code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    clip, place = bvh(tmp_path / "a.bvh", frames=4), tmp_path / "out" / name
+    place.parent.mkdir(parents=True)
+    place.write_text("mine")
+    assert ended("clean", clip, "-o", tmp_path / "out", "--room", "floor", "--workers", "0") == code
+    assert place.read_text() == "mine" and "something else wrote" in capsys.readouterr().err
+    assert clean(clip, "-o", tmp_path / "out", "--force") == 0 and place.read_text() != "mine"
+    # now it is ours
+    assert clean(clip, "-o", tmp_path / "out") == 0 and clean(clip, "-o", tmp_path / "out", "--margin", "0.002") == 0
+    (tmp_path / "audit.json").write_text("mine")
+    assert ended("audit", clip, "-o", tmp_path) == 2 and (tmp_path / "audit.json").read_text() == "mine"
+
+
 def test_an_option_that_is_not_for_a_format_is_said_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bvh(tmp_path / "in" / "a.bvh", frames=3)
     bvh(tmp_path / "in" / "b.bvh", frames=3, seed=1)

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.clips.page.clip_page import RUNS, runs
+from avatarsim.clips.page.clip_page import PIECES, RUNS, room_of, runs
 from avatarsim.clips.page.drawn_pieces import corners, surface_of
 from avatarsim.clips.page.index_page import index_page, verdict
 from avatarsim.clips.page.layout import address, angle, data, esc, length, page
+from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 
 GRID = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 7)] * 3), axis=-1).reshape(-1, 3)
@@ -46,6 +47,17 @@ def test_large_hulls_are_drawn_by_their_farthest_corners() -> None:
     drawn = corners(ConvexHull(points))
     assert 40 <= len(drawn) <= 64 and {tuple(one) for one in drawn.tolist()} <= {tuple(one) for one in points.tolist()}
     assert surface_of(()).triangles.shape == (0, 3)
+
+
+def test_a_room_of_many_pieces_is_drawn_by_the_largest_with_few_corners() -> None:
+    rng = np.random.default_rng(1)
+    balls = tuple(Piece(ConvexHull(0.1 * (k + 1) * GRID), (float(k), 0.0, 0.0)) for k in range(40))
+    few = room_of([fixed("a", balls[:2], "wood")])
+    assert len(few) == 1 and len(few[0]["v"]) == 2 * 3 * 8
+    ground = fixed("ground", (Piece(Box((5.0, 5.0, 1.0))),), "wood")
+    stones = fixed("stones", tuple(Piece(ConvexHull(0.05 * rng.normal(size=(40, 3)))) for _ in range(PIECES + 200)), "wood")
+    drawn = room_of([stones, ground])
+    assert len(drawn[1]["v"]) == 24 and sum(len(one["t"]) for one in drawn) // 3 < 20_000
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=300))

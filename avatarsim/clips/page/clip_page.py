@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from heapq import nlargest
 from itertools import islice
 from pathlib import PurePosixPath
 from typing import Any
@@ -13,10 +14,11 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Flagged
 from avatarsim.cleaning.result import OVERLAP
-from avatarsim.clips.page.drawn_pieces import Surface, surface_of
+from avatarsim.clips.page.drawn_pieces import CORNERS, Surface, corners, surface_of
 from avatarsim.clips.page.layout import address, angle, data, esc, length, page, resource, table
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.shape import Piece
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 
@@ -29,6 +31,8 @@ STEPS = 65_535
 """Values of a coordinate: places to 0.2 mm in 10 m."""
 UNIT = 32_767
 """Value of 1 in a quaternion."""
+ROOM_CORNERS, FEWEST, PIECES = 10_000, 8, 1_000
+"""Corners of a room together, fewest of one piece, and pieces at most: a browser draws 20,000 triangles ten times a second."""
 RUNS = 1_500
 """Marks of one kind on the time line at most; those that lie closer together than a pixel become one."""
 THINNEST = 1.0 / 600.0
@@ -269,7 +273,7 @@ def replay(shown: Shown, moments: Sequence[Moment]) -> dict[str, object]:
         "frames": at.tolist(), "seconds": [float(f"{t:.6g}") for t in shown.before.times[at] - shown.before.times[0]],
         "least": _rounded(least), "size": size, "extent": float(f"{extent:.3g}"),
         "links": [_surface(surfaces[k]) for k in drawn],
-        "room": [_placed(body) for body in (*shown.model.bodies, *shown.room)],
+        "room": room_of([*shown.model.bodies, *shown.room]),
         "before": coded[0], "after": coded[1],
         "depths": [[float(f"{depth:.3g}") if depth > OVERLAP else 0 for depth in audit.depths[at]]
                    for audit in (shown.audit_before, shown.audit_after)],
@@ -289,7 +293,20 @@ def _surface(one: Surface) -> dict[str, object]:
     return {"v": _rounded(one.vertices), "t": one.triangles.ravel().tolist()}
 
 
-def _placed(body: Body) -> dict[str, object]:
-    found = surface_of(body.pieces)
+def room_of(bodies: Sequence[Body]) -> list[dict[str, object]]:
+    """Surfaces of bodies in the world, drawn with fewer corners where there are many pieces; of very many the largest."""
+    drawn = nlargest(PIECES, (_size(piece) for body in bodies for piece in body.pieces))
+    least = min(drawn, default=0.0)
+    most = int(np.clip(ROOM_CORNERS // max(len(drawn), 1), FEWEST, CORNERS))
+    return [_placed(body, [piece for piece in body.pieces if _size(piece) >= least], most) for body in bodies]
+
+
+def _size(piece: Piece) -> float:
+    """Diagonal of a piece [m]."""
+    return float(np.linalg.norm(np.ptp(corners(piece.shape), axis=0)))
+
+
+def _placed(body: Body, pieces: Sequence[Piece], most: int) -> dict[str, object]:
+    found = surface_of(pieces, most)
     vertices = rotation.rotate(np.array(body.orientation), found.vertices) + np.array(body.position)
     return _surface(Surface(vertices, found.triangles))

@@ -27,13 +27,13 @@ class Surface:
     triangles: NDArray[np.int64]
 
 
-def surface_of(pieces: Sequence[Piece]) -> Surface:
-    """The surface of a body or link, piece after piece."""
+def surface_of(pieces: Sequence[Piece], most: int = CORNERS) -> Surface:
+    """The surface of a body or link, piece after piece, hulls by `most` corners."""
     vertices: list[Array] = [np.zeros((0, 3))]
     triangles: list[NDArray[np.int64]] = [np.zeros((0, 3), dtype=np.int64)]
     first = 0
     for piece in pieces:
-        points = corners(piece.shape)
+        points = corners(piece.shape, most)
         found = _hull(points)
         if found is None:
             continue
@@ -43,8 +43,8 @@ def surface_of(pieces: Sequence[Piece]) -> Surface:
     return Surface(np.concatenate(vertices), np.concatenate(triangles))
 
 
-def corners(shape: Shape) -> Array:
-    """Points (n, 3) whose hull is drawn for a shape."""
+def corners(shape: Shape, most: int = CORNERS) -> Array:
+    """Points (n, 3) whose hull is drawn for a shape; of a hull about `most`."""
     if isinstance(shape, Box):
         return np.asarray(0.5 * np.array(shape.size) * _signs())
     if isinstance(shape, Sphere):
@@ -57,9 +57,9 @@ def corners(shape: Shape) -> Array:
         return np.concatenate([ball[ball[:, 2] >= -1e-12] + half, ball[ball[:, 2] <= 1e-12] - half])
     assert isinstance(shape, ConvexHull)
     points: Array = np.asarray(shape.vertices)
-    if len(points) <= CORNERS:
+    if len(points) <= most:
         return points
-    farthest = np.unique(np.argmax(points @ _directions(CORNERS).T, axis=0))
+    farthest = np.unique(np.argmax(points @ _directions(most).T, axis=0))
     return np.asarray(points[farthest])
 
 

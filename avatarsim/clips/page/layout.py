@@ -14,6 +14,9 @@ from urllib.parse import quote
 
 from avatarsim.console import printable
 
+GENERATOR = '<meta name="generator" content="avatarsim clean">'
+"""Near the beginning of each page: what has it may be written over."""
+
 ROUNDING = 1e-9
 """Angle that is none [rad]: within it joints count as within their limits."""
 
@@ -57,7 +60,7 @@ def page(title: str, body: str, script: str = "") -> bytes:
     code = f"<script>{script}</script>\n" if script else ""
     whole = (
         f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{esc(title)}</title>\n'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f'{GENERATOR}\n<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{esc(policy)}">\n<style>{style}</style>\n</head>\n'
         f"<body>\n{body}\n{code}</body>\n</html>\n"
     )
